@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from machined import CLEAN, filtered_noise
 from stiction import (
     Profile,
     Surface,
@@ -109,7 +110,7 @@ def test_single_points_that_stand_out_are_outliers_and_others_are_not(hurst, tmp
         spikes = np.arange(210, flat.size - 210, 613)
         spikes = spikes[(spikes % 128 > 0) & (spikes % 128 < 127)]  # not at an edge
         flat[spikes] += 20 * usual * (-1.0) ** np.arange(spikes.size)
-        flat[[2000, 2001]] += 20 * usual  # a feature of two points
+        flat[2000:2006] += 20 * usual  # a feature of more points than a group has
         found = outliers_of(heights)
         assert np.array_equal(np.flatnonzero(found), spikes)
         np.save(tmp_path / f"{heights.ndim}.npy", heights)
@@ -119,6 +120,26 @@ def test_single_points_that_stand_out_are_outliers_and_others_are_not(hurst, tmp
             assert (scan.missing is not None) == mask
             assert any(f"{spikes.size} outliers" in step for step in scan.history)
     assert not outliers_of(np.full(20, np.nan)).any()
+
+
+@pytest.mark.parametrize("shape", [(2000,), (96, 96)])
+def test_outliers_in_groups_and_at_edges_are_found(shape):
+    heights = filtered_noise(np.random.default_rng(1), shape, 0.8)
+    usual = float(np.abs(np.diff(heights)).mean())
+    places = [(0,), (400,), (401,), (800,), (802,), (1999,)]
+    if len(shape) == 2:
+        places = [(0, 40), (95, 20), (50, 0), (30, 30), (31, 31), (30, 60), (30, 62), (70, 70), (70, 71), (71, 70)]
+    spikes = np.zeros(shape, bool)
+    spikes[tuple(np.transpose(places))] = True
+    rng = np.random.default_rng(2)
+    heights[spikes] += rng.choice([-1, 1], len(places)) * rng.uniform(40, 100, len(places)) * usual
+    assert np.array_equal(outliers_of(heights), spikes)
+
+
+@pytest.mark.parametrize("kind", CLEAN)
+def test_outliers_of_a_clean_profile_are_rare(kind):
+    found = sum(int(outliers_of(CLEAN[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
+    assert found <= 10  # of 10240 points
 
 
 def test_the_nominal_area_is_what_was_measured_and_interpolation_is_doubted(whole, path):

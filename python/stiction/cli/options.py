@@ -100,7 +100,7 @@ _READING = {
     ),
     "outliers": _reading(
         "--outliers keep|mask",
-        "Take single points beyond 6 robust deviations of their neighbours for missing ones.", "keep",
+        "Whether points beyond 6 robust deviations of their neighbours, up to 4 together, are missing ones.", "keep",
     ),
     "crop": _reading(
         "--crop X0,X1[,Y0,Y1]", 'What to read of the file: "10 um,60 um", of a map along x and y.', False

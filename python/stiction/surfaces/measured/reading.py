@@ -85,7 +85,7 @@ def read_profile(
         Of a table, names or numbers, from 0 on, of the columns of positions and of heights, or of heights alone. The
         unit in a name may be left out.
     outliers : {"keep", "mask"}
-        Whether single points beyond 6 robust deviations of the median of their neighbours are taken for missing ones.
+        Whether points beyond 6 robust deviations of their neighbours, up to four together, are missing ones.
     crop : str or sequence of str, optional
         What to read of it: "x0,x1" with units, "10 um,50 um"; of a surface "x0,x1,y0,y1". Before all else is done.
 
