@@ -94,12 +94,15 @@ def test_waves_that_the_tip_cannot_follow_are_doubted_and_stay():
     assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
     (doubt,) = doubts_of_inputs(scan, scan, study)
     assert "sharper than the tip follows: the surface is steeper" in doubt.text
-    assert doubt.severity == "caution"
+    assert instrument_limit(scan, tip_radius=20.0).slope_share > 0.1
+    assert doubt.severity == "fault"  # an elastic answer has no limit
+    plastic = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})
+    assert [each.severity for each in doubts_of_inputs(scan, scan, plastic)] == ["caution"]
     # A noise floor is filtered out and in, as without a tip.
     noisy = Profile(scan.heights + 1e-3 * np.random.default_rng(1).normal(size=3000), spacing=0.01)
     study = pair_study(noisy, noisy, tip="20 um", **common)
     assert study.surfaces.cells()["cut_off"].tolist() == [instrument_limit(noisy).cut_off, 0.0]
     found = doubts_of_inputs(noisy, noisy, study)
-    assert [each.severity for each in found if "of the mean square slope" in each.text] == ["caution", "caution"]
+    assert [each.severity for each in found if "of the mean square slope" in each.text] == ["caution", "fault"]
     with pytest.raises(ValueError, match="tip"):
         pair_study(scan, scan, tip="20", **common)

@@ -18,6 +18,7 @@ from stiction.surfaces.spectrum import peak_of, power_spectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.digits import percent, with_unit
 from stiction.views.doubts import Doubt, Severity
+from stiction.views.point import is_capped
 from stiction.views.scans import spectra_differ
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
                 found = doubts_of_scan(
                     scan, form=not bowed, instrument=not vouched, tip_radius=file.tip,
                     textured=file.texture is not None, has_readings=bool(study.surfaces.both_readings),
+                    elastic=not is_capped(study),
                 )  # fmt: skip
             for each in found:
                 kinds[_kind(each)] = max(kinds.get(_kind(each), each), each, key=lambda doubt: doubt.cut_off)
@@ -116,15 +118,16 @@ def _joined(upper: Doubt, lower: Doubt) -> str:
 
 def doubts_of_scan(
     body: Profile | Surface, *, form: bool = True, instrument: bool = True, tip_radius: float | None = None,
-    textured: bool = False, has_readings: bool = False,
+    textured: bool = False, has_readings: bool = False, elastic: bool = False,
 ) -> list[Doubt]:  # fmt: skip
     """Return doubts about a scan: heights, form unless it is taken off, spikes, and waves that are not the surface's.
 
-    `textured` scans have lines and humps of their own; `has_readings` if the scan is pressed filtered as well.
+    `textured` scans have lines and humps of their own; `has_readings` if the scan is pressed filtered as well;
+    `elastic` if it is pressed without a limit of the pressure.
     """
     return [
         *_of_body(body, form=form),
-        *(_of_instrument(body, tip_radius, textured, has_readings) if instrument else ()),
+        *(_of_instrument(body, tip_radius, textured, has_readings, elastic) if instrument else ()),
     ]
 
 
@@ -157,7 +160,7 @@ def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Doubt]:
 
 
 def _of_instrument(
-    body: Profile | Surface, tip_radius: float | None, textured: bool, has_readings: bool
+    body: Profile | Surface, tip_radius: float | None, textured: bool, has_readings: bool, elastic: bool
 ) -> Iterator[Doubt]:
     """Yield doubts about waves that may be the instrument's, and those that a tip blurs."""
     try:
@@ -176,7 +179,10 @@ def _of_instrument(
         yield Doubt(text, cure, severity, limit.cut_off, has_readings and limit.matters)
     if blunt.reason == "tip" and blunt.slope_share > NOISE:
         text = f"{_waves(blunt)} and are sharper than the tip follows: the surface is steeper"
-        yield Doubt(text, "a sharper tip shows how much", "caution", blunt.cut_off)
+        # Without a hardness, steeper slopes reduce the true area without a limit.
+        how: Severity = "fault" if elastic and blunt.matters else "caution"
+        cure = "a sharper tip shows how much" + (", a hardness limits it" if elastic else "")
+        yield Doubt(text, cure, how, blunt.cut_off)
     if not isinstance(body, Profile):
         return
     peak = peak_of(power_spectrum(levelled(body, "line")))
