@@ -13,6 +13,7 @@ import stiction
 import typer
 from stiction.cli.application import COMMANDS, app
 from stiction.studies.study import study_names, study_summary
+from stiction.surfaces.parameters import PROFILE_PARAMETERS, SURFACE_PARAMETERS
 from stiction.views.study_keys import markdown_row
 
 ENTRY = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
@@ -25,6 +26,7 @@ def pages(docs: Path) -> dict[str, str]:
         "names.md": names(docs),
         "commands.md": commands(),
         "built_in.md": built_in(),
+        "parameters.md": parameters(),
         "claims.md": verdicts(docs / "generated/claims.md", [0, 1, 2]),
         "columns.md": verdicts(docs / "generated/columns.md", [0, 1, 2, 5, 7, 9]),
     }
@@ -123,6 +125,24 @@ def _parameter(parameter: Any) -> str:
         default = ""
     words = "required" if parameter.required else "none" if default in (None, False) else str(default)
     return _row(names + value, words, parameter.help or "")
+
+
+# ---- Roughness parameters -------------------------------------------------------------------------------------------
+
+_PROFILES = {"P": "primary profile", "R": "roughness profile", "W": "waviness profile"}
+
+
+def parameters() -> str:
+    """Return a table of the parameters of each kind of profile, and of surfaces."""
+    tables = {f"Parameters of the {name}": PROFILE_PARAMETERS[letter] for letter, name in _PROFILES.items()}
+    lines = []
+    for title, found in (tables | {"Parameters of a surface": SURFACE_PARAMETERS}).items():
+        lines += [f"## {title}", "", _row("name", "meaning", "formula", "unit", "needs", "source"), f"|{6 * '---|'}"]
+        for each in found:
+            formula = f"${each.formula}$".replace("|", r"\vert ")
+            lines.append(_row(f"*{each.name}*", each.meaning, formula, each.unit or "1", each.needs, each.source))
+        lines.append("")
+    return "\n".join(lines)
 
 
 # ---- Built-in studies -----------------------------------------------------------------------------------------------

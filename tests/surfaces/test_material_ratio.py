@@ -7,8 +7,9 @@ import pytest
 from reference import roughness as slow
 from rough_bodies import rough, self_affine_map
 from scipy.stats import norm
-from stiction import Surface, material_ratio, roughness_parameters, surface_parameters
+from stiction import Surface, material_ratio, roughness_parameters, section_parameters, surface_parameters
 from stiction.surfaces.material_ratio import core, heights_at, volumes
+from stiction.surfaces.parameters import PARAMETERS, PROFILE_PARAMETERS, SURFACE_PARAMETERS
 
 
 @pytest.fixture(scope="module")
@@ -81,3 +82,19 @@ def test_parameter_set_shows_units_and_missing_values():
         found.Ra  # noqa: B018
     assert math.isnan(found.Str)
     assert list(roughness_parameters(rough()).values) == ["Pa", "Pq", "Pt", "Psk", "Pku", "Pdq"]
+
+
+def test_values_and_units_are_those_of_the_table_of_parameters():
+    surface = self_affine_map(2, 0.6, (30, 40))
+    assert tuple(surface_parameters(surface).values) == tuple(each.name for each in SURFACE_PARAMETERS)
+    found = section_parameters(rough(points=4000), lc=8.0)
+    assert tuple(found.values) == tuple(each.name for letter in "RW" for each in PROFILE_PARAMETERS[letter])
+    assert len(PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))  # no name twice
+    # Heights ten times as large, in units of the table.
+    power = {"µm": 1, "1/µm": 1, "": 0, "degrees": 0, "1/µm²": 0}
+    lateral = {"Sal": 0, "Ssw": 0, "Sdq": 1, "Sdr": 2}
+    large = surface_parameters(Surface(10 * surface.heights, spacing=(500.0, 500.0)))
+    small = surface_parameters(Surface(surface.heights, spacing=(500.0, 500.0)))
+    for name, value in small.values.items():
+        factor = 10.0 ** lateral.get(name, power[PARAMETERS[name].unit])
+        assert large.values[name] == pytest.approx(factor * value, rel=1e-4, nan_ok=True), name

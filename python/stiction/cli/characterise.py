@@ -62,7 +62,7 @@ Output = Annotated[
     "stiction characterise map.npy --unit nm --spacing '2 um,0.5 um' --row 17",
     "stiction characterise *.csv --output finishes.csv",
     "stiction characterise lapped.csv --cutoff '100 nm' --tip '2 um' --json",
-    "stiction characterise turned.csv --form circle --lc '0.8 mm' --ls '2.5 um'",
+    "stiction characterise turned.csv --form circle --lc '0.8 mm'",
     "stiction characterise coarse.x3p fine.di --together",
     "stiction characterise first.di second.di --repeated",
 )

@@ -88,68 +88,69 @@ PROFILE_PARAMETERS = {letter: _profile_parameters(letter) for letter in "PRW"}
 
 _AREAL, _PEAKS = "ISO 25178-2", "five peaks"
 SURFACE_PARAMETERS = (
-    Parameter("Sq", "root-mean-square height", f"{_AREAL}, height", r"\left(\frac1A \int z^2\,dA\right)^{1/2}"),
-    Parameter("Sa", "arithmetic mean height", f"{_AREAL}, height", r"\frac1A \int |z|\,dA"),
-    Parameter("Sp", "maximum peak height", f"{_AREAL}, height", r"\max z"),
-    Parameter("Sv", "maximum pit depth", f"{_AREAL}, height", r"-\min z"),
-    Parameter("Sz", "maximum height", f"{_AREAL}, height", "Sp + Sv"),
-    Parameter("Ssk", "skewness", f"{_AREAL}, height", r"\frac{1}{Sq^3} \frac1A \int z^3\,dA", ""),
-    Parameter("Sku", "kurtosis", f"{_AREAL}, height", r"\frac{1}{Sq^4} \frac1A \int z^4\,dA", ""),
+    Parameter("Sq", "root-mean-square height", f"{_AREAL}, 4.2 height", r"\left(\frac1A \int z^2\,dA\right)^{1/2}"),
+    Parameter("Sa", "arithmetic mean height", f"{_AREAL}, 4.2 height", r"\frac1A \int |z|\,dA"),
+    Parameter("Sp", "maximum peak height", f"{_AREAL}, 4.2 height", r"\max z"),
+    Parameter("Sv", "maximum pit depth", f"{_AREAL}, 4.2 height", r"-\min z"),
+    Parameter("Sz", "maximum height", f"{_AREAL}, 4.2 height", "Sp + Sv"),
+    Parameter("Ssk", "skewness", f"{_AREAL}, 4.2 height", r"\frac{1}{Sq^3} \frac1A \int z^3\,dA", ""),
+    Parameter("Sku", "kurtosis", f"{_AREAL}, 4.2 height", r"\frac{1}{Sq^4} \frac1A \int z^4\,dA", ""),
     Parameter(
-        "Sdq", "root-mean-square gradient", f"{_AREAL}, hybrid", r"\left(\frac1A \int |\nabla z|^2\,dA\right)^{1/2}", ""
+        "Sdq", "root-mean-square gradient", f"{_AREAL}, 4.4 hybrid",
+        r"\left(\frac1A \int |\nabla z|^2\,dA\right)^{1/2}", "",
     ),
     Parameter(
-        "Sdr", "developed interfacial area ratio", f"{_AREAL}, hybrid",
+        "Sdr", "developed interfacial area ratio", f"{_AREAL}, 4.4 hybrid",
         r"\frac1A \int \sqrt{1 + |\nabla z|^2}\,dA - 1", "", is_fraction=True,
     ),
     Parameter(
-        "Sal", "autocorrelation length", f"{_AREAL}, spatial", r"\min \{r: f_{ACF}(r) \le 0.2\}",
+        "Sal", "autocorrelation length", f"{_AREAL}, 4.3 spatial", r"\min \{r: f_{ACF}(r) \le 0.2\}",
         needs="a decay to 0.2 within half the map",
     ),
     Parameter(
-        "Str", "texture aspect ratio", f"{_AREAL}, spatial", r"Sal/\max \{r: f_{ACF}(r) \le 0.2\}", "",
+        "Str", "texture aspect ratio", f"{_AREAL}, 4.3 spatial", r"Sal/\max \{r: f_{ACF}(r) \le 0.2\}", "",
         "a decay to 0.2 within half the map in all directions",
     ),
-    Parameter("Std", "texture direction", f"{_AREAL}, spatial", r"\arg\max f_{APS}(s)", "degrees"),
-    Parameter("Ssw", "dominant spatial wavelength", f"{_AREAL}, spatial", r"2π/|q|,\ q = \arg\max |\hat z(q)|"),
+    Parameter("Std", "texture direction", f"{_AREAL}, 4.3 spatial", r"\arg\max f_{APS}(s)", "degrees"),
+    Parameter("Ssw", "dominant spatial wavelength", f"{_AREAL}, 4.3 spatial", r"2π/|q|,\ q = \arg\max |\hat z(q)|"),
     Parameter(
-        "Smr", "material ratio at the mean plane, (c) = 0", f"{_AREAL}, material ratio", r"\frac1A\,|\{z > c\}|", "",
-        is_fraction=True,
+        "Smr", "material ratio at the mean plane, (c) = 0", f"{_AREAL}, 4.5 material ratio",
+        r"\frac1A\,|\{z > c\}|", "", is_fraction=True,
     ),
     Parameter(
-        "Sdc", "height difference of material ratios 10 % and 80 %", f"{_AREAL}, material ratio",
+        "Sdc", "height difference of material ratios 10 % and 80 %", f"{_AREAL}, 4.5 material ratio",
         r"Smc(10\,\%) - Smc(80\,\%)",
     ),
     Parameter(
-        "Sxp", "extreme peak height", f"{_AREAL}, material ratio", r"Smc(2.5\,\%) - Smc(50\,\%)",
+        "Sxp", "extreme peak height", f"{_AREAL}, 4.5 material ratio", r"Smc(2.5\,\%) - Smc(50\,\%)",
     ),
     Parameter(
-        "Sk", "core height", f"{_AREAL}, material ratio", r"\text{fall of the core line from 0 to 100 \%}",
+        "Sk", "core height", f"{_AREAL}, 4.5 material ratio", r"\text{fall of the core line from 0 to 100 \%}",
     ),
-    Parameter("Spk", "reduced peak height", f"{_AREAL}, material ratio", r"2 A_1/Smr_1"),
-    Parameter("Svk", "reduced pit depth", f"{_AREAL}, material ratio", r"2 A_2/(1 - Smr_2)"),
+    Parameter("Spk", "reduced peak height", f"{_AREAL}, 4.5 material ratio", r"2 A_1/Smr_1"),
+    Parameter("Svk", "reduced pit depth", f"{_AREAL}, 4.5 material ratio", r"2 A_2/(1 - Smr_2)"),
     Parameter(
-        "Smr1", "material ratio at the upper end of the core", f"{_AREAL}, material ratio",
+        "Smr1", "material ratio at the upper end of the core", f"{_AREAL}, 4.5 material ratio",
         r"Smr(\text{core line at 0})", "", is_fraction=True,
     ),
     Parameter(
-        "Smr2", "material ratio at the lower end of the core", f"{_AREAL}, material ratio",
+        "Smr2", "material ratio at the lower end of the core", f"{_AREAL}, 4.5 material ratio",
         r"Smr(\text{core line at 100 \%})", "", is_fraction=True,
     ),
-    Parameter("Vmp", "peak material volume, 1 µm³/µm² = 1 ml/m²", f"{_AREAL}, volume", r"Vm(10\,\%)"),
-    Parameter("Vmc", "core material volume", f"{_AREAL}, volume", r"Vm(80\,\%) - Vm(10\,\%)"),
-    Parameter("Vvc", "core void volume", f"{_AREAL}, volume", r"Vv(10\,\%) - Vv(80\,\%)"),
-    Parameter("Vvv", "pit void volume", f"{_AREAL}, volume", r"Vv(80\,\%)"),
-    Parameter("Spd", "density of peaks", f"{_AREAL}, feature", r"n/A", "1/µm²"),
+    Parameter("Vmp", "peak material volume, 1 µm³/µm² = 1 ml/m²", f"{_AREAL}, 4.5 volume", r"Vm(10\,\%)"),
+    Parameter("Vmc", "core material volume", f"{_AREAL}, 4.5 volume", r"Vm(80\,\%) - Vm(10\,\%)"),
+    Parameter("Vvc", "core void volume", f"{_AREAL}, 4.5 volume", r"Vv(10\,\%) - Vv(80\,\%)"),
+    Parameter("Vvv", "pit void volume", f"{_AREAL}, 4.5 volume", r"Vv(80\,\%)"),
+    Parameter("Spd", "density of peaks", f"{_AREAL}, 5.8 feature", r"n/A", "1/µm²"),
     Parameter(
-        "Spc", "arithmetic mean peak curvature", f"{_AREAL}, feature",
+        "Spc", "arithmetic mean peak curvature", f"{_AREAL}, 5.8 feature",
         r"-\frac12 \frac1n \sum_i (∂_x^2 z + ∂_y^2 z)_i", "1/µm", "a peak inside of the map",
     ),
-    Parameter("S5p", "five-point peak height", f"{_AREAL}, feature", r"\frac15 \sum_{i=1}^5 z_{p,i}", needs=_PEAKS),
+    Parameter("S5p", "five-point peak height", f"{_AREAL}, 5.8 feature", r"\frac15 \sum_{i=1}^5 z_{p,i}", needs=_PEAKS),
     Parameter(
-        "S5v", "five-point pit depth", f"{_AREAL}, feature", r"-\frac15 \sum_{i=1}^5 z_{v,i}", needs="five pits"
+        "S5v", "five-point pit depth", f"{_AREAL}, 5.8 feature", r"-\frac15 \sum_{i=1}^5 z_{v,i}", needs="five pits"
     ),
-    Parameter("S10z", "ten-point height", f"{_AREAL}, feature", "S5p + S5v", needs="five peaks and five pits"),
+    Parameter("S10z", "ten-point height", f"{_AREAL}, 5.8 feature", "S5p + S5v", needs="five peaks and five pits"),
 )  # fmt: skip
 """Parameters of a surface."""
 
