@@ -2,6 +2,7 @@
 
 import csv
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -33,7 +34,7 @@ def profile():
 
 @pytest.fixture(scope="module")
 def surface():
-    return weierstrass_mandelbrot_surface(random_phases(2), 1.4, shape=(60, 90), extent=(3.0, 9.0))
+    return weierstrass_mandelbrot_surface(random_phases(2), 1.4, shape=(60, 90), extent=(3.0, 9.0)).with_amplitude(8.0)
 
 
 @pytest.fixture
@@ -49,6 +50,7 @@ def characterise(*arguments, cwd):
     done = stiction_done("characterise", *arguments, cwd=cwd, blank=True)
     assert done.stderr == ""
     lines = done.stdout.splitlines()
+    assert lines.pop(0).startswith(f"{Path(arguments[0]).name}: ")
     table = next(at for at, line in enumerate(lines) if line.startswith("points"))
     assert lines[0].startswith("history")
     written = [cwd / line[6:] for line in lines if line.startswith("wrote ")]
@@ -169,7 +171,7 @@ def test_several_files_make_one_table(folder):
     files = ["scan.csv", "map.npy"]
     options = ["--unit", "um", "--spacing", "10 nm"]
     done = stiction_done("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
-    assert done.stdout == "wrote finishes.csv, 2 files\n"
+    assert [line.partition(":")[0] for line in done.stdout.splitlines()] == [*files, "wrote finishes.csv, 2 files"]
     rows = list(csv.DictReader((folder / "finishes.csv").read_text(encoding="utf-8").splitlines()))
     assert [row["holds"] for row in rows] == ["profile", "surface"]
     assert [row["points"] for row in rows] == ["3000", "60 x 90"]
@@ -189,7 +191,7 @@ def test_several_files_make_one_table(folder):
     [
         (["none.csv"], "none.csv: cannot be read: No such file or directory"),
         (["empty.csv"], "empty.csv: is empty"),
-        (["scan.csv", "--columns", "x,z,q"], "columns must be one of heights, or two of positions and heights"),
+        (["scan.csv", "--columns", "x,z,q,r"], "columns must be one of heights, or two of positions and heights"),
         (["heights.npy", "--spacing", "1 um"], "does not say in which unit its heights are; give the unit"),
         (["scan.csv", "--missing", "zero"], "missing must be one of 'error', 'interpolate', 'mask', got 'zero'"),
         (["scan.csv", "--level", "plane"], "--level must be one of 'none', 'mean', 'line',"),
@@ -298,3 +300,28 @@ def test_two_scans_of_one_place_give_their_mean_and_the_noise(tmp_path):
         assert_refused(stiction_command("characterise", "a.csv", "b.csv", "--repeated", *more, cwd=tmp_path), why)
     told = stiction_command("characterise", "a.csv", "b.csv", "--repeated", "--json", cwd=tmp_path)
     assert json.loads(told.stdout)["limit_um"] == found.limit
+
+
+def test_dry_run_shows_how_files_are_read(folder):
+    done = stiction_done(
+        "characterise", "scan.csv", "heights.npy", "--unit", "um", "--spacing", "10 nm", "--dry-run", cwd=folder
+    )
+    first, second = done.stdout.splitlines()
+    assert first.startswith("scan.csv: positions and heights; 3000 points; 10 nm apart; heights 1 (z (um)) in um")
+    assert second.startswith("heights.npy: NumPy array; 3000 points; 10 nm apart")
+    assert not list(folder.glob("*.png"))
+    done = stiction_done("characterise", "scan.csv", "--dry-run", "--json", cwd=folder)
+    (file,) = json.loads(done.stdout)["files"]
+    assert (file["layout"], file["points"], file["caveats"]) == ("positions and heights", [3000], [])
+
+
+def test_codes_for_missing_points_are_doubted_until_they_are_declared(folder):
+    heights = np.load(folder / "heights.npy")
+    heights[[5, 70]] = -9999
+    np.save(folder / "codes.npy", heights)
+    given = ["codes.npy", "--unit", "um", "--spacing", "10 nm", "--missing", "interpolate", "--dry-run"]
+    done = stiction_done("characterise", *given, cwd=folder)
+    assert "--missing-value -9999 takes them for missing points (repeated-extreme)" in done.stderr
+    done = stiction_done("characterise", *given, "--missing-value", "-9999", cwd=folder)
+    assert done.stderr == ""
+    assert "2 of 3000 missing" in done.stdout

@@ -23,9 +23,10 @@ from stiction import (
     write_profile,
     write_surface,
 )
+from stiction.surfaces.measured import decode as text_files
 from stiction.surfaces.measured import excel, raw
 from stiction.surfaces.measured import npy as npy_files
-from stiction.surfaces.measured import text as text_files
+from stiction.surfaces.measured import split as split_files
 from stiction.surfaces.measured.raw import Raw
 from stiction.surfaces.measured.reading import READERS
 
@@ -76,6 +77,10 @@ TEXTS = {
     "decreasing": "x (um),z (um)\n0.4,2\n0.3,0.125\n0.2,1\n0.1,-0.25\n0,0.5\n",
     "end of a DOS file": "x (um),z (um)\r\n0,0.5\r\n0.1,-0.25\r\n0.2,1\r\n0.3,0.125\r\n0.4,2\r\n\x1a\x1a",
     "three decimals after commas": "x (um);z (um)\n1,000;0,500\n1,100;-0,250\n1,200;1,000\n1,300;0,125\n1,400;2,000\n",
+    "thousands": "x (um);z (um)\n1.000,0;0,5\n1.000,1;-0,25\n1.000,2;1\n1.000,3;0,125\n1.000,4;2,0\n",
+    "quoted thousands": 'x (um),z (um)\n"1,000.0",0.5\n"1,000.1",-0.25\n"1,000.2",1\n"1,000.3",0.125\n"1,000.4",2\n',
+    "quoted decimal commas": 'x (um),z (um)\n"0,0","0,5"\n"0,1","-0,25"\n"0,2",1\n"0,3","0,125"\n"0,4",2\n',
+    "words below": "x (um),z (um)\n0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\nend of data\n",
     "old line ends": "x (um),z (um)\r0,0.5\r0.1,-0.25\r0.2,1\r0.3,0.125\r0.4,2\r",
 }  # fmt: skip
 
@@ -141,17 +146,18 @@ def test_file_and_caller_must_not_contradict_each_other(file):
         ("x (V),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\n", "has positions in 'V', which is no length"),
         ("x (um),y (um),z (um)\n" + "0,0.1,2\n" * 9, "has 3 columns of numbers that may be positions and several"),
         ("z (um)\n" + "0,0.1,2,3\n" * 9, "holds 9 rows of 4 columns; a profile has one column"),
-        ("x (um),z (um)\n0,1\n0.1,2\n0.2,1,7\n0.3,5\n0.4,6.5\n", "the 3. line of data has 3 column(s) and most have 2"),
-        ("x (um),z (um)\n0,1\n0.1,2\noops,1\n0.3,5\n0.4,6.5\n", "line 4 ('oops,1') stands between numbers"),
         (
-            "x (um),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\nend of data\n",
-            "line 6 ('end of data'), after the data, is not data",
+            "x (um),z (um)\n0,1\n0.1,2\n0.2,1,7\n0.3,5\n0.4,6.5\n",
+            "line 4 ('0.2,1,7') has 3 cells, and most lines have 2",
         ),
+        ("x (um),z (um)\n0,1\n0.1,2\noops,1\n0.3,5\n0.4,6.5\n", "line 4 ('oops,1') stands between numbers"),
+        ("x (um),z (um)\n0,1\n0.1,2\n0.2,1\n0.3,5\n0.4,oops\n", "line 6 ('0.4,oops') stands between numbers"),
         ("z in um\n0,5\n1\n2,5\n3,5\n", "may be two columns or one with decimal commas"),
         ("0,5\n1,5\n2,5\n3,5\n", "may be two columns or one with decimal commas"),
-        ("x (um)\tz (nm)\n" + "".join(f"1,{i:03}\t{i}\n" for i in range(9)), "as in '1,008', may be decimal or part"),
-        ("x (um);z (um)\n1.000,5;0,1\n1.001,5;0,2\n1.002,5;0,3\n1.003,5;0,2\n", "no numbers were found"),
-        ('x (um),z (um)\n"1,000.5",0.1\n"1,001.5",0.2\n"1,002.5",0.3\n', "no numbers were found"),
+        (
+            "x (um)\tz (nm)\n" + "".join(f"1,{i:03}\t{i}\n" for i in range(9)),
+            "may be decimal or part thousands, as in '1,008'",
+        ),
         (
             "x (um),z (um)\n0,1\n0.1,2\n0.25,1\n0.3,5\n0.4,1\n",
             "is not uniform: point 2, from 0 on, is at 0.25 µm, 0.05 µm away",
@@ -270,9 +276,13 @@ def test_positions_are_no_heights_of_a_matrix(file):
         text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in matrix)
         if matrix.shape[1] > 3:
             assert said in refusal(file(text, "a.txt"), **options)
-    tilted = heights.copy()
-    tilted[0] = x  # a lost line that was levelled
-    for matrix in (heights, tilted, x + y[:, np.newaxis]):
+    above = heights.copy()
+    above[0] = x
+    assert "of which the first row counts evenly" in refusal(file(npy(above), "a.npy"), **options)
+    lost = heights.copy()
+    lost[0] = 0.5
+    tilted = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]  # as measured, before it is levelled
+    for matrix in (heights, lost, tilted, x + y[:, np.newaxis]):
         assert np.array_equal(read_surface(file(npy(matrix), "a.npy"), unit="um", spacing="1 um").heights, matrix)
 
 
@@ -464,17 +474,17 @@ def test_a_generated_profile_comes_back_to_the_bit(tmp_path):
 
 @pytest.mark.parametrize("name", ["a.npy", "a.csv"])
 def test_a_surface_comes_back_to_the_bit(tmp_path, name):
-    heights = np.random.default_rng(1).normal(size=(30, 40)) * 10.0 ** np.arange(-35, 5)
-    surface = Surface(heights, spacing=(1 / 3, 1e-5), history=("ground", "levelled by a plane"))
+    heights = np.random.default_rng(1).normal(size=(30, 40)) * 10.0 ** np.arange(-39, 1)
+    surface = Surface(heights, spacing=(1 / 3, 1e-3), history=("ground", "levelled by a plane"))
     write_surface(surface, tmp_path / name)
-    for options in ({}, {"unit": "um", "spacing": ("0.3333333 um", "10 pm")}):
+    for options in ({}, {"unit": "um", "spacing": ("0.3333333 um", "1 nm")}):
         again = read_surface(tmp_path / name, **options)
         assert np.array_equal(again.heights, surface.heights)
         assert again.spacing == surface.spacing
         assert again.history == (f"read from {name}", "ground", "levelled by a plane")
     with pytest.raises(FormatError, match="says that its spacing is"):
         read_surface(tmp_path / name, spacing="2 um")
-    plane = Surface(np.arange(20.0).reshape(4, 5), spacing=1.0)  # whose rows count as positions would
+    plane = Surface(0.1 * np.arange(20.0).reshape(4, 5), spacing=1.0)  # whose rows count as positions would
     write_surface(plane, tmp_path / f"plane-{name}")
     assert np.array_equal(read_surface(tmp_path / f"plane-{name}").heights, plane.heights)
     assert isinstance(read_measurement(tmp_path / name), Surface)
@@ -576,8 +586,8 @@ def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("separator", [",", ", ", ";", "|", "\t", " "])
 def test_text_of_more_objects_than_memory_holds_is_refused_before_it_is_taken_apart(file, monkeypatch, separator):
-    monkeypatch.setattr(text_files, "MOST_LINES", 20)
-    monkeypatch.setattr(text_files, "MOST_CELLS", 10)
+    monkeypatch.setattr(text_files, "MAX_LINES", 20)
+    monkeypatch.setattr(split_files, "MAX_CELLS", 10)
     wide = separator.join(["1.5"] * 5) + "\n"
     assert read_surface(file(20 * wide), unit="um", spacing="1 um").heights.shape == (20, 5)
     assert "has 21 lines; at most 20" in refusal(file("1.5\n" * 21))
@@ -596,7 +606,7 @@ def test_text_of_more_objects_than_memory_holds_is_refused_before_it_is_taken_ap
         ({"missing": "zero"}, "missing must be one of 'error', 'interpolate', 'mask'"),
         ({"channel": 1.5}, "channel must be a name or a number from 0 on, got 1.5"),
         ({"columns": (1, True)}, "columns must be a name or a number"),
-        ({"columns": (0, 1, 2)}, "columns must be one of heights, or two of positions and heights"),
+        ({"columns": (0, 1, 2, 3)}, "columns must be one of heights, or two of positions and heights"),
     ],
 )
 def test_bad_arguments_are_named(file, options, said):

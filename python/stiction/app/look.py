@@ -13,7 +13,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP
-from stiction.surfaces.measured.reading import read_measurement
+from stiction.surfaces.measured.reading import reading_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import roughness_parameters, surface_parameters
@@ -29,7 +29,8 @@ def look(file: str, unit: str, spacing: str, missing: Any) -> dict[str, Any]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            body = read_measurement(file, unit=of_unit, spacing=of_spacing, missing=missing)  # type: ignore[arg-type]
+            reading = reading_of(file, unit=of_unit, spacing=of_spacing, missing=missing)
+            body = reading.body
             level = levelled(body, "line" if isinstance(body, Profile) else "plane")  # type: ignore[call-overload]
             found: Any = roughness_parameters(level) if isinstance(level, Profile) else surface_parameters(level)
         except (ValueError, ImportError, MemoryError) as error:
@@ -46,7 +47,8 @@ def look(file: str, unit: str, spacing: str, missing: Any) -> dict[str, Any]:
     return {
         "holds": "profile" if is_line else "surface", names[0]: height, names[1]: slope,
         "words": f"{size}, {points} points; {names[0]} {with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
-        "points": int(np.size(body.heights)), "warning": "; ".join(str(each.message) for each in caught),
+        "points": int(np.size(body.heights)), "reading": str(reading),
+        "warning": "; ".join([*map(str, reading.caveats), *(str(each.message) for each in caught)]),
         "picture": f"data:image/{kind};base64,{base64.b64encode(picture).decode()}",
     }  # fmt: skip
 

@@ -46,6 +46,7 @@ CutOff = Annotated[
 ]
 Together = Annotated[bool, option("--together", "Several scans of one surface, alike in all directions: one spectrum.")]
 Repeated = Annotated[bool, option("--repeated", "Two scans of one place: what both have, and the noise of one.")]
+DryRun = Annotated[bool, option("--dry-run", "Show how each file is read, and nothing else.")]
 Output = Annotated[
     Path | None,
     option(
@@ -59,6 +60,7 @@ Output = Annotated[
 @command(
     "characterise",
     "stiction characterise lapped.csv",
+    "stiction characterise lapped.csv --dry-run",
     "stiction characterise map.npy --unit nm --spacing '2 um,0.5 um' --row 17",
     "stiction characterise *.csv --output finishes.csv",
     "stiction characterise lapped.csv --cutoff '100 nm' --tip '2 um' --json",
@@ -81,6 +83,7 @@ def characterise(
     cutoff: CutOff = None,
     together: Together = False,
     repeated: Repeated = False,
+    dry_run: DryRun = False,
     output: Output = None,
     as_json: Json = False,
     **reading: Any,
@@ -93,9 +96,12 @@ def characterise(
     from stiction.surfaces.cut_off import cut_off
     from stiction.views import characterisation as views
     from stiction.views.files import new_text
+    from stiction.views.rows import record
     from stiction.views.style import save_picture
 
-    outputs = [] if as_json and output is None else _outputs(files, output, together=together, repeated=repeated)
+    outputs = (
+        [] if dry_run or (as_json and output is None) else _outputs(files, output, together=together, repeated=repeated)
+    )
     fitted = _band(band)
     shortest = None if cutoff is None else quantity_of("cutoff", cutoff, "length")
     filters = _filters(lc, ls, robust=robust, joined=together or repeated)
@@ -103,10 +109,17 @@ def characterise(
     if texture is not None and texture not in TEXTURES:
         raise ValueError(f"--texture must be {', '.join(TEXTURES)}, got {texture!r}")
     radius = None if tip is None else quantity_of("tip", tip, "length")
-    found = []
+    found, readings = [], []
     for file in files:
         read = measurement(file, reading)
-        body = _levelled(_line(read, row, column), level)
+        readings.append(read)
+        if not as_json:
+            tell(f"{printable(file.name)}: {read}")
+            for caveat in read.caveats:
+                say(f"{named(file)}: {caveat}")
+        if dry_run:
+            continue
+        body = _levelled(_line(read.body, row, column), level)
         try:
             body = body if shortest is None else cut_off(body, shortest)
         except ValueError as error:
@@ -114,12 +127,16 @@ def characterise(
         found.append(
             views.Characterisation(body, band=fitted, tip_radius=radius, textured=texture is not None, **filters)
         )
+    if dry_run:
+        if as_json:
+            tell(record("characterise", [], kind="files", files=[each.record() for each in readings]))
+        return
     if together or repeated:
         (_together if together else _repeated)(files, found, outputs, as_json=as_json)
         return
     told = [(printable(str(file), LONGEST_NAME), each) for file, each in zip(files, found, strict=True)]
     if as_json:
-        tell(views.characterisation_record(told))
+        tell(views.characterisation_record(told, readings=[each.record() for each in readings]))
     elif len(files) == 1:
         tell(views.characterisation_text(found[0]))
     for path in outputs:

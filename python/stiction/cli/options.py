@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
@@ -16,6 +16,9 @@ from stiction._text import named
 from stiction.cli.application import Function, announce
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    from stiction.surfaces.measured.reading import Reading
 
 
 def option(
@@ -110,7 +113,13 @@ _READING = {
         "What to read of a file of several channels or sheets, numbers from 0 on.", "the first of heights",
     ),
     "columns": _reading(
-        "--columns X,Z|Z", "Of a table, names or numbers from 0 on, of positions and heights or of heights.", False
+        "--columns Z|X,Z|X,Y,Z", "Of a table, names or numbers from 0 on: of heights, or below positions.", False
+    ),
+    "missing_value": _reading(
+        "--missing-value NUMBERS|WORDS", 'Marks of points without a height, as they stand in the file, "-9999".', False
+    ),
+    "accept": _reading(
+        "--accept NAMES", 'Doubts about a file that are settled, by their names, "whole-numbers".', False
     ),
     "texture": _reading(
         "--texture PROCESS",
@@ -127,9 +136,9 @@ FILES = FILE | {
 """How two files are read, each option given once for both or for one after the other."""
 
 
-def measurement(file: Path, asked: Mapping[str, str | None]) -> Profile | Surface:
-    """What a file holds, by the options of `FILE`."""
-    from stiction.surfaces.measured.reading import read_measurement
+def measurement(file: Path, asked: Mapping[str, str | None]) -> Reading[Profile | Surface]:
+    """Return the profile or surface in a file, and what was understood of it, by the options of `FILE`."""
+    from stiction.surfaces.measured.reading import reading_of
     from stiction.surfaces.measured.spectrum_file import is_spectrum
 
     if is_spectrum(file):
@@ -139,7 +148,7 @@ def measurement(file: Path, asked: Mapping[str, str | None]) -> Profile | Surfac
     for name in ("unit", "spacing", "columns"):
         if "," in given.get(name, ""):
             given[name] = tuple(part.strip() for part in given[name].split(","))
-    return read_measurement(file, **given)
+    return reading_of(file, **given)
 
 
 def announce_reader(file: Path) -> None:

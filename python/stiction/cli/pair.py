@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
+from stiction._text import printable
 from stiction.cli.application import command, is_watched, say, tell
 from stiction.cli.options import (
     ELASTICITY,
@@ -191,6 +192,11 @@ def pair(
     about(studies[0])  # refuses what cannot be pressed, before anything is written
     for remark in bodies.remarks[0 if verbose else bool(bodies.elasticity.source) :]:  # of materials the answer has it
         say(remark)
+    if verbose and not as_json:
+        for file in bodies.files:
+            for scan in file.scans:
+                if scan.reading is not None:
+                    tell(f"{printable(scan.name)}: {scan.reading}")
     rests: list[Callable[[], None]] = []
 
     def answered(stored: Stored) -> None:
@@ -219,7 +225,9 @@ def pair(
             json.loads(record_text("pair", at_asked_loads(each), each.study, beside=doubts_of_study(each.study)))
             for each in results[1:]
         ]
-        show_result(results[0], command="pair", as_json=True, about={"check": checks} if checks else None)
+        readings = [scan.reading for file in bodies.files for scan in file.scans]
+        about_files = {"files": [each.record() for each in readings if each is not None]}
+        show_result(results[0], command="pair", as_json=True, about=about_files | ({"check": checks} if checks else {}))
     for result in results:
         write_views(result, said=said)
 

@@ -35,8 +35,9 @@ from stiction.surfaces.foreign import taken_from
 from stiction.surfaces.holes import largest_hole
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.measured.interpret import Missing, Outliers
-from stiction.surfaces.measured.raw import LENGTH_UNITS
-from stiction.surfaces.measured.reading import read_measurement
+from stiction.surfaces.measured.plausibility import CAVEATS, Scan, caveats_of
+from stiction.surfaces.measured.raw import LENGTH_UNITS, Caveat
+from stiction.surfaces.measured.reading import Reading, reading_of
 from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum, write_spectrum
 from stiction.surfaces.measured.writing import with_gaps, write_profile, write_surface
 from stiction.surfaces.pairing import (
@@ -75,6 +76,27 @@ def _column(value: object) -> Column:
     return value
 
 
+def _marks(value: object) -> tuple[float | str, ...] | None:
+    """Return numbers and words that mark missing points, as a tuple."""
+    if value is None:
+        return None
+    parts: Any = value.split(",") if isinstance(value, str) else value
+    parts = parts if isinstance(parts, (list, tuple)) else [parts]
+    if not parts or not all(isinstance(part, (str, int, float)) and not isinstance(part, bool) for part in parts):
+        raise ValueError(f"must be a number or a word, or a list of them, got {shortened(value)}")
+    return tuple(part.strip() if isinstance(part, str) else part for part in parts)
+
+
+def _accepted(value: object) -> tuple[str, ...] | None:
+    """Return names of caveats as a tuple."""
+    if value is None:
+        return None
+    names = [part.strip() for part in value.split(",")] if isinstance(value, str) else value
+    if not isinstance(names, (list, tuple)) or not set(names) <= set(CAVEATS):
+        raise ValueError(f"must be one of {', '.join(CAVEATS)}, or a list of them, got {shortened(value)}")
+    return tuple(names)
+
+
 def _crop(value: object) -> tuple[Quantity, ...] | None:
     if value is None:
         return None
@@ -84,15 +106,16 @@ def _crop(value: object) -> tuple[Quantity, ...] | None:
     return tuple(quantity(text.strip() if isinstance(text, str) else text, "length") for text in texts)
 
 
-def _one_or_two(read: Callable[[object], Any]) -> PlainValidator:
-    """A value, a list of two, or none."""
+def _one_or_two(read: Callable[[object], Any], most: int = 2) -> PlainValidator:
+    """A value, a list of two or up to `most`, or none."""
 
     def values(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
             return None if value is None else read(value)
-        if len(value) != 2:
-            raise ValueError(f"must be one value or a list of two, got {shortened(value)}")
-        return read(value[0]), read(value[1])
+        if not 2 <= len(value) <= most:
+            allowed = "two" if most == 2 else f"two to {most}"
+            raise ValueError(f"must be one value or a list of {allowed}, got {shortened(value)}")
+        return tuple(map(read, value))
 
     return PlainValidator(values)
 
@@ -128,13 +151,19 @@ class MeasuredFile(Table):
     channel: Annotated[Column | None, PlainValidator(lambda value: None if value is None else _column(value))] = Field(
         default=None, description="What to read of a file of several channels or sheets."
     )
-    columns: Annotated[Column | tuple[Column, Column] | None, _one_or_two(_column)] = Field(
-        default=None, description="Columns of positions and of heights, or of heights, of a table."
+    columns: Annotated[Column | tuple[Column, ...] | None, _one_or_two(_column, most=3)] = Field(
+        default=None, description="Columns of positions and of heights, of x, y and z, or of heights, of a table."
     )
     missing: Missing = Field(default="error", description="What to do about points without a height.")
     outliers: Outliers = Field(default="keep", description="Whether single points that stand out are missing ones.")
     crop: Annotated[tuple[Quantity, ...] | None, PlainValidator(_crop), as_written] = Field(
         default=None, description="What to read of it: first and last x, and of a map first and last y."
+    )
+    missing_value: Annotated[tuple[float | str, ...] | None, PlainValidator(_marks)] = Field(
+        default=None, description="Numbers, as they stand in the file, or words that mark points without a height."
+    )
+    accept: Annotated[tuple[str, ...] | None, PlainValidator(_accepted)] = Field(
+        default=None, description="Names of caveats of the file that are settled."
     )
     tip: Length | None = Field(
         default=None, description="Radius of the stylus or probe; it says which waves are its own."
@@ -241,6 +270,23 @@ class MeasuredFile(Table):
             return np.zeros(2)
         return np.array([body.missing.mean(), largest_hole(body.missing)[0] * np.prod(body.spacing)])
 
+    @property
+    def reading(self) -> Reading[Any] | None:
+        """What was understood of the file; None of a spectrum and of a body in memory."""
+        if self.body is not None or is_spectrum(Path(self.file)):
+            return None
+        return _reading(self.model_copy(update={"sha256": self.checksum(), "others": None}))
+
+    @property
+    def caveats(self) -> tuple[Caveat, ...]:
+        """Doubts about the file, or about a body in memory by its heights and its spacing."""
+        if (reading := self.reading) is not None:
+            return tuple(reading.caveats)
+        body = None if self.body is None else self.body.body
+        if not isinstance(body, (Profile, Surface)):
+            return ()
+        return caveats_of(Scan(with_gaps(body), body.spacings, from_text=False))
+
     def checksum(self) -> str:
         """SHA-256 of the bytes of the file; a `ValueError` if it cannot be read."""
         try:
@@ -289,9 +335,15 @@ def _body(file: MeasuredFile) -> Body:
             if getattr(file, name) is not None:
                 raise ValueError(f"{named(file.file)}: is a spectrum, which has no {name} to be given")
         return read_spectrum(file.file)
-    return read_measurement(
+    return _reading(file).body
+
+
+@functools.lru_cache(maxsize=16)
+def _reading(file: MeasuredFile) -> Reading[Profile | Surface]:
+    return reading_of(
         file.file, unit=file.unit, spacing=written(file.spacing), missing=file.missing, channel=file.channel,
-        columns=file.columns, outliers=file.outliers, crop=written(file.crop),
+        columns=file.columns, outliers=file.outliers, crop=written(file.crop), missing_value=file.missing_value,
+        accept=file.accept,
     )  # fmt: skip
 
 

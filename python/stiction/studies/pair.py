@@ -102,6 +102,8 @@ class Pair:
     crop: Several = None
     channel: Several = None
     columns: Several = None
+    missing_value: Several = None
+    accept: Several = None
     tip: Several = None
     texture: Several = None
 
@@ -151,7 +153,7 @@ class Pair:
 
     def _file(self, side: str, index: int, body: Any) -> MeasuredFile:
         """One body; what says how files are read is for both, or for one after the other."""
-        names = ("unit", "spacing", "channel", "columns")
+        names = ("unit", "spacing", "channel", "columns", "missing_value", "accept")
         table: dict[str, Any] = {
             "file": str(body), "missing": self.missing or "error", "outliers": self.outliers or "keep",
         }  # fmt: skip

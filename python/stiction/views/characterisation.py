@@ -532,10 +532,12 @@ def _values(found: Characterisation) -> list[dict[str, Any]]:
     return [value for row in found.rows for value in row.values]
 
 
-def characterisation_record(files: Files) -> str:
-    """Records of files as JSON."""
+def characterisation_record(files: Files, readings: Sequence[dict[str, Any]] = ()) -> str:
+    """Return records of files as JSON, with what was understood of each file."""
     values = [value | {"at": {"file": file}} for file, found in files for value in _values(found)]
-    return record("characterise", values, kind="surface", surfaces=[_about(*each) for each in files])
+    return record(
+        "characterise", values, kind="surface", surfaces=[_about(*each) for each in files], files=list(readings)
+    )
 
 
 def _about(file: str, found: Characterisation) -> dict[str, Any]:

@@ -61,11 +61,12 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
     def of_part(file: MeasuredFile, body: Body) -> list[Doubt]:
         """Doubts about the scans of a part, of one kind that of the longest waves."""
         kinds: dict[str, Doubt] = {}
-        for scan in (body, *(other.read() for other in file.scans[1:])):
+        for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
+            found = [Doubt(each.text, f"{each.cure} ({each.name})", "caution") for each in of_scan.caveats]
             if isinstance(scan, JoinedSpectrum):
-                found = list(_of_scans(scan))
+                found += _of_scans(scan)
             else:
-                found = doubts_of_scan(
+                found += doubts_of_scan(
                     scan, form=not bowed, instrument=not vouched, tip_radius=file.tip,
                     textured=file.texture is not None, has_readings=bool(study.surfaces.both_readings),
                     elastic=not is_capped(study),

@@ -74,6 +74,8 @@ def pair(
     crop: str | Sequence[str] | None = None,
     channel: str | Sequence[str] | None = None,
     columns: str | Sequence[str] | None = None,
+    missing_value: str | Sequence[str] | None = None,
+    accept: str | Sequence[str] | None = None,
     tip: Quantity | Sequence[Quantity] | None = None,
     texture: str | Sequence[str] | None = None,
     directory: str | Path | None = None,
@@ -122,7 +124,8 @@ def pair(
     mechanics : {"half-space", "asperities"}
         By default the half-space of maps, and of two profiles whose materials have a hardness; else asperities.
     law, yield_strength, cutoff, level, lay, shifts, rotate, tilt, direction, lines, along, offsets, travel, \
-    detection, curvature, surrogates, seed, missing, outliers, crop, channel, columns, tip, texture
+    detection, curvature, surrogates, seed, missing, outliers, crop, channel, columns, missing_value, \
+    accept, tip, texture
         As the options of `stiction pair`.
     unit, spacing : str, float (µm) or a sequence of two, optional
         As the options of `stiction pair`; of arrays the unit of heights (µm by default), and the distance of points.

@@ -8,18 +8,21 @@ import re
 import warnings
 import zipfile
 from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
+from stiction.surfaces.measured.decode import decode
 from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, Channels, FormatError, Table, chunks
-from stiction.surfaces.measured.text import read_lines
+from stiction.surfaces.measured.text import table_of
 
 MOST_TAGS = 10_000_000  # largest number of XML tags in a workbook, four for a cell with a number: 2.5 million heights
 MOST_TAGS_IN_A_ROW = 8 * 16_384  # eight for each column that a sheet of Excel can have; a row is held in memory
 _ROW = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
 
-def read_excel(data: bytes) -> Channels:
-    """Take a workbook apart; its sheets are channels."""
+def read_excel(data: bytes, words: tuple[str, ...] = ()) -> Channels:
+    """Return the sheets of a workbook as channels; words are further marks of missing points."""
     try:
         with warnings.catch_warnings(action="ignore"):  # of the style of workbooks
             from openpyxl import load_workbook
@@ -31,22 +34,41 @@ def read_excel(data: bytes) -> Channels:
         _refuse_bombs(data)
         with warnings.catch_warnings(action="ignore"):
             workbook = load_workbook(io.BytesIO(data), read_only=True, data_only=True)
-            sheets = {sheet.title: _lines(sheet) for sheet in workbook.worksheets}
+            sheets = {sheet.title: _rows(sheet) for sheet in workbook.worksheets}
             workbook.close()
     except (FormatError, MemoryError):
         raise
     except Exception as error:  # a package of many ways to fail
         said = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged workbook ({type(error).__name__}: {said})") from None
-    named = {name: lines for name, lines in sheets.items() if lines}
-    if not named:
+    from stiction.surfaces.measured.layouts import WORKBOOKS
+
+    layout = next((layout for layout in WORKBOOKS if layout.recognise(sheets)), None)
+    if layout is not None:
+        content = layout.read(sheets)
+        assert isinstance(content, Table)
+        return Channels(("DATA",), lambda _: _with_layout(content, layout.name), 0)
+    filled = [name for name, rows in sheets.items() if _columns_of(rows)]
+    if not filled:
         raise FormatError("is a workbook without a column of numbers")
-    names = tuple(named)
+    return Channels(
+        tuple(filled), lambda at: table_of_sheet(sheets[filled[at]], words), 0 if len(filled) == 1 else None
+    )
 
-    def read(at: int) -> Table:
-        return read_lines(named[names[at]])
 
-    return Channels(names, read, 0 if len(names) == 1 else None)
+def _with_layout(table: Table, layout: str) -> Table:
+    return replace(table, source=replace(table.source, layout=layout))
+
+
+def table_of_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> Table:
+    """Return the columns of numbers of a sheet, with the words above them, as a table."""
+    columns = _columns_of(rows)
+    lines = [_line(row, columns) for row in rows]
+    content = table_of(decode(("\n".join(lines) + "\n").encode(), words))
+    if not isinstance(content, Table):
+        raise FormatError("has a sheet with several tables, one below the other; leave one of them")
+    places = columns[: content.values.shape[1]]
+    return replace(content, places=tuple(places), source=replace(content.source, encoding="", separator=""))
 
 
 def _refuse_bombs(data: bytes) -> None:
@@ -66,21 +88,29 @@ def _refuse_bombs(data: bytes) -> None:
                 tags_in_row = rows[-1] if rows else tags_in_row + before
 
 
-def _lines(sheet: Any) -> list[str]:
-    """The rows of a sheet as lines: the cells of the columns of numbers parted by tabs, any other row as words."""
+def _rows(sheet: Any) -> list[tuple[Any, ...]]:
+    """Return the cells of a sheet up to its last filled row."""
     sheet.reset_dimensions()  # which a program may have written wrongly
-    rows = []
-    numbers: Counter[int] = Counter()
-    for row in sheet.iter_rows(values_only=True):
-        filled = {at: text for at, cell in enumerate(row) if cell is not None and (text := " ".join(str(cell).split()))}
-        numbered = {at for at in filled if isinstance(row[at], (int, float)) and not isinstance(row[at], bool)}
-        numbers.update(numbered)
-        rows.append((filled, numbered))
-    columns = sorted(at for at, count in numbers.items() if count > 1)  # or it is one beside other words
-    lines = []
-    for filled, numbered in rows:
-        if filled.keys() <= set(columns) or numbered.issuperset(columns):
-            lines.append("\t".join(filled.get(at, "") for at in columns))
-        else:
-            lines.append(" ".join(filled.values()))
-    return lines if columns else []
+    rows = [tuple(row) for row in sheet.iter_rows(values_only=True)]
+    while rows and all(cell is None for cell in rows[-1]):
+        rows.pop()
+    return rows
+
+
+def _is_number(cell: Any) -> bool:
+    return isinstance(cell, (int, float)) and not isinstance(cell, bool)
+
+
+def _columns_of(rows: Sequence[Sequence[Any]]) -> list[int]:
+    """Return the columns of numbers: those with at least half as many as that with most, and more than one."""
+    numbers: Counter[int] = Counter(at for row in rows for at, cell in enumerate(row) if _is_number(cell))
+    most = max(numbers.values(), default=0)
+    return sorted(at for at, count in numbers.items() if count > 1 and 4 * count >= most)
+
+
+def _line(row: Sequence[Any], columns: list[int]) -> str:
+    """Return a row as a line: the cells of the columns of numbers parted by tabs, or all of them as words."""
+    chosen = [row[at] if at < len(row) else None for at in columns]
+    if any(map(_is_number, chosen)) or (chosen and all(isinstance(cell, str) for cell in chosen)):
+        return "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in chosen)
+    return "\t".join(" ".join(str(cell).split()) for cell in row if cell is not None)

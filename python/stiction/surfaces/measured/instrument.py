@@ -5,13 +5,19 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stiction.surfaces.measured.raw import Channels, FormatError, Raw
+from stiction.surfaces.measured.raw import Channels, FormatError, Raw, Source
 from stiction.surfaces.profile import MOST_POINTS
+
+
+def is_available() -> bool:
+    """Return whether SurfaceTopography is installed."""
+    return find_spec("SurfaceTopography") is not None
 
 
 def read_instrument(path: Path) -> Channels:
@@ -59,15 +65,16 @@ def _channel(path: Path, at: int, name: str) -> Raw:
         known = channel.physical_sizes is not None
         # A file without sizes is read with its numbers of points, of which nothing is made.
         sizes = {} if known else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
+        source = Source(f"{reader.format()} by SurfaceTopography", column=name)
         body = channel.topography(**sizes)
         heights = np.ma.filled(np.ma.asarray(body.heights(), dtype=np.float64), np.nan)
         unit = None if body.unit is None else str(body.unit)
         if not body.is_uniform:
             positions = np.array(body.positions(), dtype=np.float64)
-            return Raw(heights, unit=unit, positions=positions, digit=np.zeros(positions.shape), position_unit=unit)
+            return Raw(heights, unit=unit, positions=positions, position_unit=unit, source=source)
         spacing = None
         if known:
             along_x_first = np.atleast_1d(body.pixel_size)
             spacing = tuple(float(each) for each in reversed(along_x_first))
     # SurfaceTopography has x along the first axis.
-    return Raw(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit)
+    return Raw(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit, source=source)

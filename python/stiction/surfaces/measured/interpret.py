@@ -1,12 +1,13 @@
-"""Resolve the units, the spacing and the missing points of what a file holds: a profile or a surface in µm.
+"""Third step of reading: resolve the units, the spacing and the missing points of a scan, in µm.
 
 Nothing is guessed.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, TypeVar
+from typing import Any, Generic, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,9 @@ from numpy.typing import NDArray
 from stiction._checks import Floats, choice
 from stiction._units import Quantity, quantity
 from stiction.surfaces.holes import OUTLYING, bridged, outliers_of, words_of_holes
-from stiction.surfaces.measured.raw import LENGTH_UNITS, FormatError, Raw, Stated, length_unit
-from stiction.surfaces.measured.table import UNEVEN, Chosen
+from stiction.surfaces.measured.plausibility import CAVEATS, Scan, caveats_of
+from stiction.surfaces.measured.raw import LENGTH_UNITS, Caveat, FormatError, Raw, Stated, length_unit
+from stiction.surfaces.measured.shapes import UNEVEN, Chosen
 from stiction.surfaces.preparation import piece_of
 from stiction.surfaces.profile import FEWEST_POINTS, Profile
 from stiction.surfaces.surface import Surface
@@ -29,6 +31,7 @@ TELLING = 1000
 
 _SPACINGS = (1e-6, 1e6)
 _HIGHEST = 1e9  # µm; what is outside is no length of a surface, but a slip of the unit or a mark for missing points
+SAME = 1e-6  # relative difference of a height from a code for missing points, in files of single precision
 _Length = TypeVar("_Length", float, Floats)
 
 
@@ -44,13 +47,21 @@ class ReadOptions:
     columns: tuple[Chosen, ...] | None
     outliers: Outliers
     crop: tuple[float, ...] | None  # first and last x, and of a surface y, µm
+    codes: tuple[float, ...] = ()  # heights of missing points, as they stand in the file
+    words: tuple[str, ...] = ()  # words for them
+    accept: tuple[str, ...] = ()  # names of caveats that are settled
+    one_unit: bool = False  # whether one unit is given for all lengths: then it is for those without one in the file
 
 
 def read_options(
     unit: Any, spacing: Any, missing: Missing, channel: Any = None, columns: Any = None, outliers: Outliers = "keep",
-    crop: Any = None,
+    crop: Any = None, missing_value: Any = None, accept: Any = None,
 ) -> ReadOptions:  # fmt: skip
     """Check what the caller says about a file."""
+    codes, words = _codes(missing_value)
+    accepted = tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
+    if not set(accepted) <= set(CAVEATS):
+        raise ValueError(f"accept must be one of {', '.join(CAVEATS)}, or several, got {accept!r}")
     choice("missing", missing, Missing)
     choice("outliers", outliers, Outliers)
     crop = crop.split(",") if isinstance(crop, str) else crop
@@ -61,15 +72,45 @@ def read_options(
         raise ValueError(f"spacing must be one quantity or a pair (Δy, Δx), got {spacing!r}")
     if columns is not None:
         columns = (columns,) if isinstance(columns, (str, int)) else columns
-        if not isinstance(columns, (tuple, list)) or len(columns) not in (1, 2):
-            raise ValueError(f"columns must be one of heights, or two of positions and heights, got {columns!r}")
+        if not isinstance(columns, (tuple, list)) or len(columns) not in (1, 2, 3):
+            raise ValueError(
+                "columns must be one of heights, or two of positions and heights, or three of x, y and z, "
+                f"got {columns!r}"
+            )
     for name, each in (("channel", channel), *(("columns", column) for column in columns or ())):
         if each is not None and (isinstance(each, bool) or not isinstance(each, (str, int))):
             raise ValueError(f"{name} must be a name or a number from 0 on, got {each!r}")
     columns = None if columns is None else tuple(columns)
     dy, dx = (None if each is None else _length("spacing", each) for each in pair)
     crop = None if crop is None else tuple(float(_length("crop", each, zero=True)) for each in crop)
-    return ReadOptions(*_units(unit), (dy, dx), missing, channel, columns, outliers, crop)
+    return ReadOptions(
+        *_units(unit),
+        (dy, dx),
+        missing,
+        channel,
+        columns,
+        outliers,
+        crop,
+        codes,
+        words,
+        accepted,
+        isinstance(unit, str),
+    )
+
+
+def _codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
+    """Return codes of missing points that are numbers, and those that are words."""
+    parts = given.split(",") if isinstance(given, str) else () if given is None else given
+    parts = (parts,) if isinstance(parts, (int, float)) else parts
+    codes, words = [], []
+    for part in parts:
+        if isinstance(part, bool) or not isinstance(part, (str, int, float)) or not str(part).strip():
+            raise ValueError(f"missing_value must be a number or a word, or several, got {given!r}")
+        try:
+            codes.append(float(part))
+        except ValueError:
+            words.append(str(part).strip())
+    return tuple(codes), tuple(words)
 
 
 def _without_unit_axis(raw: Raw) -> Raw:
@@ -80,13 +121,28 @@ def _without_unit_axis(raw: Raw) -> Raw:
     return replace(raw, heights=raw.heights.ravel(), spacing=None if raw.spacing is None else (raw.spacing[along],))
 
 
-def to_profile_or_surface(raw: Raw, name: str, options: ReadOptions) -> tuple[Profile | Surface, list[str]]:
-    """A profile or a surface, whichever the file holds, and what is doubtful about it."""
-    return (to_profile if _without_unit_axis(raw).heights.ndim == 1 else to_surface)(raw, name, options)
+_Body = TypeVar("_Body", bound=Profile | Surface, covariant=True)
 
 
-def to_profile(raw: Raw, name: str, options: ReadOptions) -> tuple[Profile, list[str]]:
-    """A profile and what is doubtful about it."""
+@dataclass(frozen=True)
+class Interpreted(Generic[_Body]):
+    """A profile or a surface with what was resolved on the way."""
+
+    body: _Body
+    unit: str  # of heights in the file
+    missing: int  # points without a height in the file
+    caveats: tuple[Caveat, ...] = ()
+
+
+def to_profile_or_surface(raw: Raw, name: str, options: ReadOptions) -> Interpreted[Profile | Surface]:
+    """Return a profile or a surface, whichever the file holds."""
+    if _without_unit_axis(raw).heights.ndim == 1:
+        return to_profile(raw, name, options)
+    return to_surface(raw, name, options)
+
+
+def to_profile(raw: Raw, name: str, options: ReadOptions) -> Interpreted[Profile]:
+    """Return a profile."""
     raw = _without_unit_axis(raw)
     if raw.heights.ndim != 1:
         raise FormatError(
@@ -101,38 +157,59 @@ def to_profile(raw: Raw, name: str, options: ReadOptions) -> tuple[Profile, list
     given, other = options.spacing
     if given != other:
         raise FormatError("holds a profile, which has one spacing; two are given")
-    heights = _heights(raw, options.height_unit)
-    dx, steps, doubts = _profile_spacing(raw, options.position_unit, given)
+    _ask_for_all(raw, options)
+    heights, unit, caveats, coded = _heights(raw, options)
+    dx, steps, doubts = _profile_spacing(raw, _given_lateral(raw, options), given)
     if dx < 0:
         heights, dx = heights[::-1], -dx
         steps.append("turned round, because its positions decreased")
-    heights, missing, filled = _without_gaps(heights, (_sane(dx),), options)
-    history = (f"read from {name}", *raw.history, *steps, *filled)
-    return Profile(heights, spacing=dx, history=history, missing=missing), doubts
+    return _interpreted(Profile, raw, name, options, heights, (_sane(dx),), [*coded, *steps], unit, [*caveats, *doubts])
 
 
-def to_surface(raw: Raw, name: str, options: ReadOptions) -> tuple[Surface, list[str]]:
-    """A surface and what is doubtful about it."""
+def to_surface(raw: Raw, name: str, options: ReadOptions) -> Interpreted[Surface]:
+    """Return a surface."""
     raw = _without_unit_axis(raw)
     if raw.heights.ndim != 2:
         raise FormatError(f"holds a profile of {raw.heights.size} points; read_profile() reads profiles")
-    heights = _heights(raw, options.height_unit)
-    steps: list[str] = []
+    _ask_for_all(raw, options)
+    heights, unit, caveats, steps = _heights(raw, options)
     if raw.size is not None and raw.spacing is None:
-        (dy, dx), steps = _of_size(raw.size, heights.shape, options.spacing)
+        (dy, dx), said = _of_size(raw.size, heights.shape, options.spacing)
+        steps += said
     elif raw.spacing is not None:
-        length = _unit("positions", raw.position_unit, options.position_unit)
+        length = _unit("positions", raw.position_unit, _given_lateral(raw, options))
         dy, dx = (_agreeing(_in_um(own, length), each) for own, each in zip(raw.spacing, options.spacing, strict=True))
     elif options.spacing[0] is not None and options.spacing[1] is not None:
         dy, dx = float(options.spacing[0]), float(options.spacing[1])
         own, off = _stated(raw) or (dx, 0.0)  # of one of the two, whichever
         if min(abs(own - dy), abs(own - dx)) > off:
             raise FormatError(f"says that its spacing is {own:g} µm, but {dy:g} µm and {dx:g} µm are given")
+        _compare_bare(raw, (dy, dx))
     else:
-        raise FormatError('holds no spacing; give it, as in "0.5 um", or "2 um" for rows and "0.5 um" for columns')
-    heights, missing, filled = _without_gaps(heights, (_sane(dy), _sane(dx)), options)
+        raise FormatError(_NO_MAP_SPACING)
+    return _interpreted(Surface, raw, name, options, heights, (_sane(dy), _sane(dx)), steps, unit, caveats)
+
+
+def _interpreted(
+    kind: Any, raw: Raw, name: str, options: ReadOptions, heights: Floats, spacing: tuple[float, ...],
+    steps: Sequence[str], unit: str, caveats: Sequence[Caveat],
+) -> Interpreted[Any]:  # fmt: skip
+    scan = Scan(
+        heights, spacing, factor=LENGTH_UNITS[unit] * (raw.factor or 1.0), from_text=raw.source.lines is not None
+    )
+    absent = int(np.count_nonzero(np.isnan(heights)))
+    found = () if absent == heights.size else caveats_of(scan)
+    kept = tuple(each for each in (*raw.caveats, *caveats, *found) if each.name not in options.accept)
+    accepted = sorted({each.name for each in (*raw.caveats, *caveats, *found)} & set(options.accept))
+    steps = [*steps, *(f"accepted: {name}" for name in accepted)]
+    try:
+        heights, missing, filled = _without_gaps(heights, spacing, options)
+    except FormatError as error:
+        codes = [each for each in kept if each.name == "repeated-extreme"]
+        raise FormatError("; ".join([str(error), *map(str, codes)])) from None
     history = (f"read from {name}", *raw.history, *steps, *filled)
-    return Surface(heights, spacing=(dy, dx), history=history, missing=missing), []
+    body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
+    return Interpreted(body, unit, absent, kept)
 
 
 # ---- Units and spacings ---------------------------------------------------------------------------------------------
@@ -167,8 +244,14 @@ def _unit(what: str, of_file: str | None, of_caller: str | None) -> str:
         raise FormatError(f"says that its {what} are in {of_file}, but unit says {of_caller}")
     unit = known if known is not None else caller
     if unit is None:
-        raise FormatError(f'does not say in which unit its {what} are; give the unit, as in "um"')
+        raise FormatError(f'does not say in which unit its {what} are; give the unit, as in "um" (--unit um)')
     return unit
+
+
+def _given_lateral(raw: Raw, options: ReadOptions) -> str | None:
+    """Return the unit of positions that is given; one unit for all lengths is not for those that the file has."""
+    known = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
+    return None if known else options.position_unit
 
 
 def _in_um(values: _Length, unit: str) -> _Length:
@@ -177,17 +260,86 @@ def _in_um(values: _Length, unit: str) -> _Length:
     return values / round(1 / factor) if factor < 1 else values * factor
 
 
-def _heights(raw: Raw, unit: str | None) -> Floats:
+def _heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[Caveat], list[str]]:
+    """Return heights in µm, NaN where they are missing, their unit, doubts, and steps of the history."""
+    unit, caveats, steps = _height_unit(raw, options.height_unit)
+    numbers = raw.heights
+    for code in (*raw.codes, *options.codes):
+        at = np.abs(numbers - code) <= SAME * abs(code)
+        if at.any():
+            numbers = np.where(at, np.nan, numbers)
+            steps.append(f"{int(at.sum())} points of {code:g} are missing points")
+        elif code in options.codes:
+            steps.append(f"no point is {code:g}, the code for missing points")
     with np.errstate(all="ignore"):
-        heights = _in_um(raw.heights, _unit("heights", raw.unit, unit))
-        wild = np.abs(heights) > _HIGHEST
-    if wild.any():
-        value = heights[wild].flat[0]
+        if raw.factor is not None:
+            numbers = numbers * raw.factor
+            steps.append(f"multiplied by {raw.factor:g} {unit}, as the file says")
+        heights = _in_um(numbers, unit)
+        lowest, highest = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
+        while not (lowest >= -_HIGHEST and highest <= _HIGHEST) and not np.isnan(lowest):
+            value = highest if highest > _HIGHEST else lowest
+            at = heights == value
+            if at.sum() < 2 or np.isinf(value):
+                wild = int((np.abs(heights) > _HIGHEST).sum())
+                raise FormatError(
+                    f"holds a height of {value:.3g} µm, which no surface has ({wild} such values); if it marks missing "
+                    f"points, --missing-value {value / LENGTH_UNITS[unit]:.6g} says so"
+                )
+            heights = np.where(at, np.nan, heights)
+            steps.append(f"{int(at.sum())} points of {value:.3g} µm, which no surface has, are missing points")
+            lowest, highest = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
+    return heights, unit, caveats, steps
+
+
+def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[Caveat], list[str]]:
+    """Return the unit of heights; a file that converts its numbers by a factor of its own needs none."""
+    if raw.factor is None or given is None or raw.unit is None or length_unit(raw.unit) is None:
+        return _unit("heights", raw.unit, given), [], []
+    own, caller = str(length_unit(raw.unit)), str(length_unit(given))
+    if LENGTH_UNITS[own] == LENGTH_UNITS[caller]:
+        return own, [], []
+    text = f"unit says {given}, but the file converts its heights to {own} by a factor, which is applied"
+    return own, [Caveat("unit-not-needed", text, "leave out --unit")], []
+
+
+_NO_MAP_SPACING = (
+    'holds no spacing; give it, as in "0.5 um" (--spacing "0.5 um"), or "2 um" for rows and "0.5 um" for columns'
+)
+
+
+def _ask_for_all(raw: Raw, options: ReadOptions) -> None:
+    """Refuse a file that lacks its units and its spacing, with one message for both."""
+    lacks_unit = raw.unit is None and options.height_unit is None
+    lacks_spacing = options.spacing == (None, None) and all(
+        each is None for each in (raw.positions, raw.spacing, raw.size, raw.stated if raw.heights.ndim == 1 else None)
+    )
+    if not (lacks_unit and lacks_spacing):
+        return
+    example = '--unit um --spacing "0.5 um"'
+    bare = (
+        f"; its header has a spacing of {' and '.join(f'{each:g}' for each in raw.bare_spacing)} without a unit"
+        if raw.bare_spacing
+        else ""
+    )
+    raise FormatError(
+        "does not say in which unit its heights are, and holds no spacing of its points; give the unit, as in "
+        f'"um", and the spacing, as in "0.5 um" ({example}){bare}'
+    )
+
+
+def _compare_bare(raw: Raw, given: tuple[float, ...]) -> None:
+    """Refuse a spacing that is no multiple by units of that which stands in the header without a unit."""
+    if raw.bare_spacing is None:
+        return
+    own = raw.bare_spacing if len(raw.bare_spacing) == len(given) else raw.bare_spacing * len(given)
+    ratios = [each / bare for each, bare in zip(given, own[: len(given)], strict=True) if bare > 0]
+    units = set(LENGTH_UNITS.values())
+    if ratios and not any(all(abs(ratio / unit - 1) <= 1e-3 for ratio in ratios) for unit in units):
         raise FormatError(
-            f"holds a height of {value:.3g} µm, which no surface has ({int(wild.sum())} such values); "
-            "if it marks missing points, write them as nan"
+            f"has a spacing of {' and '.join(f'{each:g}' for each in own)} in its header, without a unit, but spacing "
+            f"says {' and '.join(f'{each:g}' for each in given)} µm"
         )
-    return heights
 
 
 def _of_size(
@@ -205,8 +357,8 @@ def _of_size(
     return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y (header)"]
 
 
-def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str], list[str]]:
-    """Spacing of a profile (µm, negative if its positions decrease), what the history says of it, what is doubtful."""
+def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str], list[Caveat]]:
+    """Return the spacing of a profile (µm, negative if its positions decrease), steps of the history, and doubts."""
     stated = _stated(raw)
     if raw.positions is None:
         if raw.spacing is not None:
@@ -217,15 +369,16 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
                 raise FormatError(f"says that its spacing is {stated[0]:g} µm, but spacing says {given.text}")
             return given if given is not None else stated[0], [], []
         if given is None:
-            raise FormatError('holds heights only; give the spacing of its points, as in "0.5 um"')
+            raise FormatError('holds heights only; give the spacing of its points, as in "0.5 um" (--spacing "0.5 um")')
+        _compare_bare(raw, (given,))
         return given, [], []
     length = _unit("positions", raw.position_unit, unit)
-    digit = np.zeros(raw.positions.shape) if raw.digit is None else raw.digit
     with np.errstate(all="ignore"):
-        x, digit = _in_um(raw.positions, length), _in_um(digit, length)
+        x = _in_um(raw.positions, length)
         if not np.isfinite(x).all() or np.abs(x).max() > _HIGHEST:
             at = int(np.flatnonzero(~(np.abs(x) <= _HIGHEST))[0])
             raise FormatError(f"has no usable position at point {at}, from 0 on; each height needs one")
+        digit = np.zeros(x.shape) if raw.digits is None else _in_um(raw.digits(), length)
         measured = float((x[-1] - x[0]) / (x.size - 1))
         direction = -1.0 if measured < 0 else 1.0
         if given is not None:
@@ -238,13 +391,17 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
         if stated is not None and _worst(x, direction * stated[0], digit, 1e-9 * stated[0]) is None:
             return direction * stated[0], [f"spacing {stated[0]:.7g} µm (header and positions agree)"], []
         _refuse_uneven(x, measured, digit)
-    doubts = []
+    doubts: list[Caveat] = []
     step = f"spacing {abs(measured):.7g} µm from its positions"
     if stated is not None:
         if abs(abs(measured) - stated[0]) > stated[1] + digit.max() / (x.size - 1):
             doubts.append(
-                f"its spacing is said to be {stated[0]:g} µm, but its positions are {abs(measured):.7g} µm apart, "
-                "which is taken"
+                Caveat(
+                    "spacing",
+                    f"its spacing is said to be {stated[0]:g} µm, but its positions are {abs(measured):.7g} µm apart, "
+                    "which is taken",
+                    "check the unit of positions, --unit",
+                )
             )
         step += f", where it says {stated[0]:g} µm"
     return measured, [step], doubts

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._text import printable
-from stiction.surfaces.measured.raw import FormatError, Raw, Table
+from stiction.surfaces.measured.raw import FormatError, Raw, Source, Table
 from stiction.surfaces.profile import MOST_POINTS
 
 SPACINGS = ("spacing_y_um", "spacing_x_um")
@@ -45,8 +45,11 @@ def read_npy(data: bytes) -> Table | Raw:
     beside = _beside(file, data)
     if beside is not None and len(beside[0]) == heights.ndim:
         spacing, history = beside
-        return Raw(heights, unit="um", spacing=spacing, position_unit="um", history=history)
-    return Table(heights.reshape(-1, 1) if heights.ndim == 1 else heights, area=True)
+        return Raw(
+            heights, unit="um", spacing=spacing, position_unit="um", history=history, source=Source("NumPy array")
+        )
+    values = heights.reshape(-1, 1) if heights.ndim == 1 else heights
+    return Table(values, area=True, source=Source("NumPy array"))
 
 
 def _beside(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tuple[str, ...]] | None:

@@ -13,7 +13,7 @@ from stiction._checks import Floats
 from stiction._files import new_file
 from stiction.surfaces.measured.npy import write_npy
 from stiction.surfaces.measured.raw import FormatError
-from stiction.surfaces.measured.table import FEWEST_COLUMNS
+from stiction.surfaces.measured.shapes import MIN_COLUMNS
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -78,9 +78,9 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     if not isinstance(surface, Surface):
         raise ValueError(f"surface must be a Surface, got {type(surface).__name__}")
     columns = surface.heights.shape[1]
-    if Path(path).suffix.lower() == ".csv" and columns < FEWEST_COLUMNS:
+    if Path(path).suffix.lower() == ".csv" and columns < MIN_COLUMNS:
         raise FormatError(
-            f"{path}: cannot be written: a matrix in .csv needs at least {FEWEST_COLUMNS} columns, and the surface "
+            f"{path}: cannot be written: a matrix in .csv needs at least {MIN_COLUMNS} columns, and the surface "
             f"has {columns}; choose .npy"
         )
     head = [f"# spacing along {axis}: {step!r} um\n" for axis, step in zip("yx", surface.spacing, strict=True)]

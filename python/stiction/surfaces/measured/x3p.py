@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, FormatError, Raw, chunks
+from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, Caveat, FormatError, Raw, Source, chunks
 from stiction.surfaces.profile import MOST_POINTS
 
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
@@ -42,9 +42,11 @@ def read_x3p(data: bytes) -> Raw:
 
 
 def _read(archive: zipfile.ZipFile) -> Raw:
-    if _MAIN not in archive.namelist():
+    mains = [name for name in archive.namelist() if name.rpartition("/")[2] == _MAIN and name.count("/") <= 1]
+    if not mains:
         raise FormatError(f"is a zip archive without {_MAIN}, so no X3P file")
-    root = _Main(archive)
+    folder = min(mains, key=len).removesuffix(_MAIN)  # some programs put all into a folder
+    root = _Main(archive, folder)
     feature = _text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):
         raise FormatError(f"holds the feature type {feature!r}; profiles (PRF) and surfaces (SUR) can be read")
@@ -61,33 +63,33 @@ def _read(archive: zipfile.ZipFile) -> Raw:
     columns = _columns(archive, root, {name: axes[name].stored for name in absolute}, points)
     heights = axes["Z"].lengths(columns["Z"])
     if (link := _text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
-        bits = np.frombuffer(b"".join(chunks(archive, link, points // 8 + _SPARE)), dtype=np.uint8)
+        bits = np.frombuffer(b"".join(chunks(archive, root.folder + link, points // 8 + _SPARE)), dtype=np.uint8)
         if bits.size * 8 < points:
             raise FormatError(f"says which of {points} points are valid in only {bits.size} bytes")
         heights[np.unpackbits(bits, count=points, bitorder="little") == 0] = np.nan
+    caveats = tuple(caveat for name in absolute for caveat in axes[name].caveats)
+    common: dict[str, Any] = {"unit": "m", "position_unit": "m", "caveats": caveats, "source": Source("X3P")}
     if feature == "SUR":
-        return Raw(
-            heights.reshape(shape), unit="m", spacing=(axes["Y"].increment, axes["X"].increment), position_unit="m"
-        )
+        return Raw(heights.reshape(shape), spacing=(axes["Y"].increment, axes["X"].increment), **common)
     if shape[0] != 1:
         raise FormatError(f"holds {shape[0]} profiles; one can be read")
     if "Y" in absolute and np.ptp(axes["Y"].lengths(columns["Y"])) > 0:
         raise FormatError("holds a profile whose points move along y as well; one along x can be read")
     if "X" in absolute:
         positions = axes["X"].lengths(columns["X"])
-        single = np.spacing(np.abs(positions).astype(np.float32)).astype(np.float64)
-        digit = {"<f4": single, "<f8": np.zeros(points)}.get(axes["X"].stored)
-        return Raw(
-            heights, unit="m", positions=positions, position_unit="m",
-            digit=np.full(points, abs(axes["X"].increment)) if digit is None else digit,
-        )  # fmt: skip
-    return Raw(heights, unit="m", spacing=(axes["X"].increment,), position_unit="m")
+        increment = abs(axes["X"].increment)
+        digit = {
+            "<f4": np.spacing(np.abs(positions).astype(np.float32)).astype(np.float64), "<f8": np.zeros(points),
+        }.get(axes["X"].stored, np.full(points, increment))  # fmt: skip
+        return Raw(heights, positions=positions, digits=lambda: digit, **common)
+    return Raw(heights, spacing=(axes["X"].increment,), **common)
 
 
 class _Main:
     """The texts of main.xml by their paths below the root, and the points that it lists; no document type, no bombs."""
 
-    def __init__(self, archive: zipfile.ZipFile) -> None:
+    def __init__(self, archive: zipfile.ZipFile, folder: str) -> None:
+        self.folder = folder
         self.texts: dict[str, str] = {}
         self.listed: list[str] | None = None
         self._path: list[str] = []
@@ -100,7 +102,7 @@ class _Main:
         parser.EndElementHandler = self._end
         parser.CharacterDataHandler = self._words.append
         read = 0
-        for chunk in chunks(archive, _MAIN, MOST_TEXT_BYTES):
+        for chunk in chunks(archive, folder + _MAIN, MOST_TEXT_BYTES):
             parser.Parse(chunk)
             read += len(chunk)
             if read > _MOST_WORDS + (0 if self.listed is None else _BYTES_OF_A_POINT * math.prod(_shape(self))):
@@ -145,7 +147,18 @@ class _Axis:
         self.absolute = kind == "A"
         self.stored = _TYPES[stored]
         self.increment = _number(root, f"{path}/Increment", math.nan)
-        if self.absolute and stored in ("F", "D") and not abs(self.increment) > 0:  # numbers that need no factor
+        self.caveats: tuple[Caveat, ...] = ()
+        if self.absolute and stored in ("F", "D"):  # lengths that need no factor
+            if abs(self.increment) > 0 and self.increment != 1:
+                self.caveats = (
+                    Caveat(
+                        "x3p-increment",
+                        f"{name} is stored in floating point, as metres, and has an increment of {self.increment:g}, "
+                        "which is not applied",
+                        "compare a height with that of another program; if it agrees, "
+                        "accept it (--accept x3p-increment)",
+                    ),
+                )
             self.increment = 1.0
         elif self.absolute and not abs(self.increment) > 0:
             raise FormatError(f"has whole numbers for {name}, but no Increment to multiply them by")
@@ -171,7 +184,7 @@ def _columns(archive: zipfile.ZipFile, root: _Main, stored: dict[str, str], poin
     if root.listed is not None:
         return _listed(root.listed, list(stored), points)
     kind = np.dtype(list(stored.items()))
-    link, wanted = _text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
+    link, wanted = root.folder + _text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
     size = archive.getinfo(link).file_size if link in archive.namelist() else wanted
     data = b"".join(chunks(archive, link, wanted)) if size == wanted else b""
     if len(data) != wanted:

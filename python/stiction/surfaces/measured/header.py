@@ -1,0 +1,270 @@
+"""Facts that the words above the numbers declare: names and units of columns, spacings, sizes, factors, codes."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from stiction.surfaces.measured.raw import Declared, Stated, length_unit
+from stiction.surfaces.measured.split import Dialect
+
+_T = TypeVar("_T")
+COMMENT = "#%!/ "  # characters that begin a line of words in some programs
+
+_DIGITS = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})?"
+_SEPARATOR = r"\s*(?:[:=,;\t]|\s)\s*"
+_UNIT = r"[^\W\d_]{1,12}"
+
+_STATED = re.compile(
+    r"\W*(?:(?:measurement|x|lateral|horizontal|sampl\w*|point|data|scan)[\s_-]*)*"
+    r"(spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch|dx|"
+    r"Schrittweite|Punktabstand|Messpunktabstand|Abstand)\s*(?:[\[(]([^\])]{1,12})[\])])?\s*[:=,;\t ]\s*"
+    rf"({_DIGITS})\s*({_UNIT})?\s*(/|per\b)?",
+    re.IGNORECASE,
+)
+_AXIS_STATED = {
+    axis: re.compile(
+        rf"\W*(?:{axis}[\s_-]*(?:spacing|step(?:[ _-]?size)?|increment|interval|resolution|scale|pixel[ _-]?size|pitch|"
+        rf"direction)|d{axis}|(?:spacing|step|pitch|pixel[ _-]?size)[\s_-]*(?:in |along )?{axis})"
+        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR}({_DIGITS})\s*[\"']?({_UNIT})?",
+        re.IGNORECASE,
+    )
+    for axis in "yx"
+}
+_SPACINGS = tuple(
+    re.compile(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
+    for axis in "yx"
+)
+"""Header lines as `write_surface` writes them above a matrix."""
+
+_SIZES = tuple(
+    re.compile(
+        rf"\W{{0,4}}(?:{name})\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR}({_DIGITS})\s*({_UNIT})?\s*", re.IGNORECASE
+    )
+    for name in (
+        "height|h[öo]he|hauteur|altezza|altura|výška|wysokość|высота|高さ|高度|높이|"
+        "y[ _-]?(?:length|size|range)|length y",
+        "width|breite|largeur|larghezza|anchura|ancho|largura|šířka|szerokość|ширина|幅|宽度|너비|폭|"
+        "x[ _-]?(?:length|size|range)|length x",
+    )
+)
+"""Height and width above a matrix, as Gwyddion and others write them."""
+
+_UNIT_OF_HEIGHTS = re.compile(
+    r"\W*(?:(?:z|data|height|value|amplitude|vertical|profile)[\s_-]*)?"
+    r"(?:units?|einheit(?:en)?|unités?|unidad(?:es)?(?: de valor)?|unità(?: valore)?|jednotk[ay](?: hodnot)?|"
+    r"単位|値の単位|单位|값 단위|단위|единицы измерения)"
+    r"(?: (?:of )?(?:z|data|heights?|values?))?\s*[:=,;\t]\s*[\"']?([^\s\"',;:]{1,20})[\"']?\W*",
+    re.IGNORECASE,
+)
+_FACTOR = re.compile(
+    rf"\W*(?:(?:z|height|vertical|data|value)[\s_-]*)+(?:conversion[\s_-]*)?(?:factor|scale|scaling|multiplier)"
+    rf"\s*(?:\(\s*-?>?\s*({_UNIT})\s*\)|[\[(]({_UNIT})[^\])]{{0,20}}[\])])?{_SEPARATOR}({_DIGITS})\s*({_UNIT})?\W*.{{0,20}}",
+    re.IGNORECASE,
+)
+_CODE = re.compile(
+    rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
+    rf"(?:values?|data|points?|pixels?|height|code|wert)?(?: value)?{_SEPARATOR}({_DIGITS})\W*",
+    re.IGNORECASE,
+)
+_POINTS = re.compile(
+    r"\W*(?:(?:number|no\.?|anzahl) (?:of |der )?(?:data[ _-]?)?(?:points|punkte)|num[ _-]?points|data[ _-]?size|"
+    r"points|datenpunkte|messpunkte)" + _SEPARATOR + r"([0-9]{1,9})\W*",
+    re.IGNORECASE,
+)
+_HISTORY = "# history: "
+
+NO_LENGTH = re.compile(
+    r"(?:[afpnuµμmcdhkMGT]|micror?|milli|nano|kilo)?[ -]?"
+    r"(?:rad(?:ians?)?|V|A|N|s|Hz|Pa|K|C|W|J|g|F|T|volts?|amp(?:ere)?s?|newtons?|seconds?|sec|min|deg(?:rees?)?|°|°C|"
+    r"counts?|cts|lsb|digits?|adu|dB|%|a\.?u\.?|arb\.?(?: ?units?)?|px|pixels?|pts?|points?|inch(?:es)?|in|mil|"
+    r"1/0|0/1|bool|waves?|fringes?|lines?|1)(?:/[\w.°µ]+)?"
+)
+"""Units of other things than lengths, and of lengths that are read by no program without a doubt."""
+
+NO_HEIGHT = re.compile(
+    r"\b(slopes?|steigung|pente|phase|current|strom|voltage|spannung|intensity|intensität|luminance|brightness|"
+    r"deflection|friction|lateral force|force|kraft|time|zeit|curvature|krümmung|gradient|temperature)\b",
+    re.IGNORECASE,
+)
+"""Names of quantities that are no heights."""
+
+_BRACKETS = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
+_VALUE = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
+
+
+@dataclass(frozen=True)
+class Heads:
+    """Names and units of the columns of a table, as far as there are any."""
+
+    names: tuple[str, ...] = ()
+    units: tuple[str | None, ...] = ()
+
+
+def normal(line: str) -> str:
+    """Return a line with characters of full width, ligatures of units and quotes as plain ones."""
+    return unicodedata.normalize("NFKC", line).replace('"', "").replace("\u03bc", "µ")
+
+
+def declared(header: Sequence[str], *, below: Sequence[str] = ()) -> Declared:
+    """Return the facts that lines above, or below, the numbers declare; the first line that does so decides."""
+    lines = [normal(line) for line in (*header, *below)]
+    pixel = _first(_STATED, lines, lambda match: _spacing(match) if match[1].casefold().startswith("pixel") else None)
+    spacings: tuple[Stated, Stated] | None = (
+        _pair([_first(pattern, lines, lambda match: _stated(*match.groups())) for pattern in _SPACINGS])
+        or _pair([_first(_AXIS_STATED[axis], lines, _bracketed) for axis in "yx"])
+        or _pair([pixel, pixel])
+    )
+    bare: list[float | None] = [_first(_AXIS_STATED[axis], lines, _bare) for axis in "yx"]
+    plain_bare = _first(_STATED, lines, lambda match: _bare(match) if not match[5] else None)
+    unit_line = next((line for line in lines if (match := _UNIT_OF_HEIGHTS.fullmatch(line)) and is_unit(match[1])), "")
+    factor_line = next((line for line in lines if (match := _FACTOR.fullmatch(line)) and _unit_of_factor(match)), "")
+    unit, factor = None, None
+    if unit_line and (match := _UNIT_OF_HEIGHTS.fullmatch(unit_line)):
+        unit = length_unit(match[1]) or match[1]
+    if factor_line and (match := _FACTOR.fullmatch(factor_line)):
+        unit, factor = _unit_of_factor(match), _float(match[3])
+    codes = [_float(match[1]) for line in lines if (match := _CODE.fullmatch(line))]
+    points = next((int(match[1]) for line in lines if (match := _POINTS.fullmatch(line))), None)
+    both = tuple(each for each in bare if each is not None)
+    return Declared(
+        spacing=_first(_STATED, lines, _spacing),
+        spacings=spacings,
+        size=_pair([_first(pattern, lines, _bracketed) for pattern in _SIZES]),
+        bare_spacing=both if both else None if plain_bare is None else (plain_bare,),
+        unit=unit,
+        factor=factor,
+        codes=tuple(codes),
+        points=points,
+        line=factor_line or unit_line,
+    )
+
+
+def history_of(header: Sequence[str]) -> list[str]:
+    """Return the steps of the history that `write_profile` and `write_surface` put above the numbers."""
+    return [line.removeprefix(_HISTORY) for line in header if line.startswith(_HISTORY)]
+
+
+def _first(pattern: re.Pattern[str], lines: Sequence[str], read: Callable[[re.Match[str]], _T | None]) -> _T | None:
+    matches = (match for line in lines if (match := pattern.match(line)))
+    return next((found for match in matches if (found := read(match)) is not None), None)
+
+
+def _pair(both: Sequence[_T | None]) -> tuple[_T, _T] | None:
+    first, second = both
+    return None if first is None or second is None else (first, second)
+
+
+def _spacing(match: re.Match[str]) -> Stated | None:
+    """Return a spacing in words; a resolution is one if it is a length per sample."""
+    if match[1].casefold() == "resolution" and not match[5]:
+        return None
+    return _stated(match[3], match[4] or match[2])
+
+
+def _bracketed(match: re.Match[str]) -> Stated | None:
+    """Return a length whose unit stands behind it, or in brackets behind its name."""
+    return _stated(match[2], match[3] or match[1])
+
+
+def _bare(match: re.Match[str]) -> float | None:
+    """Return a number without any unit."""
+    number, units = (match[3], (match[4], match[2])) if len(match.groups()) == 5 else (match[2], (match[3], match[1]))
+    return None if any(units) else _float(number)
+
+
+def _stated(digits: str, unit: str | None) -> Stated | None:
+    if unit is None or length_unit(unit) is None:
+        return None
+    mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
+    digit = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+    return Stated(float(f"{mantissa}e{exponent or 0}"), digit, str(length_unit(unit)))
+
+
+stated = _stated
+
+
+def _float(digits: str) -> float:
+    return float(digits.replace(",", "."))
+
+
+def _unit_of_factor(match: re.Match[str]) -> str | None:
+    unit = match[1] or match[2] or match[4]
+    return length_unit(unit) if unit else None
+
+
+def is_unit(word: str) -> bool:
+    """Return whether a word is a unit, of a length or of anything else."""
+    return length_unit(word) is not None or NO_LENGTH.fullmatch(word) is not None
+
+
+# ---- Names of columns -----------------------------------------------------------------------------------------------
+
+
+def heads_of(header: Sequence[str], width: int, dialect: Dialect) -> Heads:
+    """Return names and units of so many columns from the lines above them."""
+    lines = [normal(line) for line in header]
+    if not lines:
+        return Heads()
+    names, units = _names(lines, width, dialect), _units(lines, width, dialect)
+    return Heads(names, units)
+
+
+def split_heads(line: str, width: int, dialect: Dialect) -> list[str] | None:
+    """Return the cells of a line of names, which may be parted in another way than the numbers below it."""
+    bare = line.lstrip(COMMENT) if line.lstrip(" ")[:1] in tuple("#%!/") else line
+    ways = [dialect.cells(bare), *(bare.split(separator) for separator in "\t;,|"), re.split(r"\s{2,}", bare.strip())]
+    for cells in ways:
+        cells = [cell.strip(" \"'") for cell in cells]
+        while len(cells) > width and not cells[-1]:
+            cells.pop()
+        if len(cells) == width:
+            return cells
+        if len(cells) == width - 1 and line[:1] in "\t;, ":  # nothing above the numbers of rows
+            return ["", *cells]
+    return None
+
+
+def _names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str, ...]:
+    if width == 1:
+        return ()
+    last = split_heads(lines[-1], width, dialect)
+    if last is None:
+        return ()
+    if len(lines) > 1 and all(is_unit(cell.strip("[]() ")) or not cell for cell in last):
+        above = split_heads(lines[-2], width, dialect)
+        if above is not None:
+            return tuple(
+                f"{name} [{unit.strip('[]() ')}]" if unit else name for name, unit in zip(above, last, strict=True)
+            )
+    return tuple(last)
+
+
+def _units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
+    """Return the unit of each column from the line of names above the data."""
+    named = [line.lstrip(COMMENT) for line in lines if any(character.isalpha() for character in line)]
+    # A line with a number is not one of names: "Length (um): 1500" says nothing of the heights below it.
+    if not named or _VALUE.search(_BRACKETS.sub(" ", named[-1])):
+        return (None,) * width
+    cells = split_heads(named[-1], width, dialect) if width > 1 else None
+    if cells is not None and any(unit_of(cell) for cell in cells):
+        return tuple(unit_of(cell) for cell in cells)
+    bracketed = [word for word in _BRACKETS.findall(named[-1]) if is_unit(word)]
+    units = [length_unit(word.strip(" \"'.:")) or word for word in bracketed]
+    if not units:
+        units = [unit for word in re.split(r"[\s,;]+", named[-1]) if (unit := length_unit(word.strip(" \"'.:")))]
+    if len(units) == width:
+        return tuple(units)
+    return (units[0] if width > 2 and len(units) == 1 else None,) * width
+
+
+def unit_of(cell: str) -> str | None:
+    """Return the unit that the name of a column ends with: "z (nm)", "z [nm]", "z/nm", "height in nm", "z nm"."""
+    bracketed = _BRACKETS.findall(cell)
+    last = bracketed[-1].strip() if bracketed else cell.strip(" \"'")
+    if NO_LENGTH.fullmatch(last):  # which is refused, if it is this column that is meant
+        return last
+    return length_unit((last if bracketed else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))

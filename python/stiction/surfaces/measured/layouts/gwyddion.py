@@ -1,0 +1,88 @@
+"""Text export of Gwyddion, in any language of its interface; the first line of numbers is the top of the image.
+
+::
+
+    # Kanal: Topo
+    # Breite: 4.000 µm
+    # Höhe: 3.000 µm
+    # Einheiten: nm
+    0.7369	-0.2650	-1.7248
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+from stiction.surfaces.measured.decode import Text
+from stiction.surfaces.measured.header import normal, stated
+from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.raw import Channels, Content, Table, length_unit
+from stiction.surfaces.measured.text import table_of
+
+_LENGTH = re.compile(r"#\s*[^:=]{1,40}[:=]\s*([0-9]+(?:[.,][0-9]+)?(?:[eE][+-]?[0-9]+)?)\s*([^\W\d_]{1,12})\s*")
+_WORDS = re.compile(r"#\s*[^:=]{1,40}[:=]\s*(\S.{0,80})?")
+
+
+def _head(lines: Sequence[str]) -> list[str]:
+    """Return the comments of a channel: its name, width, height and unit, in this order in all languages."""
+    comments = []
+    for line in map(normal, lines):
+        if not line.startswith("#"):
+            break
+        comments.append(line)
+    return comments[-4:]
+
+
+def _is_head(comments: Sequence[str]) -> bool:
+    lengths = [_LENGTH.fullmatch(line) for line in comments]
+    return (
+        len(comments) >= 3
+        and lengths[0] is None
+        and all(match is not None and length_unit(match[2]) for match in lengths[1:3])
+        and all(_WORDS.fullmatch(line) for line in comments)
+    )
+
+
+def _described(table: Table, comments: Sequence[str]) -> Table:
+    width, height = (_LENGTH.fullmatch(line) for line in comments[1:3])
+    assert width is not None
+    assert height is not None
+    along_y, along_x = stated(*height.groups()), stated(*width.groups())
+    assert along_y is not None
+    assert along_x is not None
+    size = (along_y, along_x)
+    unit = table.declared.unit
+    if len(comments) > 3 and (match := _WORDS.fullmatch(comments[3])) is not None and match[1]:
+        unit = length_unit(match[1].strip()) or match[1].strip()
+    channel = _WORDS.fullmatch(comments[0])
+    column = (channel[1] or "") if channel else ""
+    units = (None,) * table.values.shape[1]
+    return replace(
+        table, names=(), units=units, area=True, source=replace(table.source, column=column.strip()),
+        declared=replace(table.declared, size=size, unit=unit, spacing=None, spacings=None, bare_spacing=None),
+    )  # fmt: skip
+
+
+def _read(text: Text) -> Content:
+    content = table_of(text)
+    if isinstance(content, Table):
+        return _described(content, _head(text.head))
+    assert isinstance(content, Channels)
+    read = content.read
+
+    def channel(at: int) -> Table:
+        table = read(at)
+        assert isinstance(table, Table)
+        assert table.source.lines is not None
+        first = table.source.lines[0] - 1
+        above = first
+        while above > 0 and text.line(above - 1).startswith("#"):
+            above -= 1
+        return _described(table, _head(text.lines(above, first)))
+
+    return replace(content, read=channel)
+
+
+LAYOUT = Layout("Gwyddion text", lambda text: _is_head(_head(text.head[:6])), _read)

@@ -1,0 +1,103 @@
+"""CSV export of Keyence VK and VR microscopes, in any language: a calibration in three cells, then counts and a unit.
+
+::
+
+    "Model","VK-X3000 Series"
+    "Data type","ImageDataCsv"
+    "XY Calibration","276.500","nm"
+    "Output image data","Height"
+    "Horizontal","32"
+    "Vertical","24"
+    "Unit","um"
+
+    "Height"
+    "11.844","11.917",""
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from stiction.surfaces.measured.decode import NUMBERS, Text
+from stiction.surfaces.measured.header import is_unit, normal
+from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.raw import Caveat, FormatError, Raw, length_unit
+from stiction.surfaces.measured.split import dialect_of, numbers_of, runs_of
+from stiction.surfaces.measured.text import source_of
+
+_NUMBER = re.compile(r"[0-9]+(?:[.,][0-9]+)?")
+
+
+def _cells(line: str) -> list[str]:
+    return [
+        cell.strip()
+        for cell in re.split('[;\t]|,(?=")|(?<=[^0-9]),|,(?=[^0-9])', line.replace('"', ""))
+        if cell.strip()
+    ]
+
+
+def _rows(text: Text) -> list[list[str]]:
+    """Return the cells of the lines above the heights."""
+    rows = []
+    for line in text.head[:60]:
+        quoted = re.findall(r'"([^"]*)"', line)
+        rows.append([normal(cell).strip() for cell in quoted] if quoted else _cells(normal(line)))
+    return rows
+
+
+def _calibration(rows: list[list[str]]) -> int | None:
+    """Return the row of three cells: a name, a length, and its unit."""
+    for at, row in enumerate(rows):
+        if len(row) == 3 and _NUMBER.fullmatch(row[1]) and length_unit(row[2]) is not None:
+            return at
+    return None
+
+
+def _recognise(text: Text) -> bool:
+    if not any("ImageDataCsv" in line for line in text.head[:12]) and "VK-" not in " ".join(text.head[:4]):
+        return False
+    return _calibration(_rows(text)) is not None
+
+
+def _read(text: Text) -> Raw:
+    rows = _rows(text)
+    place = _calibration(rows)
+    assert place is not None
+    _, digits, unit = rows[place]
+    spacing = float(digits.replace(",", "."))
+    pairs = [row for row in rows[place + 1 :] if len(row) == 2]
+    counts = [int(row[1]) for row in pairs if re.fullmatch("[0-9]{1,6}", row[1])][:2]
+    height_unit = next((row[1] for row in pairs if is_unit(row[1]) and not _NUMBER.fullmatch(row[1])), None)
+    runs = runs_of(text)
+    first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
+    block = numbers_of(text, first, last, dialect_of(text, first, last))
+    values, caveats = _whole(text, block.values, last), []
+    if len(counts) == 2 and values.shape[::-1] != tuple(counts):
+        if values.shape[1] != counts[0] or values.shape[0] > counts[1]:
+            raise FormatError(
+                f"declares a map of {counts[1]} rows of {counts[0]} heights, and has {values.shape[0]} rows of "
+                f"{values.shape[1]}; export it again"
+            )
+        caveats.append(
+            Caveat(
+                "truncated", f"the header declares {counts[1]} rows, and the file has {values.shape[0]}",
+                "export it again, or accept what is there",
+            )
+        )  # fmt: skip
+    return Raw(
+        values, unit=height_unit and (length_unit(height_unit) or height_unit), spacing=(spacing, spacing),
+        position_unit=length_unit(unit), source=source_of(block), caveats=tuple(caveats),
+    )  # fmt: skip
+
+
+def _whole(text: Text, values: np.ndarray, last: int) -> np.ndarray:
+    """Return the heights; a `FormatError` if other numbers follow them."""
+    if (text.kinds[last + 1 :] == NUMBERS).any():
+        place = last + 1 + int(np.argmax(text.kinds[last + 1 :] == NUMBERS))
+        raise FormatError(f"{text.shown(place)} has numbers of another image; export one image in a file")
+    return values
+
+
+LAYOUT = Layout("Keyence image data", _recognise, _read)

@@ -1,0 +1,53 @@
+"""Workbooks of Mitutoyo SurfTest: positions and heights in the columns E and F of the sheet DATA, parameters in A.
+
+The parameters have the unit of heights, the cut-off on the sheet Certificate that of positions.
+
+::
+
+    Ra     0.018  µm    |   |   |   | 0.0005 |  0.3033
+    Rq     0.027  µm    |   |   |   | 0.0010 | -0.0275
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+
+from stiction.surfaces.measured.excel import table_of_sheet
+from stiction.surfaces.measured.layout import Sheets, WorkbookLayout
+from stiction.surfaces.measured.raw import Table, length_unit
+
+_PARAMETER = re.compile(r"\s*[A-Z][\w(). ]{0,12}?\s+[+-]?[0-9.,]+\s*([^\W\d_]{1,3})\s*")
+_CUT_OFF = re.compile(r"\s*[0-9.,]+\s*([^\W\d_]{1,3})\s*")
+
+
+def _recognise(sheets: Sheets) -> bool:
+    return {"DATA", "Certificate"} <= sheets.keys() and _height_unit(sheets) is not None
+
+
+def _height_unit(sheets: Sheets) -> str | None:
+    first = (str(row[0]) for row in sheets["DATA"][:40] if row and isinstance(row[0], str))
+    return next(
+        (unit for cell in first if (match := _PARAMETER.fullmatch(cell)) and (unit := length_unit(match[1]))), None
+    )
+
+
+def _cut_offs(sheets: Sheets) -> Iterator[str]:
+    for row in sheets["Certificate"]:
+        for name, cell in itertools.pairwise(row):
+            if isinstance(name, str) and "cut-off" in name.casefold() and isinstance(cell, str):
+                yield cell
+
+
+def _read(sheets: Sheets) -> Table:
+    table = table_of_sheet(sheets["DATA"])
+    cut_offs = (match for cell in _cut_offs(sheets) if (match := _CUT_OFF.fullmatch(cell)))
+    lateral = next((unit for match in cut_offs if (unit := length_unit(match[1]))), None)
+    if table.values.shape[1] != 2:
+        return table
+    return replace(table, units=(lateral, _height_unit(sheets)))
+
+
+WORKBOOK = WorkbookLayout("Mitutoyo workbook", _recognise, _read)

@@ -1,0 +1,46 @@
+"""CSV export of Olympus OLS (LEXT) microscopes: the first cell of each row is its number.
+
+::
+
+    Model,OLS5000
+    X Resolution[um],0.625
+    Y Resolution[um],0.625
+    Z Resolution[um],0.001
+    DataLine,POS = 1,POS = 2,POS = 3
+    1,11.844,11.917,12.457
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+
+from stiction.surfaces.measured.decode import Text
+from stiction.surfaces.measured.header import normal
+from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.raw import FormatError, Table, length_unit
+from stiction.surfaces.measured.text import table_of
+
+_Z = re.compile(r"\W*Z\s*Resolution\s*[\[(]\s*([^\])]{1,12}?)\s*[\])].*", re.IGNORECASE)
+
+
+def _read(text: Text) -> Table:
+    table = table_of(text)
+    if not isinstance(table, Table):
+        raise FormatError("holds more than one map; export one in a file")
+    rows = table.values.shape[0]
+    if table.values.shape[1] < 3 or not np.array_equal(table.values[:, 0], table.values[0, 0] + np.arange(rows)):
+        raise FormatError("does not number its rows in the first column, as exports of this microscope do")
+    unit = next((length_unit(match[1]) for line in text.head if (match := _Z.fullmatch(normal(line)))), None)
+    return replace(
+        table, values=table.values[:, 1:], names=(), units=(unit,) * (table.values.shape[1] - 1), area=True,
+        digits=None, row_digits=None,
+        history=(*table.history, "the first column, which numbers the rows, left out"),
+    )  # fmt: skip
+
+
+LAYOUT = Layout(
+    "Olympus OLS map", lambda text: any(re.match(r"\W*DataLine\W+POS\b", line, re.I) for line in text.head), _read
+)

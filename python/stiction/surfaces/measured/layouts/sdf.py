@@ -1,0 +1,66 @@
+"""SDF in ASCII (ISO 25178-71, EUNA 15178), profiles and maps; scales are in metres, missing points BAD.
+
+::
+
+    aISO-1.0
+    ManufacID = ...
+    NumPoints = 200
+    NumProfiles = 1
+    Xscale = 5.0E-7
+    Yscale = 0
+    Zscale = 1.0E-6
+    *
+    -2.015187
+    BAD
+    *
+"""
+
+from __future__ import annotations
+
+import re
+
+from stiction.surfaces.measured.decode import Text
+from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.raw import FormatError, Raw, Source
+from stiction.surfaces.measured.split import numbers_in
+
+_FIRST = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
+_SAID = re.compile(r"([A-Za-z]{1,30})\s*=\s*(\S.{0,200})?")
+
+
+def _read(text: Text) -> Raw:
+    said, end = {}, None
+    for at in range(1, min(len(text), 200)):
+        line = text.line(at)
+        if line == "*":
+            end = at
+            break
+        if (match := _SAID.fullmatch(line)) is not None:
+            said[match[1].casefold()] = (match[2] or "").strip()
+    if end is None:
+        raise FormatError("lacks the line '*' above its heights")
+
+    def number(name: str) -> float:
+        try:
+            return float(said[name.casefold()].replace(",", "."))
+        except (KeyError, ValueError):
+            raise FormatError(f"lacks a number for {name}") from None
+
+    columns, rows = int(number("NumPoints")), int(number("NumProfiles"))
+    last = next((at for at in range(end + 1, len(text)) if text.line(at) == "*"), len(text)) - 1
+    heights = numbers_in(text, end + 1, last)
+    if heights.size != rows * columns:
+        raise FormatError(f"declares {rows} profiles of {columns} points, and has {heights.size} heights")
+    spacing = [number("Xscale")]
+    if rows > 1:
+        heights, spacing = heights.reshape(rows, columns), [number("Yscale"), *spacing]
+    if not min(spacing) > 0:
+        raise FormatError(f"has a spacing of {min(spacing):g} m; it must be above 0")
+    source = Source(separator="space", decimal_mark=".", lines=(end + 2, last + 1), lines_above=end + 1)
+    return Raw(
+        heights, unit="um", factor=number("Zscale") * 1e6, spacing=tuple(each * 1e6 for each in spacing),
+        position_unit="um", source=source,
+    )  # fmt: skip
+
+
+LAYOUT = Layout("SDF", lambda text: _FIRST.fullmatch(text.line(0)) is not None, _read)

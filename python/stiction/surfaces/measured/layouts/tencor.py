@@ -1,0 +1,66 @@
+"""Maps of KLA and Tencor stylus profilers as text: a trace in each row, with its number in the first cell.
+
+Its profiles, with a header of columns (Raw, RawLevel, Normal, Rough, Wavi), are tables as all others. Resolutions are
+in µm and heights in Å by default, which the file does not say.
+
+::
+
+    Number of Points	301
+    Number of Traces	21
+    X-Resolution	1.000000
+    Y-Resolution	50.000000
+
+    Trace	Data
+    1	-36205.8	-35834	-35041
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+
+from stiction.surfaces.measured.decode import Text
+from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.raw import FormatError, Table
+from stiction.surfaces.measured.text import table_of
+
+_COUNT = re.compile(r"(?:Number of )?(Points|Traces)\s+([0-9]{1,7})\s*", re.IGNORECASE)
+
+
+def _counts(text: Text) -> dict[str, int]:
+    matches = (_COUNT.fullmatch(line) for line in text.head[:40])
+    return {match[1].casefold(): int(match[2]) for match in matches if match}
+
+
+def _recognise(text: Text) -> bool:
+    return {"points", "traces"} <= _counts(text).keys() and any(
+        line.casefold().startswith("x-resolution") for line in text.head[:40]
+    )
+
+
+def _read(text: Text) -> Table:
+    counts, table = _counts(text), table_of(text)
+    if not isinstance(table, Table):
+        raise FormatError("holds its traces in several blocks; export them in one, a trace in each row")
+    values, history = table.values, table.history
+    rows, columns = values.shape
+    if (
+        rows == counts["traces"]
+        and columns == counts["points"] + 1
+        and np.array_equal(values[:, 0], values[0, 0] + np.arange(rows))
+    ):
+        values, history = values[:, 1:], (*history, "the first column, which numbers the traces, left out")
+    if values.shape != (counts["traces"], counts["points"]):
+        raise FormatError(
+            f"declares {counts['traces']} traces of {counts['points']} points, and has {rows} rows of {columns} numbers"
+        )
+    bare = table.declared.bare_spacing
+    return replace(
+        table, values=values, names=(), units=(None,) * values.shape[1], area=True, digits=None, row_digits=None,
+        history=history, declared=replace(table.declared, bare_spacing=bare if bare and len(bare) == 2 else None),
+    )  # fmt: skip
+
+
+LAYOUT = Layout("KLA or Tencor traces", _recognise, _read)

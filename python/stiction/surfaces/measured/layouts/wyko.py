@@ -1,0 +1,77 @@
+"""ASCII export of Wyko and Veeco interferometers: blocks, of which one holds heights; a line is a column of the map.
+
+Values in a line run from the bottom of the map to its top. The second number of the first line is 1 if heights are in
+nm, else they are in wavelengths. Pixel sizes are in mm, wavelengths in nm.
+
+::
+
+    Wyko ASCII Data File Format 0	1	1
+    X Size	8
+    Y Size	10
+    Block Name	Type	Length	Value
+    Pixel_size	7	4	0.002
+    Wavelength	7	4	632.8
+    Mult	7	4	2
+    RAW_DATA	3	320
+    -189.9246	-90.4410	Bad
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from stiction.surfaces.measured.decode import Text
+from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.raw import FormatError, Raw
+from stiction.surfaces.measured.split import Dialect, numbers_of
+from stiction.surfaces.measured.text import source_of
+
+_HEIGHTS = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")
+_FIRST = "Wyko ASCII Data File"
+
+
+def _read(text: Text) -> Raw:
+    said = {}
+    first = None
+    for at in range(min(len(text), 2000)):
+        key, *rest = text.line(at).split("\t") if "\t" in text.line(at) else re.split(r"\s{2,}", text.line(at))
+        if key.strip() in _HEIGHTS:
+            first = at + 1
+            break
+        if rest:
+            said[key.strip().casefold()] = rest[-1].strip()
+    if first is None:
+        raise FormatError(f"lacks a block of heights ({', '.join(_HEIGHTS)})")
+
+    def number(name: str, otherwise: float | None = None) -> float:
+        try:
+            return float(said[name.casefold()].replace(",", "."))
+        except (KeyError, ValueError):
+            if otherwise is None:
+                raise FormatError(f"lacks a number for {name}") from None
+            return otherwise
+
+    columns, rows = int(number("X Size")), int(number("Y Size"))
+    if first + columns > len(text):
+        raise FormatError(f"declares {columns} lines of heights, and ends before")
+    decimal_comma = "," in "".join(text.line(first + at) for at in range(min(3, columns)))
+    block = numbers_of(text, first, first + columns - 1, Dialect(None, "," if decimal_comma else "."))
+    if block.values.shape != (columns, rows):
+        raise FormatError(
+            f"declares {columns} lines of {rows} heights, and has {block.values.shape[0]} of {block.values.shape[1]}"
+        )
+    flags = re.findall(r"[0-9]+", text.line(0).partition("Format")[2])
+    factor = None
+    if len(flags) < 2 or flags[1] == "0":
+        factor = number("Wavelength") / number("Mult", 1.0)
+    pixel = abs(number("Pixel_size"))
+    spacing = (pixel * number("Aspect", 1.0), pixel)
+    return Raw(
+        np.ascontiguousarray(block.values.T), unit="nm", factor=factor, spacing=spacing, position_unit="mm",
+        source=source_of(block),
+    )  # fmt: skip
+
+
+LAYOUT = Layout("Wyko ASCII", lambda text: text.line(0).startswith(_FIRST), _read)

@@ -1,0 +1,475 @@
+"""Texts in the layouts of instruments, in several encodings, separators, decimal marks and languages."""
+
+import io
+import itertools
+import warnings
+
+import numpy as np
+import pytest
+from stiction import FormatError, FormatWarning, Surface, read_measurement, write_surface
+from stiction.surfaces.measured.decode import decode
+from stiction.surfaces.measured.layouts import LAYOUTS
+from stiction.surfaces.measured.reading import reading_of
+
+random = np.random.default_rng(8)
+ROWS, COLUMNS = 7, 9
+HEIGHTS = np.round(0.3 * random.normal(size=(ROWS, COLUMNS)).cumsum(axis=1), 4)  # no two lines alike, and no symmetry
+HOLED = HEIGHTS.copy()
+HOLED[0, :2] = HOLED[3, 4] = np.nan
+LINE = np.round(0.3 * random.normal(size=60).cumsum(), 4)
+
+
+def digits(value, comma=False, missing="", form=".4f"):
+    text = missing if np.isnan(value) else f"{value:{form}}"
+    return text.replace(".", ",") if comma else text
+
+
+def rows(heights, separator="\t", **how):
+    return [separator.join(digits(value, **how) for value in row) for row in heights]
+
+
+GWYDDION = {
+    "en": ("Channel:", "Width:", "Height:", "Value units:"),
+    "de": ("Kanal:", "Breite:", "Höhe:", "Einheiten:"),
+    "fr": ("Canal :", "Largeur :", "Hauteur :", "Unités :"),
+    "ja": ("チャネル：", "幅:", "高さ：", "値の単位:"),
+    "ru": ("Канал:", "Ширина:", "Высота:", "Единицы измерения:"),
+    "cs": ("Kanál:", "Šířka:", "Výška:", "Jednotky hodnot:"),
+}
+
+
+def gwyddion(language="en", comma=False, missing="nan", unit="µm", minus="-"):
+    channel, width, height, units = GWYDDION[language]
+    size = (digits(4.5, comma, form=".3f"), digits(3.5, comma, form=".3f"))
+    head = [f"# {channel} Topo", f"# {width} {size[0]} µm", f"# {height} {size[1]} µm", f"# {units} {unit}"]
+    return "\n".join(head + [line.replace("-", minus) for line in rows(HOLED, comma=comma, missing=missing)]) + "\n"
+
+
+KEYENCE = {
+    "en": ("Data type", "XY Calibration", "Horizontal", "Vertical", "Unit", "Output image data", "Height"),
+    "de": ("Dateityp", "XY-Justierung", "Horizont.", "Vertikal", "Einheit", "Bilddatenausg.", "Höhe"),
+    "ja": ("データ種類", "XYキャリブレーション", "水平", "垂直", "単位", "出力画像データ", "高さ"),
+    "zh": ("数据类型", "XY 校准", "水平", "垂直", "单位", "输出图像数据", "高度"),
+}
+
+
+def keyence(language="en", separator=",", comma=False, unit="um", quoted=True):
+    kind, pixel, across, down, units, output, height = KEYENCE[language]
+    head = [
+        ["Model", "VK-X3000 Series"], [kind, "ImageDataCsv"], [pixel, digits(500.0, comma, form=".3f"), "nm"],
+        [output, height], [across, str(COLUMNS)], [down, str(ROWS)], ["Minimum", digits(-9.0, comma, form=".3f")],
+        [units, unit], ["Reference", ""],
+    ]  # fmt: skip
+    body = [[digits(value, comma) for value in row] for row in HOLED]
+    lines = [*head, [], [height], *body]
+    quote = '"' if quoted else ""
+    return "\r\n".join(separator.join(f"{quote}{cell}{quote}" for cell in line) for line in lines) + "\r\n"
+
+
+def olympus(separator=",", comma=False, missing=""):
+    names = ["DataLine", *(f"POS = {at + 1}" for at in range(COLUMNS))]
+    resolution = digits(0.5, comma, form=".3f")
+    head = [["Model", "OLS5000"], *([f"{axis} Resolution[um]", resolution] for axis in "XY"), ["Z Resolution[um]", "1"]]
+    body = [[str(at + 1), *(digits(value, comma, missing) for value in row)] for at, row in enumerate(HOLED)]
+    return "\r\n".join(separator.join(line) for line in [*head, names, *body]) + "\r\n"
+
+
+def zygo(order=1, separator=" ", origin=0, end=True):
+    head = ["Zygo XYZ Data File - Format 1", '0 8 0 0 "x"', "0 0 0 0 0 0", f"{origin} {origin} {COLUMNS} {ROWS}"]
+    head += [
+        '"a"',
+        '"b"',
+        '"c"',
+        "0 0.5 6.3e-07 0.08 1 0 5e-07 1770655883",
+        "1 1 0 0 8 0",
+        "0 0",
+        "1 1",
+        '1 "d"',
+        "1 0",
+    ]
+    points = [
+        separator.join([str(column + origin), str(row + origin), digits(HOLED[row, column], missing="No Data")])
+        for row, column in np.ndindex(ROWS, COLUMNS)
+    ]
+    return "\n".join([*head, "#", *points[::order], *["#"] * end]) + "\n"
+
+
+def wyko(real=1, intensity=True, missing="Bad", aspect=False, comma=False):
+    head = [f"Wyko ASCII Data File Format 0\t{real}\t1", f"X Size\t{COLUMNS}", f"Y Size\t{ROWS}"]
+    head += ["Block Name\tType\tLength\tValue", "Pixel_size\t7\t4\t0.0005", "Wavelength\t7\t4\t500", "Mult\t7\t4\t2"]
+    head += ["Aspect\t7\t4\t1"] * aspect
+    scale = 1000 if real else 1000 / 250
+    body = rows(HOLED.T * scale, missing=missing, form=".6f", comma=comma)
+    more = ["Intensity\t6\t320", *rows(np.abs(HEIGHTS.T))] if intensity else []
+    return "\n".join([*head, "RAW_DATA\t3\t320", *body, *more]) + "\n"
+
+
+def esri(case=str, code="-9999", separator=" ", size="cellsize 0.5", comma=False):
+    head = [f"ncols {COLUMNS}", f"nrows {ROWS}", "xllcorner 0", "yllcorner 0", size, f"NODATA_value {code}"]
+    head = [case(line) for line in head]
+    return "\n".join([*head, *rows(HOLED[::-1], separator, missing=code, comma=comma)]) + "\n"
+
+
+def spip(unit="# z-unit = µm", factor=1.0, missing="nan", separator="\t", lengths=("4500", "3500")):
+    head = ["# File Format = ASCII", f"# x-pixels = {COLUMNS}", f"# y-pixels = {ROWS}"]
+    head += [f"# x-length = {lengths[0]}", f"# y-length = {lengths[1]}", unit, "# Start of Data:"]
+    return "\n".join([*head, *rows(HOLED / factor, separator, missing=missing, form=".6f")]) + "\n"
+
+
+def sdf(magic="aISO-1.0", profiles=ROWS, missing="BAD", break_after=COLUMNS, space=" = "):
+    points, values = (COLUMNS, HOLED.ravel()) if profiles > 1 else (LINE.size, LINE)
+    said = {"ManufacID": "OWN", "NumPoints": points, "NumProfiles": profiles, "Xscale": "5.0E-7",
+            "Yscale": "5.0E-7" if profiles > 1 else "0", "Zscale": "1.0E-6", "DataType": 7}  # fmt: skip
+    cells = [digits(value, missing=missing) for value in values]
+    lines = [" ".join(cells[at : at + break_after]) for at in range(0, len(cells), break_after)]
+    return (
+        "\n".join([magic, *(f"{key}{space}{value}" for key, value in said.items()), "*", *lines, "*", "", "*"]) + "\n"
+    )
+
+
+def tencor(numbered=True, separator="\t", pad=""):
+    head = ["Data\tPLATE", f"Number of Points\t{COLUMNS}", f"Number of Traces\t{ROWS}", "X-Resolution\t0.500000"]
+    head += ["Y-Resolution\t0.500000", "", "Trace\tData"]
+    body = [
+        separator.join(
+            [*([str(at + 1)] if numbered else []), *(pad + digits(1e4 * value, form=".1f") for value in row)]
+        )
+        for at, row in enumerate(HEIGHTS)
+    ]
+    return "\r\n".join([*head, *body]) + "\r\n"
+
+
+def triplets(order=1, separator=" ", head="", missing=None, comma=False, jitter=0.0):
+    places = [(y, x) for y, x in np.ndindex(ROWS, COLUMNS) if missing is not None or not np.isnan(HOLED[y, x])]
+    lines = []
+    for at, (y, x) in enumerate(places):
+        off = jitter * ((at % 3) - 1)
+        cells = [digits(0.5 * x + off, comma), digits(0.5 * y - off, comma), digits(HOLED[y, x], comma, missing or "")]
+        lines.append(separator.join(cells))
+    return "\n".join([*[head] * bool(head), *lines[::order]]) + "\n"
+
+
+def labelled(separator=",", corner="", comma=False, missing="", form=".2f"):
+    head = separator.join([corner, *(digits(0.5 * x, comma, form=form) for x in range(COLUMNS))])
+    body = [
+        separator.join([digits(0.5 * y, comma, form=form), line])
+        for y, line in enumerate(rows(HOLED, separator, comma=comma, missing=missing))
+    ]
+    return "\n".join([head, *body]) + "\n"
+
+
+def profile(separator=";", comma=True, head="x (µm);z (µm)", minus="-", end="\n"):
+    lines = [f"{digits(0.5 * at, comma)}{separator}{digits(z, comma)}" for at, z in enumerate(LINE)]
+    return end.join([head, *lines]).replace("-", minus) + end
+
+
+MAP, MAP_UM = {"missing": "mask"}, {"missing": "mask", "unit": "um"}
+CASES = {
+    "gwyddion": (
+        gwyddion, MAP,
+        [{"language": language, "comma": comma} for language, comma in itertools.product(GWYDDION, (False, True))]
+        + [{"minus": "\u2212"}, {"missing": "***"}, {"missing": "NaN"}],
+    ),
+    "keyence": (
+        keyence, MAP,
+        [{}, {"language": "de", "separator": ";", "comma": True}, {"language": "ja"}, {"language": "zh", "unit": "μm"},
+         {"language": "de", "comma": True}, {"language": "en", "separator": "\t"}, {"quoted": False},
+         {"language": "de", "separator": ";", "comma": True, "quoted": False}],
+    ),
+    "olympus": (
+        olympus, MAP,
+        [{}, {"separator": ";"}, {"separator": ";", "comma": True}, {"separator": "\t"}, {"missing": "nan"}],
+    ),
+    "zygo": (zygo, MAP, [{}, {"order": -1}, {"separator": "\t"}, {"origin": 10}, {"end": False}]),
+    "wyko": (
+        wyko, MAP,
+        [{}, {"real": 0}, {"intensity": False}, {"aspect": True}, {"missing": "BAD"}, {"comma": True},
+         {"missing": "nan"}],
+    ),
+    "esri": (
+        esri, {**MAP_UM, "spacing": "0.5 um"},
+        [{}, {"case": str.upper}, {"code": "1e+30"}, {"size": "dx 0.5\ndy 0.5"}, {"separator": "\t"},
+         {"code": "-32768"}],
+    ),
+    "spip": (
+        spip, MAP,
+        [{}, {"unit": "# Bit2nm = 1000", "factor": 1.0}, {"unit": "# z-unit = nm", "factor": 1e-3}, {"separator": " "},
+         {"missing": "***"}, {"unit": "# Bit2nm = 2.5", "factor": 2.5e-3}],
+    ),
+    "sdf": (
+        sdf, MAP,
+        [{}, {"magic": "aNPL-V1.0"}, {"magic": "aBCR-1.0"}, {"break_after": 4}, {"space": "   = "}, {"break_after": 1}],
+    ),
+    "tencor": (
+        tencor, {"unit": "Å", "spacing": ("0.5 um", "0.5 um")},
+        [{}, {"numbered": False}, {"pad": "   "}, {"separator": ","}, {"separator": ";"}],
+    ),
+    "triplets": (
+        triplets, MAP_UM,
+        [{}, {"order": -1}, {"separator": ";", "comma": True}, {"separator": ",", "head": "x (um),y (um),z (um)"},
+         {"separator": "\t", "head": "X\tY\tZ"}, {"missing": "nan"}, {"separator": ",", "missing": "nan"},
+         {"jitter": 0.02}],
+    ),
+    "labelled": (
+        labelled, MAP_UM,
+        [{}, {"separator": ";", "comma": True}, {"separator": "\t"}, {"corner": "y/x"}, {"missing": "nan"},
+         {"form": ".1f"}],
+    ),
+}  # fmt: skip
+ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252", "cp932", "gb18030", "cp1251", "cp1250")
+
+
+def read(path, **options):
+    """Return the scan in a file, or None if it is refused; doubts are no failures."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FormatWarning)
+        try:
+            return read_measurement(path, **options)
+        except FormatError:
+            return None
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_maps_of_instruments_are_read_or_refused_in_all_variants(tmp_path, name, encoding):
+    write, options, variants = CASES[name]
+    accepted = 0
+    for variant in variants:
+        try:
+            data = write(**variant).encode(encoding)
+        except UnicodeEncodeError:
+            continue
+        path = tmp_path / "map.txt"
+        path.write_bytes(data)
+        body = read(path, **options)
+        if body is None:
+            continue
+        accepted += 1
+        heights = body.heights if body.missing is None else np.where(body.missing, np.nan, body.heights)
+        expected = HEIGHTS if name == "tencor" else HOLED
+        assert heights.shape == expected.shape, (variant, body.history)
+        assert np.allclose(heights, expected, rtol=0, atol=1e-6, equal_nan=True), (variant, body.history)
+        assert body.spacing == pytest.approx((0.5, 0.5), rel=1e-2 if variant.get("jitter") else 1e-6)
+    if encoding in ("utf-8", "utf-8-sig", "utf-16", "utf-16-le"):
+        assert accepted == len(variants)
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+@pytest.mark.parametrize(
+    "variant",
+    [
+        {}, {"separator": "\t", "head": "x (µm)\tz (µm)"}, {"separator": ",", "comma": False, "head": "x [µm],z [µm]"},
+        {"minus": "\u2212"}, {"end": "\r\n"}, {"head": "Weg [µm];Höhe [µm]"}, {"head": "位置(μm);高さ(μm)"},
+        {"separator": " ", "comma": False, "head": "# x (µm)  z (µm)"}, {"head": "x;z\nµm;µm"},
+    ],
+)  # fmt: skip
+def test_profiles_are_read_or_refused_in_all_variants(tmp_path, variant, encoding):
+    try:
+        data = profile(**variant).encode(encoding)
+    except UnicodeEncodeError:
+        pytest.skip("no such characters")
+    (tmp_path / "line.csv").write_bytes(data)
+    body = read(tmp_path / "line.csv")
+    assert body is not None or encoding in ("cp1251", "cp1250", "gb18030")
+    if body is not None:
+        assert body.heights.tolist() == LINE.tolist()
+        assert body.spacing == pytest.approx(0.5)
+
+
+def test_layouts_recognise_their_own_texts_alone():
+    texts = {name: write(**variant) for name, (write, _, variants) in CASES.items() for variant in variants[:1]}
+    for name, text in texts.items():
+        found = [layout.name for layout in LAYOUTS if layout.recognise(decode(text.encode()))]
+        assert len(found) == (name not in ("triplets", "labelled")), (name, found)
+
+
+@pytest.mark.parametrize(
+    ("text", "options"),
+    [
+        (gwyddion(unit="V"), {"unit": "nm"}),
+        (gwyddion(unit="deg"), {}),
+        (keyence(unit="%"), {"unit": "nm"}),
+        ("x(mm)\tSlope (urad)\n" + "".join(f"{x}\t{x % 7}.5\n" for x in range(40)), {"unit": ("mm", "um")}),
+        (
+            "#x-position [mm]; y-slope [urad]\n" + "".join(f"{x}.0\t{x % 7}.5\n" for x in range(40)),
+            {"unit": ("mm", "um")},
+        ),
+        ("Z unit: V\n" + "".join(f"{x % 7}.5\n" for x in range(40)), {"unit": "um", "spacing": "1 um"}),
+        ("x (um),Phase\n" + "".join(f"{x},{x % 7}.5\n" for x in range(40)), {"unit": "um"}),
+    ],
+)
+def test_units_that_are_no_lengths_contradict_the_option(tmp_path, text, options):
+    (tmp_path / "a.txt").write_text(text, encoding="utf-8")
+    assert read(tmp_path / "a.txt", **options) is None
+
+
+def table(columns, head="", form=".4f"):
+    lines = [" ".join(f"{value:{form}}" for value in row) for row in np.transpose(columns)]
+    return "\n".join([*[head] * bool(head), *lines]) + "\n"
+
+
+def test_positions_in_wide_tables_are_no_heights(tmp_path):
+    x, profiles = 0.5 * np.arange(60), random.normal(size=(12, 60)).cumsum(axis=1)
+    measured = x + 1e-3 * random.normal(size=60)
+    options = {"unit": "um", "spacing": "0.5 um"}
+    path = tmp_path / "a.txt"
+    for columns in (
+        [x, *profiles],
+        [measured, *profiles],
+        [x, profiles[0], x, profiles[1]],
+        [np.arange(60), *profiles],
+    ):
+        path.write_text(table(columns))
+        assert read(path, **options) is None
+        if columns[0] is not measured:
+            assert np.allclose(read(path, columns=(0, 1), unit="um").heights, columns[1], atol=1e-4)
+    path.write_text(table(np.transpose([x, *profiles])))  # positions in the first line
+    assert read(path, **options) is None
+    path.write_text(table(profiles))
+    assert read(path, **options).heights.shape == (60, 12)
+
+
+def test_counts_and_sizes_above_numbers_are_no_heights(tmp_path):
+    path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
+    column = "".join(f"{z:.4f}\n" for z in LINE)
+    pairs = "".join(f"{0.5 * at:.4f}, {z:.4f}\n" for at, z in enumerate(LINE))
+    for text in (
+        f"60\n{column}",
+        f"60 (Data size)\n{column}",
+        f"Points: 60\n{column}",
+        f"µm µm\n60\n{pairs}",
+        f"60\n{pairs}",
+    ):
+        path.write_text(text, encoding="utf-8")
+        assert read(path, **(options if text.endswith(column) else {"unit": "um"})).heights.tolist() == LINE.tolist()
+    path.write_text(f"{COLUMNS} {ROWS}\n" + "\n".join(rows(HEIGHTS, " ")))
+    assert np.array_equal(read(path, **options).heights, HEIGHTS)
+    flat = "".join(f"{z:.4f}\n" for z in HEIGHTS.ravel())
+    for text in (f"0.5\n60\n{column}", f"{COLUMNS}\n{ROWS}\n{flat}"):
+        path.write_text(text)
+        assert read(path, **options) is None
+
+
+def test_lines_with_as_many_cells_as_the_data_are_data(tmp_path):
+    path = tmp_path / "a.csv"
+    lines = [f"{0.5 * at},{z}" for at, z in enumerate(LINE)]
+    for place in (0, 30, 59):
+        changed = lines.copy()
+        changed[place] = changed[place].split(",")[0] + ",Err"
+        path.write_text("x (um),z (um)\n" + "\n".join(changed))
+        with pytest.raises(FormatError, match=rf"line {place + 2} .*'Err' is no number; --missing-value Err takes it"):
+            read_measurement(path)
+        body = read_measurement(path, missing="interpolate", missing_value="Err")
+        assert body.heights.size == (60 if place == 30 else 59)
+
+
+def test_codes_for_missing_points_are_named_and_masked(tmp_path):
+    path = tmp_path / "a.csv"
+    for code in ("-9999", "-32768", "99999.0", "0.000"):
+        body = [f"{0.5 * at},{code if at in (7, 8, 33) else z + 500}" for at, z in enumerate(LINE)]
+        path.write_text("x (um),z (um)\n" + "\n".join(body))
+        reading = reading_of(path)
+        assert "repeated-extreme" in [each.name for each in reading.caveats]
+        assert f"--missing-value {float(code):g}" in reading.caveats[0].cure
+        with pytest.warns(FormatWarning, match="repeated-extreme"):
+            read_measurement(path)
+        masked = reading_of(path, missing_value=float(code), missing="mask", accept="tall")
+        assert masked.missing == 3
+        assert np.flatnonzero(masked.body.missing).tolist() == [7, 8, 33]
+        assert not masked.caveats
+        assert reading_of(path, accept="repeated-extreme,tall").caveats == ()
+
+
+def test_flags_in_a_column_mask_points(tmp_path):
+    lines = [f"{0.5 * at};{-30 if at in (4, 5) else z};{int(at not in (4, 5))}" for at, z in enumerate(LINE)]
+    for head in ("X;Y;valid\n[um];[um];[1/0]", "x (um);z (um);Valid"):
+        (tmp_path / "a.hfm").write_text("\n".join([head, *lines]))
+        body = read_measurement(tmp_path / "a.hfm", missing="mask")
+        assert np.flatnonzero(body.missing).tolist() == [4, 5]
+
+
+def test_two_profiles_side_by_side_are_chosen_by_columns(tmp_path):
+    path = tmp_path / "a.csv"
+    for end in (";", ""):
+        lines = [f"{0.5 * at};{z};" + (f"{0.25 * at};{-z}" if at < 40 else end) for at, z in enumerate(LINE)]
+        path.write_text("x;y;x;y\num;um;um;um\n" + "\n".join(lines))
+        assert read_measurement(path, columns=(0, 1)).heights.tolist() == LINE.tolist()
+        second = read_measurement(path, columns=(2, 3))
+        assert second.heights.tolist() == (-LINE[:40]).tolist()
+        assert second.spacing == 0.25
+        assert read(path) is None
+
+
+def test_commas_between_cells_and_decimals_are_read_by_the_names_or_refused(tmp_path):
+    lines = [f"{digits(0.5 * at, True)},{digits(z, True)}" for at, z in enumerate(LINE)]
+    path = tmp_path / "a.csv"
+    path.write_text("x (um),z (um)\n" + "\n".join(lines))
+    assert read_measurement(path).heights.tolist() == LINE.tolist()
+    path.write_text("\n".join(lines))
+    assert read(path, unit="um", spacing="0.5 um") is None
+
+
+def test_blocks_of_one_width_are_channels(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("\n".join(["Height", *rows(HEIGHTS), "Phase", *rows(2 * HEIGHTS)]))
+    with pytest.raises(FormatError, match=r"holds 0 \(Height\), 1 \(Phase\); choose one by channel"):
+        read_measurement(path, unit="um", spacing="0.5 um")
+    body = read_measurement(path, unit="um", spacing="9 um", channel="Phase")
+    assert np.array_equal(body.heights, 2 * HEIGHTS)
+
+
+def test_one_message_asks_for_all_that_is_missing(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("\n".join(rows(HEIGHTS)))
+    with pytest.raises(FormatError, match=r"unit.*spacing.*--unit um --spacing"):
+        read_measurement(path)
+
+
+def test_declared_factors_and_sizes_are_applied(tmp_path):
+    path = tmp_path / "a.txt"
+    head = f"h={ROWS} w={COLUMNS}\npixel size=5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2e-008\n"
+    path.write_text(head + "\n".join(rows(HEIGHTS, " ")))
+    body = read_measurement(path)
+    assert np.allclose(body.heights, 0.02 * HEIGHTS)
+    assert body.spacing == pytest.approx((0.5, 0.5))
+    with pytest.warns(FormatWarning, match="unit-not-needed"):
+        read_measurement(path, unit="nm")
+
+
+def test_reading_reports_what_was_understood(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(
+        "made by hand\nx (um);z (um)\n" + "\n".join(f"{0.5 * at};{z}" for at, z in enumerate(LINE)) + "\nend\n"
+    )
+    reading = reading_of(path)
+    record = reading.record()
+    assert record["layout"] == "positions and heights"
+    assert record["points"] == [60]
+    assert record["spacing_um"] == [0.5]
+    assert record["heights"] == "1 (z (um))"
+    assert (record["unit"], record["missing_points"], record["encoding"]) == ("um", 0, "ascii")
+    assert (record["lines"], record["lines_above"], record["lines_below"]) == ([3, 62], 2, 1)
+    assert str(reading).startswith(
+        "positions and heights; 60 points; 0.5 µm apart; heights 1 (z (um)) in um; none missing"
+    )
+
+
+def test_one_map_is_the_same_in_all_formats(tmp_path):
+    surface = Surface(HEIGHTS, spacing=(2.0, 0.5))
+    write_surface(surface, tmp_path / "a.csv")
+    write_surface(surface, tmp_path / "a.npy")
+    topography = pytest.importorskip("SurfaceTopography").Topography(
+        HEIGHTS.T, physical_sizes=(0.5 * COLUMNS, 2.0 * ROWS), unit="µm"
+    )
+    topography.to_netcdf(str(tmp_path / "a.nc"))
+    topography.to_matrix(str(tmp_path / "a.txt")) if hasattr(topography, "to_matrix") else None
+    x, y = np.meshgrid(0.5 * np.arange(COLUMNS), 2.0 * np.arange(ROWS))
+    np.savetxt(tmp_path / "a.xyz", np.c_[x.ravel(), y.ravel(), HEIGHTS.ravel()], header="x (um) y (um) z (um)")
+    stream = io.StringIO()
+    np.savetxt(stream, np.block([[np.nan, x[0]], [y[:, :1], HEIGHTS]]), fmt="%.4f", delimiter=";")
+    (tmp_path / "b.csv").write_text(stream.getvalue())
+    (tmp_path / "a.sdf").write_text(sdf().replace("Yscale = 5.0E-7", "Yscale = 2.0E-6").replace("BAD", "0"))
+    for name in ("a.csv", "a.npy", "a.nc", "a.xyz", "b.csv"):
+        body = read(tmp_path / name, **({"unit": "um"} if name == "b.csv" else {}))
+        assert np.allclose(body.heights, HEIGHTS, atol=1e-6), name
+        assert body.spacing == pytest.approx((2.0, 0.5)), name
