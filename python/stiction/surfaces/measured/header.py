@@ -180,7 +180,7 @@ def _stated(digits: str, unit: str | None) -> Stated | None:
     if unit is None or length_unit(unit) is None:
         return None
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
-    digit = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+    digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")
     return Stated(float(f"{mantissa}e{exponent or 0}"), digit, str(length_unit(unit)))
 
 

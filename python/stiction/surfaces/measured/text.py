@@ -121,7 +121,7 @@ def _refuse_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
         cells = dialect.cells(text.line(at))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
         numbers = 2 * kinds.count("number") - (at < runs[0][0] and kinds[:1] == [None])  # a name and its value
-        if len(cells) != width or numbers < width or _are_labels(cells, dialect):
+        if len(cells) != width or numbers < width or None not in kinds or _are_labels(cells, dialect):
             continue
         _refuse_word(text, at, next(cell for cell, kind in zip(cells, kinds, strict=True) if kind is None))
 
