@@ -185,3 +185,11 @@ def test_numbers_to_quote_have_quoted():
 )  # fmt: skip
 def test_a_quantity_is_written_in_the_unit_with_the_fewest_zeros(value, unit, text):
     assert with_unit(value, unit) == text
+
+
+def test_large_quantities_are_in_units_of_few_digits():
+    lines = quantities_text(measured(contact_area=1.01e7, contact_area_fraction=None), measured_study(), verbose=True)
+    assert "true contact area (mm²)" in lines
+    row = next(line for line in lines.splitlines() if line.startswith("true contact area"))
+    assert row.split("  ")[-1].strip().startswith("10.1")
+    assert with_unit(1.6e8, "um") == "160 m"

@@ -87,8 +87,13 @@ _ANSWER = re.compile("^(μ_s = [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do no
 
 
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Tell the person of a warning."""
-    say(str(message), "warning: ")
+    """Print a warning on standard error, once for each command."""
+    if str(message) not in _WARNED:
+        _WARNED.add(str(message))
+        say(str(message), "warning: ")
+
+
+_WARNED: set[str] = set()  # warnings that the command has printed
 
 
 COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
@@ -224,6 +229,7 @@ def start() -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # ? for letters that its encoding lacks
     warnings.showwarning = show_warning
+    _WARNED.clear()
     sys.unraisablehook = _interrupt_again
     try:
         return int(app(standalone_mode=False, prog_name="stiction") or 0)

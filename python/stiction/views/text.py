@@ -346,8 +346,13 @@ _MORE = (
 """Those that a verbose one has besides."""
 
 _QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))
-_SCALES = {unit: (1.0, unit.replace("um", "µm").replace("^2", "²")) for unit in ("um^2", "mN/um", "MPa/mm", "GPa/mm")}
-"""Factor and name of units that have no prefixes."""
+_SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
+    "um^2": ((1e5, 1e-6, "mm²"), (0.0, 1.0, "µm²")),
+    "mN/um": ((1e4, 1e-3, "N/µm"), (0.0, 1.0, "mN/µm")),
+    "MPa/mm": ((1e7, 1e-6, "TPa/mm"), (1e4, 1e-3, "GPa/mm"), (0.0, 1.0, "MPa/mm")),
+    "GPa/mm": ((1e4, 1e-3, "TPa/mm"), (0.0, 1.0, "GPa/mm")),
+}
+"""Least value, factor and name of units without prefixes, by which large numbers have few digits."""
 
 
 def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) -> str:
@@ -412,9 +417,9 @@ def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list
         factor = 1 / core
     else:
         is_fraction = name == "contact_area_fraction" or "share" in name or name.startswith("fraction")
-        factor, shown = (100.0, "%") if is_fraction else _SCALES.get(unit, (1.0, ""))
-        if unit == "MPa/mm" and max(map(_largest, tables)) >= 1e4:
-            factor, shown = 1e-3, "GPa/mm"
+        largest = max((value for value in map(_largest, tables) if math.isfinite(value)), default=0.0)
+        scales = ((0.0, 100.0, "%"),) if is_fraction else _SCALES.get(unit, ((0.0, 1.0, ""),))
+        factor, shown = next((factor, name) for least, factor, name in scales if largest >= least)
     cells = [_cell(table, factor) for table in tables]
     return [] if set(cells) == {"none"} else [[words, shown, *cells]]
 

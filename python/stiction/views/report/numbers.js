@@ -595,7 +595,7 @@ function percent(fraction) {
 const PREFIXES = {
   mN: [[1e6, 1e6, "kN"], [1e3, 1e3, "N"], [0.01, 1, "mN"], [1e-5, 1e-3, "µN"], [0, 1e-6, "nN"]],
   GPa: [[1, 1, "GPa"], [1e-3, 1e-3, "MPa"], [1e-6, 1e-6, "kPa"], [0, 1e-9, "Pa"]],
-  um: [[1e3, 1e3, "mm"], [1, 1, "µm"], [0, 1e-3, "nm"]],
+  um: [[1e6, 1e6, "m"], [1e3, 1e3, "mm"], [1, 1, "µm"], [0, 1e-3, "nm"]],
 };
 
 /** Factor and name of the unit in which a value has the fewest zeros, of another in which its first digit is seen. */
