@@ -165,7 +165,7 @@ class TestSettingClass:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({}, r"the profile is 50 µm long and one section length is 80 µm: measure a longer one"),
+        ({}, r"one section length is 80 µm, and the profile is 50 µm long: measure a longer one"),
         ({"lc": 60.0}, "one section length is 60 µm"),
         ({"lc": 2.0}, "lc must be at least 7 points, 3.5 µm, got 2 µm"),
         ({"lc": -1.0}, "lc must be a finite number above 0 µm"),
@@ -178,6 +178,17 @@ class TestSettingClass:
 def test_section_parameters_reject_bad_arguments(options, message):
     with pytest.raises(ValueError, match=message):
         section_parameters(Profile(np.sin(np.arange(100.0)), spacing=0.5), **options)
+
+
+def test_section_parameters_reject_profiles_too_coarse_or_too_short_for_their_class():
+    x = 50.0 * np.arange(1000)
+    with pytest.raises(ValueError, match=r"^Ra .* call for a section length of 250 µm; its points are 50 µm apart"):
+        section_parameters(Profile(0.05 * np.sin(2 * np.pi * x / 110), spacing=50.0))
+    with pytest.raises(ValueError, match=r"^its points are 2000 µm apart, and a section needs at least 7"):
+        section_parameters(Profile(np.sin(x), spacing=2000.0))
+    assert section_parameters(Profile(np.sin(2 * np.pi * x / 800), spacing=50.0)).filters.reason.startswith("Sc")
+    with pytest.raises(ValueError, match=r"^Ra .* call for a section length of 8000 µm; the profile is 2000 µm long"):
+        section_parameters(Profile(20 * np.sin(np.arange(4000) / 20), spacing=0.5))
 
 
 def test_flat_profile_is_rejected():

@@ -270,8 +270,8 @@ class TestSectionParameters:
         found = Characterisation(Profile(self.TURNED.heights[:100], spacing=0.5))
         said = {row.label: row.texts[0] for row in found.rows}
         values = {value["name"]: value for row in found.rows for value in row.values}
-        assert said["R and W parameters"].startswith("none: the profile is 50 µm long and one section length is 80 µm")
-        assert (values["Ra"]["value"], values["Ra"]["status"]) == (None, "too-short")
+        assert said["R and W parameters"].startswith("none: one section length is 80 µm, and the profile is 50 µm long")
+        assert (values["Ra"]["value"], values["Ra"]["status"]) == (None, "no-section")
         with pytest.raises(ValueError, match="one section length is 60 µm"):
             _ = Characterisation(Profile(self.TURNED.heights[:100], spacing=0.5), lc=60.0).rows
 
@@ -282,3 +282,9 @@ class TestSectionParameters:
         assert found.parameters.Sq == surface_parameters(limited).Sq
         said = {row.label: row.texts[0] for row in found.rows}
         assert said["filters"] == "S-filter (Gaussian, 0.3 µm), then L-filter (Gaussian, 3 µm)"
+        for options, message in (
+            ({"lc": 1.0, "ls": 2.0}, "ls must be below lc"),
+            ({"robust": True}, "needs a cutoff lc"),
+        ):
+            with pytest.raises(ValueError, match=message):
+                _ = Characterisation(surface, **options).rows

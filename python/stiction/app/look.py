@@ -16,7 +16,7 @@ from stiction._drawing import HEIGHT_MAP
 from stiction.surfaces.measured.reading import reading_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import roughness_parameters, surface_parameters
+from stiction.surfaces.roughness import check_roughness, rms_gradient, roughness_parameters
 from stiction.views.digits import with_unit
 
 DRAWN = 160  # rows, columns or points of a picture, at most
@@ -32,12 +32,16 @@ def look(file: str, unit: str, spacing: str, missing: Any) -> dict[str, Any]:
             reading = reading_of(file, unit=of_unit, spacing=of_spacing, missing=missing)
             body = reading.body
             level = levelled(body, "line" if isinstance(body, Profile) else "plane")  # type: ignore[call-overload]
-            found: Any = roughness_parameters(level) if isinstance(level, Profile) else surface_parameters(level)
+            if isinstance(level, Profile):
+                found = roughness_parameters(level)
+                height, slope = found.Pq, found.Pdq
+            else:
+                check_roughness(level)
+                height, slope = float(level.heights.std()), rms_gradient(level, "seven-point")
         except (ValueError, ImportError, MemoryError) as error:
             return {"error": str(error) or "there is not enough memory for this"}
     is_line = isinstance(level, Profile)
     names = ("Pq", "Pdq") if is_line else ("Sq", "Sdq")
-    height, slope = (float(getattr(found, name)) for name in names)
     size = " × ".join(with_unit(each, "um") for each in np.atleast_1d(body.extent)[::-1])
     points = " × ".join(f"{each}" for each in np.shape(body.heights)[::-1])
     if isinstance(level, Profile):

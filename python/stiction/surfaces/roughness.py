@@ -178,12 +178,8 @@ def surface_parameters(
     """
     surface = body_of("surface", surface, Surface, spacing=spacing, unit=unit)
     choice("derivative", derivative, Derivative)
-    refuse_flat(surface)
+    check_roughness(surface)
     z = surface.heights
-    if min(z.shape) < SEVEN_POINTS.size:
-        raise ValueError(
-            f"surface must have at least {SEVEN_POINTS.size} rows and {SEVEN_POINTS.size} columns, got {z.shape}"
-        )
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
     deviation /= scale  # so that the fourth power neither over- nor underflows
@@ -193,6 +189,14 @@ def surface_parameters(
         "Sz": float(np.ptp(z)), "Sdq": rms_gradient(surface, derivative), "Sdr": _developed(z, surface.spacing),
     }  # fmt: skip
     return SurfaceParameters({each.name: values[each.name] for each in SURFACE_PARAMETERS}, levelling(surface.history))
+
+
+def check_roughness(surface: Surface) -> None:
+    """Raise ValueError for a surface that is flat or too small for parameters."""
+    refuse_flat(surface)
+    least, shape = SEVEN_POINTS.size, surface.heights.shape
+    if min(shape) < least:
+        raise ValueError(f"surface must have at least {least} rows and {least} columns, got {shape}")
 
 
 def _heights(deviation: Floats, scale: float) -> dict[str, float]:

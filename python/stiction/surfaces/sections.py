@@ -49,7 +49,7 @@ _FIRST_CLASS = 2  # class that the search for the right one starts from
 
 
 class SectionError(ValueError):
-    """A profile is shorter than one section length."""
+    """A profile is too short or too coarse for the section length."""
 
 
 @dataclass(frozen=True)
@@ -175,9 +175,13 @@ def _by_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: Derivative
 ) -> SectionParameters:
     """Compute the parameters for the setting class that fits to the Ra and RSm that it gives."""
-    fitting = [each.section_length <= profile.extent * ROUND_UP for each in SETTING_CLASSES].count(True)
+    lengths = [each.section_length for each in SETTING_CLASSES]
+    if lengths[0] > profile.extent * ROUND_UP:
+        raise SectionError(_too_short(profile, lengths[0]))
+    fine, long = _fewest_points(profile.spacing), profile.extent * ROUND_UP
+    fitting = [index for index, length in enumerate(lengths) if fine <= length * ROUND_UP and length <= long]
     if not fitting:
-        raise SectionError(_too_short(profile, SETTING_CLASSES[0].section_length))
+        raise SectionError(_too_coarse(profile))
     known: dict[int, SectionParameters] = {}
 
     def fitted(index: int) -> int:
@@ -190,19 +194,19 @@ def _by_class(
         by_element = next(k for k, each in enumerate(SETTING_CLASSES) if not found.RSm > each.largest_element)
         return max(by_height, by_element)
 
-    index, visited = min(_FIRST_CLASS, fitting - 1), set[int]()
+    index, visited = min(fitting, key=lambda each: abs(each - _FIRST_CLASS)), set[int]()
     while (wanted := fitted(index)) != index and index not in visited:
         visited.add(index)
-        if wanted > index and index + 1 == fitting:
-            found, length = known[index], with_unit(SETTING_CLASSES[wanted].section_length, "µm")
+        following = index + 1 if wanted > index else index - 1
+        if following not in fitting:
+            why = _longer(profile) if wanted > index else _too_coarse(profile)
             raise SectionError(
-                f"{_reasons(found)} call for a section length of {length}, and the profile is "
-                f"{with_unit(profile.extent, 'µm')} long: measure a longer one, or choose a cutoff lc"
+                f"{_reasons(known[index])} call for a section length of {_words(lengths[wanted])}; {why}"
             )
-        index += 1 if wanted > index else -1
+        index = following
     if wanted != index:  # two classes call for each other
         index = max(index, max(visited & {index - 1, index, index + 1}))
-    elif index and fitted(index - 1) == index - 1:
+    elif index - 1 in fitting and fitted(index - 1) == index - 1:
         index -= 1
     found = known[index]
     reason = f"{SETTING_CLASSES[index].name} of ISO 21920-3, for {_reasons(found)}"
@@ -215,10 +219,27 @@ def _reasons(found: SectionParameters) -> str:
     return f"Ra {with_unit(found.Ra, 'µm')}{elements}"
 
 
+def _words(length: float) -> str:
+    return with_unit(length, "µm")
+
+
+def _fewest_points(spacing: float) -> float:
+    """Return the shortest section length for a spacing."""
+    return SEVEN_POINTS.size * spacing
+
+
 def _too_short(profile: Profile, length: float) -> str:
+    return f"one section length is {_words(length)}, and {_longer(profile)}"
+
+
+def _longer(profile: Profile) -> str:
+    return f"the profile is {_words(profile.extent)} long: measure a longer one, or choose a shorter cutoff lc"
+
+
+def _too_coarse(profile: Profile) -> str:
     return (
-        f"the profile is {with_unit(profile.extent, 'µm')} long and one section length is {with_unit(length, 'µm')}: "
-        "measure a longer one, or choose a shorter cutoff lc"
+        f"its points are {_words(profile.spacing)} apart, and a section needs at least {SEVEN_POINTS.size}: "
+        "measure more finely, or choose a longer cutoff lc"
     )
 
 
@@ -229,8 +250,10 @@ def _with_cutoff(
     spacing = profile.spacing
     if lc > profile.extent * ROUND_UP:
         raise SectionError(_too_short(profile, lc))
-    if lc < SEVEN_POINTS.size * spacing:
-        raise ValueError(f"lc must be at least {SEVEN_POINTS.size} points, {7 * spacing:g} µm, got {lc:g} µm")
+    if lc * ROUND_UP < _fewest_points(spacing):
+        raise ValueError(
+            f"lc must be at least {SEVEN_POINTS.size} points, {_fewest_points(spacing):g} µm, got {lc:g} µm"
+        )
     given = ls is not None
     if ls is None:
         ls = next((each.short_cutoff for each in SETTING_CLASSES if math.isclose(each.section_length, lc)), 0.0)

@@ -122,6 +122,10 @@ class Characterisation:
         body = self.body
         if isinstance(body, Profile):
             return body
+        if self.lc is None and self.robust:
+            raise ValueError("the robust filter of a surface needs a cutoff lc")
+        if self.lc is not None and self.ls and self.ls >= self.lc:
+            raise ValueError(f"ls must be below lc, {self.lc:g} µm, got {self.ls:g} µm")
         if self.ls:
             body = filtered(body, cutoff=checked_cutoff("ls", self.ls, body, longest=1), kind="S")
         if self.lc is not None:
@@ -264,8 +268,8 @@ class Characterisation:
             return [Row("filters", (words,)), *rows]
         if isinstance(found, SectionError):
             names = [each.name for letter in "RW" for each in PROFILE_PARAMETERS[letter]]
-            gone = tuple(entry(name, math.nan, _unit(PARAMETERS[name]), status="too-short") for name in names)
-            why = str(found).replace("a shorter cutoff lc", "a shorter --lc").replace("a cutoff lc", "--lc")
+            gone = tuple(entry(name, math.nan, _unit(PARAMETERS[name]), status="no-section") for name in names)
+            why = str(found).replace("cutoff lc", "--lc")
             return [*rows, Row("R and W parameters", (f"none: {why}",), gone)]
         rows.append(Row("filters", (_filters_text(found),), _filters_values(found)))
         return [*rows, *self._rows_of(found.values)]
