@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import xarray
 from rough_bodies import rough_maps
 from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import hardness
 from stiction.studies.at_load import PerLoad, six_at
-from stiction.studies.budget import _Point
+from stiction.studies.budget import _Point, with_uncertainty
 from stiction.studies.executors import threads
 from stiction.studies.hardness import Areas, areas_over_hardness, bodies_wanted, inputs_of
 from stiction.studies.known import ENDS, known
 from stiction.studies.pair import pair_study
 from stiction.studies.values import StudyError
+from stiction.views.answer import answers
 
 SIDES = ("upper", "lower")
 BY_DRAWS = 0.02  # largest difference of an end of an interval by draws from the exact one, over its width
@@ -251,3 +253,46 @@ def one_test(truth, rng) -> float:
     members = member_values(truth.source, truth._asked["load"].values).sel(sliding="all").squeeze()
     assert (members["status"] == STATUS_OK).all()
     return float(rng.choice(members["friction_coefficient"].values.ravel()))
+
+
+@pytest.mark.parametrize("tau0", ["0±50 MPa", "5±50 MPa", "20±200 MPa"])
+def test_interval_contains_a_value_that_its_truncated_distribution_leaves_out(tau0: str) -> None:
+    result = pair(*bodies(), load="2 MPa", mu0=0.2, tau0=tau0, hardness="3 GPa", effective_modulus="80 GPa", **QUICK)
+    assert result.interval[0] <= result.value <= result.interval[1]
+
+
+def test_intervals_contain_their_parts_and_stay_above_0() -> None:
+    # Random statistics, of which the bracket and the sampling interval may be wider than the interval by samples.
+    random = np.random.default_rng(5)
+    result = pair(
+        *bodies(), load="2 MPa", mu0=0.2, tau0="20..80 MPa", hardness="1 GPa", effective_modulus="80 GPa", **QUICK
+    )
+    at = result._asked
+    for _ in range(300):
+        value, scatter, half = random.uniform(0.21, 1.0), random.uniform(0.001, 1.5), random.uniform(0.001, 0.6)
+        ends = value * np.array([1.0, 1 - half, 1 + half * random.uniform(0.5, 2)])
+        point = at.assign(
+            friction_all_round=at["friction_all_round"] * 0 + xarray.DataArray(ends, dims="statistic"),
+            contact_count=at["contact_count"] * 0 + random.uniform(0.2, 30),
+            spread_low=at["spread_low"] * 0 + value * (1 - scatter / 2),
+            spread_high=at["spread_high"] * 0 + value * (1 + scatter),
+        )
+        (found,) = answers(with_uncertainty(point, result.source), result.study)
+        rule = found.rules[0]
+        assert rule.rule == "all"
+        assert 0 < rule.lower <= rule.positions[0] <= rule.value <= rule.positions[1] <= rule.upper
+        assert 0 < rule.next_test[0] <= rule.value <= rule.next_test[1]
+        if found.bracket is not None:
+            assert rule.lower <= found.bracket[0] <= found.bracket[1] <= rule.upper
+        assert 0 < max(left.width for left in found.budget) <= rule.upper - rule.lower
+
+
+def test_equal_inputs_have_equal_fractions_of_the_budget() -> None:
+    result = pair(
+        *bodies(), load="2 MPa", mu0="0.2±0.025", tau0="20..80 MPa", young="6..16 GPa,6..16 GPa", poisson="0.3,0.3",
+        hardness="1 GPa", **QUICK,
+    )  # fmt: skip
+    budget = result.budget.set_index("input")["share"]
+    upper, lower = (budget[f"Young's modulus of the {side} body"] for side in ("upper", "lower"))
+    assert upper == pytest.approx(lower, abs=0.01)
+    assert budget.min() >= 0

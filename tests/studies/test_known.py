@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
-from stiction.studies.known import draws, known
+from stiction.studies.known import NO_NUMBER, draws, known, read_known
 
 
 @pytest.mark.parametrize(
@@ -47,3 +49,37 @@ def test_nothing_is_below_zero() -> None:
 def test_what_is_none_is_refused(text, kind, words) -> None:
     with pytest.raises(ValueError, match=words):
         known("mu0", text, kind)
+
+
+@pytest.mark.parametrize("text", ["59.9..60.1 HRC", "60±0.05 HRC", "60 HRC ± 0.05", "60 HRC ± 0.1 %"])
+def test_a_range_of_rockwell_hardness_keeps_the_uncertainty_of_its_conversion(text: str) -> None:
+    number, found = (known("hardness", each, "hardness") for each in ("60 HRC", text))
+    assert (found.low, found.high) == pytest.approx((number.low, number.high), rel=0.01)
+    assert found.high - found.low >= number.high - number.low - 1e-3
+    wide = known("hardness", "55..65 HRC", "hardness")
+    ends = [known("hardness", f"{end} HRC", "hardness").value for end in (55, 65)]
+    assert wide.low < ends[0] < ends[1] < wide.high
+
+
+@pytest.mark.parametrize("text", ["150HV", "150 HV10", "150 HV 10", "150 HV0.5", "150 HV 0.5"])
+def test_vickers_hardness_may_name_its_test_load(text: str) -> None:
+    assert known("hardness", text, "hardness").value == known("hardness", "150 HV", "hardness").value
+    assert NO_NUMBER.search(text)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "got"),
+    [
+        ("poisson", "0.3±0.5", "0.3±0.5"), ("poisson", "0.4..0.6", "0.4..0.6"), ("mu0", "0.1..inf", "'inf'"),
+        ("mu0", "0.2±1e308", "1e308"), ("tau0", "50 MPa ± 1e-320 %", "larger uncertainty"),
+        ("hardness", "70±1 HRC", "70±1 HRC"), ("hardness", "1e300 HV", "1e300"),
+    ],
+)  # fmt: skip
+def test_read_known_rejects_what_cannot_be_and_quotes_the_text(name: str, text: str, got: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(got)):
+        read_known(name, text)
+
+
+def test_samples_of_poisson_ratio_stay_below_a_half() -> None:
+    values = read_known("poisson", "0.45±0.02").quantile(np.linspace(1e-6, 1 - 1e-6, 1001))
+    assert 0 < values.min() < values.max() == 0.5

@@ -101,11 +101,16 @@ def most_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
     return np.asarray(np.minimum(own * spread, 1 + (own - 1) * np.square(spread)))
 
 
-def friction_bracket(value: float, mu0: float, adhesion: float, contacts: float) -> tuple[float, float]:
-    """Ends of mu_s of every finer scan of a pair that yields, from mu_s where all rubs, mu0, tau0/H and contacts."""
-    most = value
+def friction_bracket(
+    value: float, mu0: float, adhesion: float, contacts: float, upper: float | None = None
+) -> tuple[float, float]:
+    """Ends of mu_s of every finer scan of a pair that yields, from mu_s where all rubs, mu0, tau0/H and contacts.
+
+    The upper end is by default that of the value, and otherwise that of an upper end of its interval.
+    """
+    most = value if upper is None else upper
     if adhesion > 0:
-        most += adhesion * float(most_area((value - mu0) / adhesion, contacts)) - max(value - mu0, adhesion)
+        most += adhesion * float(most_area((most - mu0) / adhesion, contacts)) - max(most - mu0, adhesion)
     return min(mu0 + adhesion, value), most
 
 

@@ -36,6 +36,7 @@ PLACES = (UPPER_PIECE, LOWER_PIECE, POSITIONS)
 INTERFACE = "interface"  # input that is mu0 and tau0 jointly
 KNOWN_QUANTILES = (0.1, 0.5, 0.9)  # quantiles of an input over which the width left, if it were known, is a mean
 MOST_BUDGETS = 100  # coefficients up to which each has a budget; of more, each has its intervals
+MAX_EXPONENT = 50.0  # largest exponent of a factor between tests
 DECILES = 2.563103131089201  # standard deviations of a normal distribution from its tenth to its ninetieth percentile
 
 _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
@@ -90,7 +91,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
         for index, name in enumerate(order if quoted and np.prod(shape) <= MOST_BUDGETS else ()):
             if name in one.names:
                 left[(index, *place)] = one.value, *one.interval({name: 0.5})
-                width[(index, *place)] = np.mean([np.ptp(one.interval({name: part})) for part in KNOWN_QUANTILES])
+                width[(index, *place)] = one.width_left(name)
     over = (*dims, "statistic")
     tables: dict[str, tuple[tuple[str, ...], Floats, str]] = {
         "friction_known": (over, whole, "coefficient of static friction, 95 % of everything known"),
@@ -128,7 +129,8 @@ class _Point:
             lower = upper = value
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
-        self.value = value
+        self.value, self.sampling = value, (lower, upper)
+        self.bracket: tuple[float, float] | None = None  # of finer scans, from the sampling interval
         self.inputs: dict[str, Known] = {name: each.known for name, each in inputs.items()}
         # A range is of the value that the study asks for, not of another that is read off.
         for name, own in (("mu0", self.mu0), ("tau0", self.tau0)):
@@ -143,7 +145,9 @@ class _Point:
         free = study.by_half_space and not study.contact.adheres
         if hardness is not None and free and str(point["sliding"].values) == "all":
             contacts = float(point["contact_count"].sel(statistic="mean")) * float(point["members"])
-            self.finest = friction_bracket(value, self.mu0, self.tau0 / float(hardness), contacts)
+            limits = self.mu0, self.tau0 / float(hardness), contacts
+            self.finest = friction_bracket(value, *limits)
+            self.bracket = friction_bracket(value, *limits, upper)
         error, members = (upper - lower) / (2 * ENDS * value), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
         # Relative standard deviation of one member in one direction, from the mean.
@@ -159,20 +163,42 @@ class _Point:
         self.names = (*self.inputs, *((INTERFACE,) if strength else ()), *self.places, *finer)
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
-        """The 95 % interval, with some inputs at quantiles of theirs."""
+        """The 95 % interval, with some inputs at quantiles of theirs.
+
+        It contains the value, and the sampling interval and the bracket of finer scans unless these are fixed.
+        """
+        fixed = fixed or {}
+        parts = [self.value]
+        if not set(fixed) & set(PLACES):
+            parts += self.sampling
+        if FINER not in fixed and self.finest is not None and self.bracket is not None:
+            parts += self.finest if set(fixed) & set(PLACES) else self.bracket
+        return containing(self._sampled_interval(fixed), *parts)
+
+    def width_left(self, name: str) -> float:
+        """Width of the interval if an input were known, a mean over what it may be."""
+        widths = [np.ptp(self._sampled_interval({name: part})) for part in KNOWN_QUANTILES]
+        part = float(np.mean(widths)) / float(np.ptp(self._sampled_interval({})))
+        return min(part, 1.0) * float(np.ptp(self.interval()))
+
+    def _sampled_interval(self, fixed: Mapping[str, float]) -> tuple[float, float]:
         if self.names == tuple(self.places) and not fixed:
-            half = ENDS * math.hypot(*self.places.values()) * self.value
-            return max(self.value - half, 0.0), self.value + half
-        return _ends(self._draws(fixed or {}))
+            return max(self.sampling[0], 0.0), self.sampling[1]
+        return _ends(self._draws(fixed))
 
     def next_test(self) -> tuple[float, float]:
-        """The 95 % prediction interval of one more member in one direction."""
+        """The 95 % prediction interval of one more member in one direction.
+
+        Student's t is of the logarithm, so that the interval stays above 0.
+        """
         from scipy.special import stdtrit
 
         key = len(self.names), self.freedom
         if key not in self.areas.kept:
             self.areas.kept[key] = stdtrit(self.freedom, strata(len(self.names) + 1)[:, -1])
-        return _ends(self._draws(dict.fromkeys(self.places, 0.5)) * (1 + self.areas.kept[key] * self.scatter))
+        scatter = math.sqrt(math.log1p(self.scatter**2))
+        factor = np.exp(np.minimum(self.areas.kept[key] * scatter, MAX_EXPONENT))
+        return containing(_ends(self._draws(dict.fromkeys(self.places, 0.5)) * factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
         """The coefficient after seconds under a nominal pressure (GPa), with its interval; NaN where it yields."""
@@ -185,7 +211,7 @@ class _Point:
         area = self.areas.factor(self.load, np.array([left]), 1.0)
         own = self.friction.coefficient(self.mu0, self.tau0)
         value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / own
-        return float(value[0]), *_ends(self._draws({}, wait))
+        return float(value[0]), *containing(_ends(self._draws({}, wait)), float(value[0]))
 
     def _draws(self, fixed: Mapping[str, float], wait: float = 1.0) -> Floats:
         from scipy.special import ndtri
@@ -211,7 +237,7 @@ class _Point:
             most = np.maximum(found * (self.finest[1] / self.value), least)
             found = least + columns[FINER] * (most - least)
         for name, error in self.places.items():
-            found = found * (1 + error * ndtri(columns[name]))
+            found = found * np.exp(error * ndtri(columns[name]))
         return np.asarray(np.maximum(found, 0.0))
 
     def _drawn(
@@ -229,6 +255,18 @@ class _Point:
         return columns, drawn, hardness, self.areas.factor(self.load, softest, relative_modulus(self.study, drawn))
 
 
+def containing(ends: tuple[float, float], *values: float) -> tuple[float, float]:
+    """Return the ends of an interval, moved outwards until it contains values."""
+    return min(ends[0], *values), max(ends[1], *values)
+
+
 def _ends(values: NDArray[Any]) -> tuple[float, float]:
+    """Ends of the 95 % interval of samples; a `ValueError` if some are no numbers."""
+    if not np.isfinite(values).all():
+        count = int(np.count_nonzero(~np.isfinite(values)))
+        raise ValueError(
+            f"the inputs are too uncertain: {count} of {values.size} samples of them have no coefficient; "
+            "give narrower ranges"
+        )
     low, high = np.quantile(values, [0.025, 0.975])
     return float(low), float(high)

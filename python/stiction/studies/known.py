@@ -11,7 +11,7 @@ import functools
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -27,8 +27,11 @@ if TYPE_CHECKING:
 
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
 ENDS = 1.959963984540054  # standard deviations from the middle of a normal distribution to the ends of its 95 %
-DRAWS = 4096  # draws that stand for what is known
-NO_NUMBER = re.compile(r"\.\.|±|\+/?-|\b(HV|HRC)\b")  # what a text has that is more than one number with a unit
+DRAWS = 2**14  # samples of the inputs: equal inputs have budget fractions that differ by less than 0.01
+MAX_NUMBER = 1e6  # largest number, percentage, and end of a range in core units
+MIN_DEVIATION = 1e-9  # smallest standard uncertainty over the value
+NO_NUMBER = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
+"""Part of a text that is more than a number with a unit."""
 
 _ROCKWELL = {20: 238, 25: 266, 30: 302, 35: 345, 40: 392, 45: 446, 50: 513, 55: 595, 60: 697, 65: 832, 68: 940}
 """Vickers hardness of steels of a Rockwell hardness C, ISO 18265 (2013), table A.1, and ASTM E140."""
@@ -37,8 +40,10 @@ CONVERTED = 0.05  # half of the relative range of a hardness that is converted f
 _VICKERS = 9.80665e-3 / 0.9272  # mean pressure (GPa) of 1 HV: kgf per mm² of ground plan, 0.9272 of the faces
 _RANGE = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _WITH_UNCERTAINTY = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
-_UNIT = re.compile(r"[^\W\d_]+\s*$")
+_UNIT = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
+_TEST_LOAD = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")  # "HV10", "HV 0.5": kgf
 Kind = Literal["", "pressure", "modulus", "hardness"]
+MOST_POISSON = 0.5  # Poisson's ratio of a body that keeps its volume
 MOST_CREEP = 0.5  # largest exponent of creep: a hardness that falls by three within a decade of time is that of a melt
 
 
@@ -51,6 +56,7 @@ class Known:
     high: float
     distribution: Distribution
     text: str  # as a person wrote it
+    most: float = math.inf  # value above which it cannot be
 
     @property
     def is_exact(self) -> bool:
@@ -67,9 +73,12 @@ class Known:
 
     def quantile(self, probability: ArrayLike) -> Floats:
         """Values below which it lies with these probabilities."""
+        part = np.asarray(probability, dtype=np.float64)
+        return np.minimum(self._quantile(part), self.most)
+
+    def _quantile(self, part: Floats) -> Floats:
         from scipy.special import ndtr, ndtri
 
-        part = np.asarray(probability, dtype=np.float64)
         if self.is_exact:
             return np.full(part.shape, self.value)
         if self.distribution == "uniform":
@@ -89,6 +98,17 @@ def known(name: str, given: Any, kind: Kind = "") -> Known:
         value = _one(name, given, kind)
         return Known(value, value, value, "exact", exactly(value, "GPa") if kind else repr(value))
     text = " ".join(given.split())
+    found = _read(name, _TEST_LOAD.sub("HV", text) if kind == "hardness" else text, kind)
+    if not found.high <= MAX_NUMBER:
+        raise ValueError(f"{name} must be at most {MAX_NUMBER:g} with its uncertainty, got {shortened(text)}")
+    if found.distribution == "normal" and found.high - found.low < 2 * ENDS * MIN_DEVIATION * found.value:
+        raise ValueError(f"{name} must have a larger uncertainty or none, got {shortened(text)}")
+    return replace(found, text=text)
+
+
+def _read(name: str, text: str, kind: Kind) -> Known:
+    """What is known of an input, from a text with single blanks."""
+    converted = text.find("HRC") >= 0 and kind == "hardness"
     if match := _RANGE.fullmatch(text):
         flat, first, last = match.groups()
         low, high = (_one(name, end, kind) for end in _with_units(first, last))
@@ -96,6 +116,8 @@ def known(name: str, given: Any, kind: Kind = "") -> Known:
             raise ValueError(f"{name} must be a range from a smaller to a larger value, got {shortened(text)}")
         if kind in ("hardness", "modulus") and low == 0:
             raise ValueError(f"{name} must be above 0, got {shortened(text)}")
+        if converted:
+            return _widened(low, high, text)
         if flat or low == 0:
             return Known(0.5 * (low + high), low, high, "uniform", text)
         if kind:
@@ -106,6 +128,15 @@ def known(name: str, given: Any, kind: Kind = "") -> Known:
         if last.endswith("%"):
             value = _one(name, first, kind)
             deviation = value * _one(name, last[:-1].strip(), "") / 100
+            deviation = math.hypot(deviation, CONVERTED * value / ENDS) if converted else deviation
+        elif converted:
+            middle, steps = (_number(name, _UNIT.sub("", each).strip()) for each in (first, last))
+            ends = (middle - ENDS * steps, middle + ENDS * steps)
+            if not min(_ROCKWELL) <= ends[0] <= ends[1] <= max(_ROCKWELL):
+                limits = f"{min(_ROCKWELL)} to {max(_ROCKWELL)} HRC"
+                raise ValueError(f"{name} must be from {limits} with its uncertainty, got {shortened(text)}")
+            low, high = (_one(name, f"{end:g} HRC", kind) for end in ends)
+            return _widened(low, high, text)
         else:
             value, deviation = (_one(name, each, kind) for each in _with_units(first, last))
         if not deviation > 0:
@@ -118,18 +149,40 @@ def known(name: str, given: Any, kind: Kind = "") -> Known:
         return Known(value, value - ENDS * deviation, value + ENDS * deviation, "normal", text)
     value = _one(name, text, kind)
     if text.endswith("HRC"):
-        return Known(value, value * (1 - CONVERTED), value * (1 + CONVERTED), "log-normal", text)
+        return _widened(value, value, text)
     return Known(value, value, value, "exact", text)
+
+
+def _widened(low: float, high: float, text: str) -> Known:
+    """A hardness between ends that were converted from Rockwell's, with the uncertainty of the conversion."""
+    half = math.hypot(0.5 * math.log(high / low), CONVERTED)
+    value = math.sqrt(low * high)
+    return Known(value, value * math.exp(-half), value * math.exp(half), "log-normal", text)
+
+
+def _number(name: str, text: str) -> float:
+    """A number of at most `MAX_NUMBER` that is not negative."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise ValueError(f"{name} must be a number, got {shortened(text)}") from None
+    if not 0 <= value <= MAX_NUMBER:
+        raise ValueError(f"{name} must be finite and from 0 to {MAX_NUMBER:g}, got {shortened(text)}")
+    return value
 
 
 def _one(name: str, given: Any, kind: str) -> float:
     """A number that is not negative, with a unit where it is of a kind and text."""
+    if isinstance(given, str) and not kind:
+        return _number(name, given)
     scale = _UNIT.search(given) if kind == "hardness" and isinstance(given, str) else None
     if scale and scale[0] in ("HV", "HRC"):
-        number = _one(name, given[: scale.start()], "")
+        number = _number(name, given[: scale.start()].strip())
         if scale[0] == "HRC":
             if not min(_ROCKWELL) <= number <= max(_ROCKWELL):
-                raise ValueError(f"{name} must be from {min(_ROCKWELL)} to {max(_ROCKWELL)} HRC, got {number:g} HRC")
+                raise ValueError(
+                    f"{name} must be from {min(_ROCKWELL)} to {max(_ROCKWELL)} HRC, got {shortened(given)}"
+                )
             number = math.exp(float(np.interp(number, list(_ROCKWELL), np.log(list(_ROCKWELL.values())))))
         return number * _VICKERS
     scales = "; also taken are HV and HRC" if kind == "hardness" else ""
@@ -146,8 +199,12 @@ def _one(name: str, given: Any, kind: str) -> float:
 
 def _with_units(first: str, last: str) -> tuple[str, str]:
     """Two texts, of which one unit may be for both."""
-    unit = _UNIT.search(last)
-    return (first if unit is None or _UNIT.search(first) else f"{first} {unit[0]}"), last
+    units = [_UNIT.search(each) for each in (first, last)]
+    if units[0] is None and units[1] is not None:
+        return f"{first} {units[1][0]}", last
+    if units[0] is not None and units[1] is None and units[0][0].strip() in ("HV", "HRC"):
+        return first, f"{last} {units[0][0]}"
+    return first, last
 
 
 @functools.lru_cache(maxsize=32)
@@ -159,11 +216,9 @@ def sobol(dimensions: int, count: int = DRAWS, *, seed: int = 0) -> Floats:
     return read_only(np.clip(points, 1e-9, 1 - 1e-9))
 
 
-@functools.lru_cache(maxsize=8)
 def strata(dimensions: int) -> Floats:
-    """(DRAWS, dimensions) points of a Latin hypercube inside the unit cube: each column has one in every stratum."""
-    rows = np.tile((np.arange(DRAWS) + 0.5) / DRAWS, (dimensions, 1))
-    return read_only(np.random.default_rng(2016).permuted(rows, axis=1).T.copy())
+    """(DRAWS, dimensions) points of a Sobol sequence inside the unit cube: each column has one in every stratum."""
+    return sobol(dimensions, DRAWS, seed=2016)
 
 
 def draws(inputs: Mapping[str, Known]) -> dict[str, Floats]:
@@ -184,6 +239,10 @@ KINDS: dict[str, Kind] = {
 def read_known(name: str, given: Any) -> Known:
     """Read what is known of an input by its name in `KINDS`; errors begin without the name."""
     found = known("", given, KINDS[name])
+    if name == "poisson":
+        if found.high > MOST_POISSON:
+            raise ValueError(f"must be from 0 to {MOST_POISSON:g} with its uncertainty, got {shortened(given)}")
+        found = replace(found, most=MOST_POISSON)
     if name == "creep" and found.high > MOST_CREEP:
         raise ValueError(f"must be at most {MOST_CREEP:g}, got {shortened(given)}")
     return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from stiction._arguments import listed
@@ -11,7 +11,7 @@ from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction.mechanics.materials import Material, MaterialValue, material
 from stiction.studies.elasticity import Elasticity, elasticity_of
-from stiction.studies.known import NO_NUMBER, Distribution, Known, read_known
+from stiction.studies.known import MOST_POISSON, NO_NUMBER, Distribution, Known, read_known
 from stiction.surfaces.pairing import SIDES
 
 NAMES = ("young", "poisson")
@@ -66,7 +66,8 @@ def _compliance(young: Any, poisson: Any) -> Any:
 
 def moduli_of_material(body: Material) -> dict[str, Known]:
     """Young's modulus (GPa) and Poisson's ratio of a material as the ranges of their source."""
-    return {"young": _of_source(body.young_modulus, "log-normal"), "poisson": _of_source(body.poisson_ratio, "normal")}
+    poisson = replace(_of_source(body.poisson_ratio, "normal"), most=MOST_POISSON)
+    return {"young": _of_source(body.young_modulus, "log-normal"), "poisson": poisson}
 
 
 def _of_source(value: MaterialValue, distribution: Distribution) -> Known:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction.mechanics import friction
-from stiction.mechanics.brackets import most_area
+from stiction.mechanics.brackets import friction_bracket
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.hardness import inputs_of
 from stiction.studies.interfaces import interface_of
@@ -360,11 +360,9 @@ def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[f
     if hardness is None or not measured or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
     mu0, adhesion = float(point["mu0"]), float(point["tau0"]) / float(hardness)
-    most = all_rub.upper if math.isfinite(all_rub.upper) else all_rub.value
-    if adhesion > 0:
-        contacts = value_of(point, "contact_count") * value_of(point, "members")
-        most += adhesion * float(most_area((most - mu0) / adhesion, contacts)) - max(most - mu0, adhesion)
-    return min(mu0 + adhesion, all_rub.value), most
+    upper = all_rub.upper if math.isfinite(all_rub.upper) else None
+    contacts = value_of(point, "contact_count") * value_of(point, "members")
+    return friction_bracket(all_rub.value, mu0, adhesion, contacts, upper)
 
 
 # ---- Words -----------------------------------------------------------------------------------------------------------
