@@ -200,7 +200,7 @@ def doubts_of(point: xarray.Dataset, study: Study, value: RuleValue, status: str
     yield from _of_the_strength(point, study, value)
     yield from _of_the_adhesion(point, study)
     yield from _of_the_scans(point, study)
-    yield from _of_the_area(point)
+    yield from _of_the_area(point, study)
     yield from doubted((OF_COUNTS, *OF_CONTACTS), numbers)
 
 
@@ -370,8 +370,12 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
             yield Doubt(f"{text} on {with_unit(whole, 'um')}", "lines, without --lay isotropic, have them", "caution")
 
 
-def _of_the_area(point: xarray.Dataset) -> Iterator[Doubt]:
-    if (fraction := value_of(point, "contact_area_fraction")) > 1:
+def _of_the_area(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
+    fraction = value_of(point, "contact_area_fraction")
+    if fraction > 1 and study.by_half_space:
+        cure = "adhesion closes the gap: take stiffer or rougher bodies" if study.contact.adheres else "give less load"
+        yield Doubt("contact is complete: the true area is the nominal one", cure, "fault")
+    elif fraction > 1:
         yield Doubt(f"a true area of {percent(fraction)} cannot be", "give less load", "fault")
 
 
