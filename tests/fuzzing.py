@@ -155,7 +155,7 @@ def fuzz_measured(random, name, pristine, folder):
     if name.endswith(("x3p", "xlsx")) and random.random() < 0.7:
         data = _damaged_inside(random, pristine)
     else:
-        _scramble(random, data)
+        scramble(random, data)
     path = folder / name
     path.write_bytes(data)
     options = [{}, {"unit": "um", "spacing": "0.1 um"}, {"missing": "interpolate"}, {"unit": "m", "spacing": "1 um"}]
@@ -177,7 +177,7 @@ def fuzz_measured(random, name, pristine, folder):
     return outcome
 
 
-def _scramble(random, data):
+def scramble(random, data):
     for _ in range(random.integers(1, 5)):
         at = int(random.integers(len(data) + 1))
         match random.integers(6):
@@ -202,7 +202,7 @@ def _damaged_inside(random, pristine):
         for name in names:
             content = bytearray(old.read(name))
             if name == damaged:
-                _scramble(random, content)
+                scramble(random, content)
             new.writestr(name, bytes(content))
     return stream.getvalue()
 

@@ -4,6 +4,7 @@ import io
 import itertools
 import warnings
 
+import fuzzing
 import numpy as np
 import pytest
 from stiction import FormatError, FormatWarning, Surface, read_measurement, write_surface
@@ -473,3 +474,38 @@ def test_one_map_is_the_same_in_all_formats(tmp_path):
         body = read(tmp_path / name, **({"unit": "um"} if name == "b.csv" else {}))
         assert np.allclose(body.heights, HEIGHTS, atol=1e-6), name
         assert body.spacing == pytest.approx((2.0, 0.5)), name
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_damaged_exports_are_read_or_refused(tmp_path, name):
+    write, options, _ = CASES[name]
+    source = np.random.default_rng(len(name))
+    path = tmp_path / "a.txt"
+    for at in range(60):
+        data = bytearray(write().encode())
+        for _ in range(2):
+            fuzzing.scramble(source, data)
+        path.write_bytes(data)
+        body = read(path, **(options if at % 2 else {}))  # any error but a FormatError fails
+        assert body is None or np.isfinite(body.heights).all()
+
+
+def test_numbers_are_rounded_correctly(tmp_path):
+    values = np.concatenate([random.normal(size=500) * 10.0 ** random.integers(-12, 3, 500), [1 / 3, 2**-40, 0.1]])
+    for form in (repr, "{:.6f}".format, "{:.3e}".format, "{:.18e}".format):
+        texts = [form(float(value)) for value in values]
+        (tmp_path / "a.txt").write_text("\n".join(texts))
+        body = read(tmp_path / "a.txt", unit="um", spacing="100 um")
+        assert body.heights.tolist() == [float(text) for text in texts]
+
+
+def test_digits_are_needed_for_rounded_positions_alone(tmp_path):
+    path = tmp_path / "a.csv"
+    for step, form in ((0.5, ".1f"), (0.156245, ".1f"), (0.156245, ".6f")):
+        lines = [f"{step * at:{form}},{z}" for at, z in enumerate(np.tile(LINE, 20))]
+        path.write_text("x (um),z (um)\n" + "\n".join(lines))
+        assert read_measurement(path).spacing == pytest.approx(step, rel=1e-3)
+    lines[500] = lines[500].replace(lines[500].split(",")[0], f"{step * 500 + 0.05:.6f}")
+    path.write_text("x (um),z (um)\n" + "\n".join(lines))
+    with pytest.raises(FormatError, match="is not uniform: point 500"):
+        read_measurement(path)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Generic, Literal, TypeVar
 
 import numpy as np
@@ -378,23 +379,23 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
         if not np.isfinite(x).all() or np.abs(x).max() > _HIGHEST:
             at = int(np.flatnonzero(~(np.abs(x) <= _HIGHEST))[0])
             raise FormatError(f"has no usable position at point {at}, from 0 on; each height needs one")
-        digit = np.zeros(x.shape) if raw.digits is None else _in_um(raw.digits(), length)
+        digit = _Digits(raw, length)
         measured = float((x[-1] - x[0]) / (x.size - 1))
         direction = -1.0 if measured < 0 else 1.0
         if given is not None:
-            if _worst(x, direction * given, digit, UNEVEN * given) is not None:
+            if _worst_as_printed(x, direction * given, digit, UNEVEN * given) is not None:
                 _refuse_uneven(x, measured, digit)  # if it is not uniform at all, that is what is wrong
                 raise FormatError(
                     f"says by its positions that the spacing is {abs(measured):.7g} µm, but spacing says {given.text}"
                 )
             return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
-        if stated is not None and _worst(x, direction * stated[0], digit, 1e-9 * stated[0]) is None:
+        if stated is not None and _worst_as_printed(x, direction * stated[0], digit, 1e-9 * stated[0]) is None:
             return direction * stated[0], [f"spacing {stated[0]:.7g} µm (header and positions agree)"], []
         _refuse_uneven(x, measured, digit)
     doubts: list[Caveat] = []
     step = f"spacing {abs(measured):.7g} µm from its positions"
     if stated is not None:
-        if abs(abs(measured) - stated[0]) > stated[1] + digit.max() / (x.size - 1):
+        if abs(abs(measured) - stated[0]) > stated[1] + digit.values.max() / (x.size - 1):
             doubts.append(
                 Caveat(
                     "spacing",
@@ -415,6 +416,28 @@ def _stated(raw: Raw) -> tuple[float, float] | None:
     return raw.stated.length * factor, 0.51 * raw.stated.digit * factor
 
 
+class _Digits:
+    """What the last printed digits of positions are worth (µm), computed when it is needed first."""
+
+    def __init__(self, raw: Raw, unit: str) -> None:
+        self._raw, self._unit = raw, unit
+
+    @cached_property
+    def values(self) -> Floats:
+        assert self._raw.positions is not None
+        if self._raw.digits is None:
+            return np.zeros(self._raw.positions.shape)
+        with np.errstate(all="ignore"):
+            return _in_um(self._raw.digits(), self._unit)
+
+
+def _worst_as_printed(x: Floats, spacing: float, digit: _Digits, slack: float) -> tuple[int, float] | None:
+    """Return `_worst` of the printed digits, which most positions do not need to be uniform."""
+    if _worst(x, spacing, np.zeros(x.size), slack) is None:
+        return None
+    return _worst(x, spacing, digit.values, slack)
+
+
 def _worst(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
     """The point that is most off a uniform grid and by how much, if the printed digits do not explain it."""
     steps = np.arange(x.size)
@@ -427,11 +450,11 @@ def _worst(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int,
     return (at, float(off[at])) if beyond[at] > 0 else None
 
 
-def _refuse_uneven(x: Floats, measured: float, digit: Floats) -> None:
+def _refuse_uneven(x: Floats, measured: float, digit: _Digits) -> None:
     """Refuse positions that are not uniform, or have too few digits to tell their spacing."""
     if measured == 0:
         raise FormatError("has first and last point at the same position")
-    worst = _worst(x, measured, digit, UNEVEN * abs(measured))
+    worst = _worst_as_printed(x, measured, digit, UNEVEN * abs(measured))
     if worst is not None:
         at, off = worst
         raise FormatError(
@@ -439,7 +462,7 @@ def _refuse_uneven(x: Floats, measured: float, digit: Floats) -> None:
             f"of {abs(measured):.6g} µm puts it; resample it first"
         )
     even = np.abs(np.diff(x) - measured).max() <= UNEVEN * abs(measured)
-    if not even and abs(x[-1] - x[0]) < TELLING * digit.max():
+    if not even and abs(x[-1] - x[0]) < TELLING * digit.values.max():
         raise FormatError(
             f"has positions with too few digits to tell their spacing ({abs(measured):.3g} µm?); give it, as in "
             '"0.5 um"'
