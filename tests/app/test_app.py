@@ -18,6 +18,7 @@ from app.served import PATIENCE, served, until, write_maps
 from command import stiction_command, stiction_done
 from stiction import Profile, Study, Surface, run, write_profile, write_surface
 from stiction.app.run import ALONE, is_left
+from stiction.app.server import OPTIONS
 from stiction.cli import showing
 from stiction.views.digits import with_unit
 
@@ -167,6 +168,52 @@ def test_fields_take_ranges_and_scales_of_hardness_as_the_command_does(app, fres
     assert all(f"{each}'" in line for each in ("--mu0=0.2±0.02", "--tau0=20..80 MPa", "--hardness=150 HV"))
     value, low, high = answer(fresh)[0]["all"]
     assert high - low > 0.2 * value
+
+
+def test_form_has_a_field_for_each_option_of_a_pair(fresh):
+    fill(fresh, {"upper": "numbers", "lower": "numbers", "mechanics": "half-space", "lay": "grooves"})
+    fill(fresh, {"cutoff": "0.1 um,0.2 um", "adhesion": "50", "tip": "10 nm", "mu0": "0,15..0,25", "hardness": "2±0,2"})
+    fresh.execute_script("document.querySelectorAll('[name=columns]')[1].value = 'x,z'")
+    options = fresh.execute_script("return optionsOfPair()")
+    asked = {"mechanics": "half-space", "lay": "grooves", "cutoff": "0.1 um,0.2 um", "adhesion": "50 mJ/m^2"}
+    asked |= {"tip": "10 nm", "hardness": "2±0.2 GPa", "mu0": "0.15..0.25"}
+    assert asked.items() <= dict(options).items()
+    assert [value for name, value in options if name == "columns"] == ["", "x,z"]
+    names = set(fresh.execute_script("return [...document.querySelectorAll('#pair [name]')].map(({name}) => name)"))
+    assert names == set(OPTIONS["pair"])
+
+
+def test_table_of_several_columns_is_read_by_the_columns_field(fresh, tmp_path):
+    rows = np.column_stack([np.arange(64), 7.0 * np.ones(64), np.random.default_rng(0).standard_normal(64)])
+    np.savetxt(tmp_path / "three.txt", rows)
+    assert "columns" in choose(fresh, "upper", tmp_path / "three.txt")["wrong"]
+    fresh.execute_script(
+        "for (const [name, value] of [['columns', '0,2'], ['unit', 'um']]) {"
+        "const field = document.querySelector(`#upper-drop [name=${name}]`); field.value = value;"
+        "field.dispatchEvent(new Event('change', {bubbles: true})); }"
+    )
+    until(lambda: seen(fresh, "upper")["hint"], lambda hint: "Pq 1." in hint or "Pq 0.9" in hint)
+
+
+def test_scan_that_is_being_read_is_not_called_missing(fresh):
+    fresh.execute_script("arriving.lower = 1")
+    fresh.find_element("css selector", "#pair .go").send_keys("\n")
+    words = fresh.find_element("id", "pair-wrong").text
+    assert "the upper scan is missing" in words
+    assert "the lower scan is still being read" in words
+
+
+def test_two_metal_profiles_reach_a_number(fresh, tmp_path, monkeypatch, rough_pair):
+    for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=1500), strict=True):
+        write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
+        choose(fresh, side, tmp_path / f"{side}.csv")
+    fill(fresh, {"upper": "mild steel", "lower": "brass", "load": "1 MPa", "tau0": "20..80"})
+    fill(fresh, {"mechanics": "half-space", "lay": "grooves"})
+    press(fresh)
+    assert finished(fresh) == "done"
+    shown = answer(fresh)
+    assert shown == same_as(fresh, tmp_path, monkeypatch)
+    assert 0.2 < shown[0]["all"][0] < 0.5
 
 
 def test_two_maps_are_dropped_and_pressed_and_all_follows(app, fresh, maps, monkeypatch):

@@ -5,6 +5,7 @@ const AT_REST = 400; // ms without a change, after which the words follow
 const POLL = 500; // ms between two questions of how far jobs have come
 const sides = ["upper", "lower"];
 const scans = {upper: null, lower: null};
+const arriving = {upper: 0, lower: 0}; // files of each side that are being sent or read
 const form = byId("pair");
 let jobs = [];
 let current = null; // number of the job that is shown
@@ -49,6 +50,7 @@ function complainOf(job) {
   complain(byId("job-wrong"), text);
   const input = form.querySelector(`[name="${text.match(/^--([a-z0-9-]+)/)?.[1]}"]`);
   input?.setAttribute("aria-invalid", "true");
+  if (input?.closest("details")) input.closest("details").open = true;
   input?.focus();
 }
 
@@ -72,6 +74,7 @@ async function take(side, file) {
   const place = byId(`${side}-drop`);
   place.querySelector(".hint").textContent = `${file.name} …`;
   complain(place.querySelector(".wrong"), "");
+  arriving[side] += 1;
   try {
     if (file.size > document.body.dataset.most) throw new Error(`A scan may have ${document.body.dataset.most / 1e6} MB here.`);
     const {scan} = await fetched(`/scans?name=${encodeURIComponent(file.name)}`, {method: "PUT", body: file});
@@ -81,6 +84,8 @@ async function take(side, file) {
     scans[side] = null;
     place.querySelector(".hint").textContent = file.name;
     complain(place.querySelector(".wrong"), error.message);
+  } finally {
+    arriving[side] -= 1;
   }
 }
 
@@ -90,7 +95,9 @@ async function look(side) {
   const [hint, wrong, image, save] = [".hint", ".wrong", "img", ".save"].map((each) => place.querySelector(each));
   hint.textContent = `${own.name} …`;
   const reading = new URLSearchParams([...place.querySelectorAll("[name]")].map(({name, value}) => [name, value.trim()]));
+  arriving[side] += 1;
   const said = await fetched(`/scans/${own.scan}?${reading}`).catch(({message}) => ({error: message}));
+  arriving[side] -= 1;
   if (scans[side] !== own) return;
   own.holds = said.holds;
   hint.textContent = said.error ? own.name : `${own.name}: ${said.words}`;
@@ -110,14 +117,15 @@ async function demo() {
   form.requestSubmit();
 }
 
-const UNITS = {young: " GPa", hardness: " GPa", tau0: " MPa"};
+const UNITS = {young: " GPa", hardness: " GPa", tau0: " MPa", adhesion: " mJ/m^2"};
+const TEXTS = ["spacing", "unit", "columns", "channel", "cutoff"]; // in which a comma separates
 const number = (name) => form[name].value.trim().replace(",", ".");
 
 /** The options of `stiction pair` that the form stands for; its fields have their names, twice if of both bodies. */
 function optionsOfPair() {
   const found = {};
   for (const [name, text] of new FormData(form)) {
-    const given = name === "spacing" ? text.trim() : text.trim().replace(",", ".");
+    const given = TEXTS.includes(name) ? text.trim() : text.trim().replaceAll(",", ".");
     const hasUnit = /\p{L}{2}|[A-Z]/u.test(given); // as in "150 HV", and not in "1e-3"
     (found[name] ??= []).push(given && !hasUnit ? given + (UNITS[name] ?? "") : given);
   }
@@ -130,9 +138,16 @@ function optionsOfPair() {
     .flatMap(([name, [one, other = one]]) => (one === other ? [[name, one]] : [[name, one], [name, other]]));
 }
 
+/** Why a scan cannot be pressed yet; empty if it can. */
+function scanProblem(side) {
+  if (arriving[side]) return `the ${side} scan is still being read`;
+  if (!scans[side]) return `the ${side} scan is missing`;
+  return scans[side].holds ? "" : `the ${side} scan could not be read, see above`;
+}
+
 async function press(event) {
   event.preventDefault();
-  const lacking = [...sides.filter((side) => !scans[side]?.holds).map((side) => [byId(`${side}-file`), `the ${side} scan is missing`]),
+  const lacking = [...sides.filter(scanProblem).map((side) => [byId(`${side}-file`), scanProblem(side)]),
     ...[...form.querySelectorAll("[required]:enabled")].filter((each) => !each.value.trim())
       .map((each) => [each, `${each.dataset.name ?? each.closest("label").textContent.trim()} is missing`])];
   complain(byId("pair-wrong"), lacking.length ? `Not yet: ${lacking.map(([, words]) => words).join(", ")}.` : "");

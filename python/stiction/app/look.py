@@ -1,4 +1,7 @@
-"""`python -m stiction.app.look FILE UNIT SPACING MISSING`: what a scan holds, as JSON with a small picture."""
+"""`python -m stiction.app.look FILE READING`: what a scan holds, as JSON with a small picture.
+
+READING is JSON: options of `read_measurement` by name, as texts.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +26,17 @@ DRAWN = 160  # rows, columns or points of a picture, at most
 COLOURS = ("#7a8490", "#8a63c7")  # of lower and upper lines; both are seen on light and on dark ground
 
 
-def look(file: str, unit: str, spacing: str, missing: Any) -> dict[str, Any]:
+def look(file: str, reading: dict[str, str]) -> dict[str, Any]:
     """What a scan holds, as `stiction characterise` says it, with a small picture; or why it cannot be read."""
-    of_unit, of_spacing = (tuple(text.split(",")) if "," in text else text or None for text in (unit, spacing))
+    given: dict[str, Any] = {name: text for name, text in reading.items() if text}
+    for name in ("unit", "spacing", "columns"):
+        if "," in given.get(name, ""):
+            given[name] = tuple(part.strip() for part in given[name].split(","))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            reading = reading_of(file, unit=of_unit, spacing=of_spacing, missing=missing)
-            body = reading.body
+            scan = reading_of(file, **given)
+            body = scan.body
             level = levelled(body, "line" if isinstance(body, Profile) else "plane")  # type: ignore[call-overload]
             if isinstance(level, Profile):
                 found = roughness_parameters(level)
@@ -51,8 +57,8 @@ def look(file: str, unit: str, spacing: str, missing: Any) -> dict[str, Any]:
     return {
         "holds": "profile" if is_line else "surface", names[0]: height, names[1]: slope,
         "words": f"{size}, {points} points; {names[0]} {with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
-        "points": int(np.size(body.heights)), "reading": str(reading),
-        "warning": "; ".join([*map(str, reading.caveats), *(str(each.message) for each in caught)]),
+        "points": int(np.size(body.heights)), "reading": str(scan),
+        "warning": "; ".join([*map(str, scan.caveats), *(str(each.message) for each in caught)]),
         "picture": f"data:image/{kind};base64,{base64.b64encode(picture).decode()}",
     }  # fmt: skip
 
@@ -80,4 +86,4 @@ def png(heights: Floats, extent: tuple[float, float]) -> bytes:
 
 
 if __name__ == "__main__":
-    print(json.dumps(look(*sys.argv[1:])))
+    print(json.dumps(look(sys.argv[1], json.loads(sys.argv[2]))))

@@ -42,11 +42,13 @@ KEY = "x-stiction-key"
 OPEN = ("/", "/app.js", "/app.css")  # paths that hold nothing private, for which the cookie will do
 
 OPTIONS = {
-    "pair": ("unit", "spacing", "missing", "upper", "lower", "young", "poisson", "hardness", "mu0", "tau0", "load",
-             "level", "rotate", "shifts"),
+    "pair": ("unit", "spacing", "missing", "channel", "columns", "upper", "lower", "young", "poisson", "hardness", "mu0",
+             "tau0", "load", "adhesion", "mechanics", "lay", "cutoff", "tip", "level", "rotate", "shifts"),
     "run": ("set",),
 }  # fmt: skip
 """What the page may ask of each command."""
+
+READING = ("unit", "spacing", "missing", "channel", "columns")  # how a scan is read
 
 CHANGES = re.compile(
     r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"
@@ -250,9 +252,8 @@ class Server:
     async def look(self, request: Request) -> Response:
         """What a scan holds."""
         scan, query = request.path_params["scan"], request.query_params
-        reading = [query.get(name, "")[:40] for name in ("unit", "spacing")]
-        missing = query.get("missing") or "error"
-        said = await self.jobs.said(["stiction.app.look", str(self._scan(scan)), *reading, missing])
+        reading = json.dumps({name: query.get(name, "")[:80] for name in READING})
+        said = await self.jobs.said(["stiction.app.look", str(self._scan(scan)), reading])
         self.points[scan] = json.loads(said).get("points", 0)
         return Response(said, media_type="application/json")
 
