@@ -2,6 +2,10 @@
 
 #include <fftw3.h>
 
+#if defined(__unix__) || defined(__APPLE__)
+#include <pthread.h>
+#endif
+
 #include <mutex>
 #include <stdexcept>
 
@@ -13,6 +17,12 @@ std::mutex& planner() {
   static std::mutex mutex;
   return mutex;
 }
+
+#if defined(__unix__) || defined(__APPLE__)
+// A child that is forked while another thread plans would wait for ever for a lock that no thread of its own holds.
+[[maybe_unused]] const int registered = pthread_atfork([] { planner().lock(); }, [] { planner().unlock(); },
+                                                       [] { planner().unlock(); });
+#endif
 
 template <class Real>
 struct Calls;
