@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import re
 import warnings
@@ -93,6 +94,20 @@ class ClusterError(ValueError):
 
 
 @contextlib.contextmanager
+def _without_log_of_losses() -> Iterator[None]:
+    """Keep the client from logging a lost scheduler, tracebacks included, which a `ClusterError` reports."""
+    loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
+    levels = [each.level for each in loggers]
+    try:
+        for each in loggers:
+            each.setLevel(logging.CRITICAL)
+        yield
+    finally:
+        for each, level in zip(loggers, levels, strict=True):
+            each.setLevel(level)
+
+
+@contextlib.contextmanager
 def connected(address: str) -> Iterator[Executor]:
     """Connect to the workers of a scheduler by its address; a `ClusterError` without one, and where its workers die."""
     try:
@@ -107,7 +122,7 @@ def connected(address: str) -> Iterator[Executor]:
         raise ClusterError(
             f"no Dask scheduler answers at {shortened(address)}: {printable(str(error).splitlines()[0], LONGEST_NAME)}"
         ) from None
-    with client:
+    with _without_log_of_losses(), client:
         try:
             if not client.nthreads():
                 words = f"the scheduler at {shortened(address)} has no workers yet; waiting for them"
