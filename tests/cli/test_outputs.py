@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from command import assert_refused, stiction_command, stiction_done
 from stiction import _files, self_affine_surface, write_surface
+from stiction.studies import complete
 
 PAIR = ["pair", "upper.csv", "lower.csv", "--effective-modulus", "80 GPa", "--mu0", "0.2", "--load", "2 mN"]
 PAIR += ["--shifts", "2", "--onset", "0"]
@@ -101,3 +102,9 @@ def test_csv_quotes_names_that_start_formulas(folder, start):
         rows = list(csv.DictReader(file))
     assert [row["file"] for row in rows] == [f"'{name}", "lower.csv"]
     assert np.isfinite(float(rows[0]["Ssk"]))  # a negative number stays a number
+
+
+def test_pair_prints_an_estimate_of_long_computing_without_a_terminal(folder, monkeypatch):
+    assert "computing" not in stiction_done(*PAIR, "-o", "short", cwd=folder).stderr
+    monkeypatch.setattr(complete, "LONG", 0.0)
+    assert "computing 2 repetitions: about " in stiction_done(*PAIR, "-o", "long", cwd=folder).stderr

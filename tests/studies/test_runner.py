@@ -9,6 +9,7 @@ import os
 import signal
 import threading
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -215,3 +216,12 @@ def test_what_lies_ahead_is_said_once(tmp_path):
     (line,) = said
     assert line.startswith("computing 5 repetitions: about ")
     assert line.endswith(" of one core, 23 kB in 5 files")
+
+
+def test_new_estimate_follows_the_time_of_the_first_block():
+    missing = SimpleNamespace(count=16)
+    words = runner._new_estimate(missing, 1, 480.0, 2, 8.5)
+    assert words == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
+    assert runner._new_estimate(missing, 1, 480.0, 2, 300.0) == ""  # about as estimated
+    assert runner._new_estimate(missing, 1, 8.0, 2, 1.0) == ""  # a short rest
+    assert runner._new_estimate(missing, 4, 480.0, 4, 8.5) == ""  # nothing left

@@ -25,6 +25,8 @@ from stiction.studies.study import Study, computed_otherwise, differences, diffe
 
 Say = Callable[[str], Any]  # a function that tells a person a line
 
+LONG = 20.0  # seconds of computing from which on an estimate is printed beforehand, also where nobody watches
+
 _BESIDE = {PICTURE: SEAL, HARDNESS: SEAL, ONSET: SEAL, TABLE: TABLE_MARK}
 """Files that are kept beside the blocks of a measured pair, and the mark by which each is recognised."""
 
@@ -55,7 +57,9 @@ def complete(
         say(f"{folder} was asked for other friction; its {before} repetitions are kept, and its table, page and "
             f"figures are replaced\n{differences_text(friction)}")  # fmt: skip
     measured = stored.study.is_measured
-    stored = filled(stored, part=part, executor=executor, progress=progress, say=announce if measured else said)
+    seconds = (total - before) * cost_of_member(stored.study)
+    ahead = said if not measured else say if seconds > LONG else announce
+    stored = filled(stored, part=part, executor=executor, progress=progress, say=ahead, late=say)
     if part is not None:
         said(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
         return stored
@@ -94,8 +98,8 @@ def fill_beside(
             there = open_stored(folder) if (folder / STUDY).exists() else None
             if there and computed_otherwise(there.study, over):
                 remove_result(there)  # of another pair, or of other loads
-            took = duration_text(over.ensemble.repetitions * cost_of_member(over))
-            announce(f"over cut-offs: about {took} of one core")
+            seconds = over.ensemble.repetitions * cost_of_member(over)
+            (say if seconds > LONG else announce)(f"over cut-offs: about {duration_text(seconds)} of one core")
             fill(over, folder, executor=executor, progress=progress)
         kept = onset_beside(stored)
         if onset == 0 or (kept is not None and onset in (None, int(kept.attrs["members"]))):

@@ -8,6 +8,7 @@ import math
 import queue
 import shutil
 import socket
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -135,9 +136,12 @@ def prepared(study: Study, folder: str | Path, part: tuple[int, int] | None = No
 
 def filled(
     stored: Stored, *, part: tuple[int, int] | None = None, executor: Executor | None = None, progress: bool = False,
-    say: Callable[[str], None] | None = None,
+    say: Callable[[str], None] | None = None, late: Callable[[str], None] | None = None,
 ) -> Stored:  # fmt: skip
-    """The folder when it holds all members of its study, or of a part of it; errors as of `fill`."""
+    """The folder when it holds all members of its study, or of a part of it; errors as of `fill`.
+
+    `late` is given a new estimate after the first block, if the rest takes long and longer than was estimated.
+    """
     missing = _Missing(stored, part)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(given_or_threads(executor))
@@ -146,7 +150,7 @@ def filled(
         )
         if missing.count:
             stack.enter_context(_kept(stored))
-            _compute_into(stored, missing, pool, advance, say)
+            _compute_into(stored, missing, pool, advance, say, late)
     stored = stored.again()
     if _Missing(stored, part).count:
         raise StoreError(f"{named(stored.path)}: was removed or replaced while it was being written")
@@ -154,14 +158,23 @@ def filled(
 
 
 def _compute_into(
-    stored: Stored, missing: _Missing, pool: Executor, advance: Callable[[int], None], say: Callable[[str], None] | None
-) -> None:
+    stored: Stored, missing: _Missing, pool: Executor, advance: Callable[[int], None],
+    say: Callable[[str], None] | None, late: Callable[[str], None] | None,
+) -> None:  # fmt: skip
     """Compute what is missing of a folder; workers elsewhere write it themselves, if they see the folder."""
+    workers = getattr(pool, "_max_workers", None)  # of threads here; how many a cluster has may change
+    started, is_first = time.monotonic(), late is not None and workers is not None
 
     def take(members: range, content: bytes | None) -> None:
+        nonlocal is_first
         if content is not None:
             put(stored.path, members[0], content, len(members))
         advance(len(members))
+        if is_first and late is not None and workers is not None:
+            is_first = False
+            words = _new_estimate(missing, len(members), time.monotonic() - started, workers, cost_of_member(stored.study))
+            if words:
+                late(words)
 
     with contextlib.ExitStack() as stack:
         here = isinstance(pool, ThreadPoolExecutor)
@@ -235,6 +248,18 @@ def _ahead(stored: Stored, missing: _Missing, is_seen: bool) -> str:
         f"computing {missing.count} repetitions: about {duration_text(missing.count * cost_of_member(study))} of one "
         f"core, {bytes_text(size)} in {files} {'file' if files == 1 else 'files'}{room}{who}"
     )
+
+
+LONG_REST = 60.0  # seconds of the remaining work from which on a new estimate is worth a line
+
+
+def _new_estimate(missing: _Missing, members: int, seconds: float, workers: int, cost: float) -> str:
+    """Return an estimate from the time of the first block; empty if the rest is short, or as was estimated."""
+    rest = seconds * (missing.count / (members * workers) - 1)
+    if rest < LONG_REST or seconds < 2 * members * cost:
+        return ""
+    took = f"{members} of {missing.count} repetitions took {duration_text(seconds)}"
+    return f"{took}; the rest takes about {duration_text(rest)} more"
 
 
 class _Missing:
