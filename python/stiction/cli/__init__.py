@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 import os
+import signal
 import sys
-from contextlib import suppress
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 
 INTERRUPTED = 130  # exit status, as of a shell's own commands
 BAD_INPUT = 2  # exit status
@@ -25,8 +28,8 @@ def main() -> None:
         )
         sys.exit(BAD_INPUT)
     try:
-        from stiction.cli.application import start
-
+        with end_at_interrupt():
+            from stiction.cli.application import start
         status = start()
     except KeyboardInterrupt:  # while libraries are loaded
         status = INTERRUPTED
@@ -36,6 +39,25 @@ def main() -> None:
             sys.stderr.flush()
         os._exit(status)
     sys.exit(status)
+
+
+@contextmanager
+def end_at_interrupt() -> Iterator[None]:
+    """End the process at Ctrl-C while modules are loaded: some catch every exception, and would go on."""
+
+    def end(*_: object) -> None:
+        os.write(2, b"stiction: interrupted\n")
+        os._exit(INTERRUPTED)
+
+    is_main = threading.current_thread() is threading.main_thread()
+    if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield  # another handler, or none, as in the background of a shell
+        return
+    try:
+        signal.signal(signal.SIGINT, end)
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _open_closed_streams() -> None:

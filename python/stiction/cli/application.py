@@ -24,7 +24,7 @@ from stiction._core import __version__, build
 from stiction._errors import ArgumentError
 from stiction._files import reason
 from stiction._text import LONGEST_LINE, named, printable
-from stiction.cli import BAD_INPUT, INTERRUPTED
+from stiction.cli import BAD_INPUT, INTERRUPTED, end_at_interrupt
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -172,7 +172,8 @@ class _Commands(TyperGroup):
         modules = {name: module for group in COMMANDS.values() for name, (module, _) in group.items()}
         if cmd_name not in modules:
             return None
-        import_module(f"stiction.cli.{modules[cmd_name]}")
+        with end_at_interrupt():
+            import_module(f"stiction.cli.{modules[cmd_name]}")
         return typer.main.get_command(_ADDED[cmd_name])
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
@@ -230,6 +231,7 @@ def start() -> int:
             stream.reconfigure(errors="replace")  # ? for letters that its encoding lacks
     warnings.showwarning = show_warning
     _WARNED.clear()
+    warnings.filterwarnings("ignore", category=RuntimeWarning)  # of NumPy; what has no number is said in a sentence
     sys.unraisablehook = _interrupt_again
     try:
         return int(app(standalone_mode=False, prog_name="stiction") or 0)
