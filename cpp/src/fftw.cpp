@@ -20,8 +20,8 @@ std::mutex& planner() {
 
 #if defined(__unix__) || defined(__APPLE__)
 // A child that is forked while another thread plans would wait for ever for a lock that no thread of its own holds.
-[[maybe_unused]] const int registered = pthread_atfork([] { planner().lock(); }, [] { planner().unlock(); },
-                                                       [] { planner().unlock(); });
+[[maybe_unused]] const int registered =
+    pthread_atfork([] { planner().lock(); }, [] { planner().unlock(); }, [] { planner().unlock(); });
 #endif
 
 template <class Real>

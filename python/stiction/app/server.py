@@ -42,8 +42,8 @@ KEY = "x-stiction-key"
 OPEN = ("/", "/app.js", "/app.css")  # paths that hold nothing private, for which the cookie will do
 
 OPTIONS = {
-    "pair": ("unit", "spacing", "missing", "channel", "columns", "upper", "lower", "young", "poisson", "hardness", "mu0",
-             "tau0", "load", "adhesion", "mechanics", "lay", "cutoff", "tip", "level", "rotate", "shifts"),
+    "pair": ("unit", "spacing", "missing", "channel", "columns", "upper", "lower", "young", "poisson", "hardness",
+             "mu0", "tau0", "load", "adhesion", "mechanics", "lay", "cutoff", "tip", "level", "rotate", "shifts"),
     "run": ("set",),
 }  # fmt: skip
 """What the page may ask of each command."""

@@ -172,7 +172,9 @@ def _compute_into(
         advance(len(members))
         if is_first and late is not None and workers is not None:
             is_first = False
-            words = _new_estimate(missing, len(members), time.monotonic() - started, workers, cost_of_member(stored.study))
+            words = _new_estimate(
+                missing, len(members), time.monotonic() - started, workers, cost_of_member(stored.study)
+            )
             if words:
                 late(words)
 
