@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core
+from stiction._caching import cached_property
 from stiction._checks import Floats, choice, number, read_only
 from stiction.mechanics.model import (
     ContactModel,

@@ -10,12 +10,12 @@ import math
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stiction._caching import cached_property
 from stiction._checks import Floats, choice, number, part_of_one, read_only
 from stiction._shown import Shown, axes_for
 from stiction._units import in_core_units, loads_in_core_units

@@ -9,13 +9,13 @@ import weakref
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import stiction._core as _core
+from stiction._caching import cached_property
 from stiction._checks import Floats, float_array, read_only
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.patches import PatchSums, patch_sums, slopes

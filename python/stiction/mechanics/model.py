@@ -7,12 +7,12 @@ import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
 from typing import Any, Literal, TypedDict, TypeVar
 
 import numpy as np
 
 import stiction._core
+from stiction._caching import cached_property
 from stiction._checks import Floats, choice, number
 from stiction.mechanics.law import HertzCylinder, Law, LawName, law_of
 from stiction.surfaces.profile import MOST_POINTS, Profile, refuse_missing

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
+from stiction._caching import cached_property
 from stiction._checks import choice, number, whole_number
 from stiction.surfaces.cut_off import cut_off
 from stiction.surfaces.joined import LONGEST, JoinedSpectrum, joined_spectrum

@@ -1,0 +1,34 @@
+"""Cached properties that no thread waits for."""
+
+import threading
+
+from stiction._caching import cached_property
+
+
+def test_threads_with_different_objects_do_not_wait_for_each_other():
+    begun, end = threading.Event(), threading.Event()
+
+    class Slow:
+        waits = False
+
+        @cached_property
+        def value(self):
+            if self.waits:
+                begun.set()
+                assert end.wait(10)
+            return object()
+
+    slow, quick = Slow(), Slow()
+    slow.waits = True
+    other = threading.Thread(target=lambda: slow.value)
+    other.start()
+    assert begun.wait(10)
+    found = []
+    mine = threading.Thread(target=lambda: found.append(quick.value))
+    mine.start()
+    mine.join(10)
+    assert found == [quick.value]
+    end.set()
+    other.join()
+    assert slow.value is slow.value
+    assert isinstance(Slow.value, cached_property)
