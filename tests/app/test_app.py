@@ -192,7 +192,7 @@ def test_table_of_several_columns_is_read_by_the_columns_field(fresh, tmp_path):
         "const field = document.querySelector(`#upper-drop [name=${name}]`); field.value = value;"
         "field.dispatchEvent(new Event('change', {bubbles: true})); }"
     )
-    until(lambda: seen(fresh, "upper")["hint"], lambda hint: "Pq 1." in hint or "Pq 0.9" in hint)
+    until(lambda: seen(fresh, "upper")["hint"], lambda hint: "64 points; Pq" in hint)
 
 
 def test_scan_that_is_being_read_is_not_called_missing(fresh):
