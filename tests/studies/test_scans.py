@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from stiction import Study, Surface, pair, read_result, self_affine_surface
+from stiction import Profile, Study, Surface, pair, read_result, self_affine_surface
 from stiction.studies.intervals import of_scans, student_quantile
+from stiction.studies.measured_surfaces import MeasuredFile
+from stiction.studies.pair import Pair
 from stiction.surfaces.measured.writing import write_surface
+from stiction.views.inputs import doubts_of_study
 
 QUICK = {"load": "2 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "direction": [0.0, 180.0]}
 SEVERAL = [(3, 3), (3, 6), (4, 5), (6, 6)]  # scans of the upper and of the lower part
@@ -179,3 +182,22 @@ def test_pressed_scans_cover_the_mean_of_their_parts(spread) -> None:
     covered = sum(each.interval[0] <= truth <= each.interval[1] for each in found)
     print(f"spread {spread}: {covered} of 20 cover {truth:.4f}")
     assert covered >= 17
+
+
+def test_doubts_about_files_are_caveats_of_a_pair_until_they_are_settled(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    heights = np.cumsum(np.random.default_rng(1).normal(size=400)) * 0.01
+    heights[[5, 77]] = -9999
+    np.savetxt("codes.csv", np.c_[np.arange(400.0), heights], delimiter=",", header="x (um),z (um)")
+
+    def of_files(**options):
+        given = {"load": "1 mN", "mu0": "0.3", "effective_modulus": "10 GPa", "missing": "interpolate", **options}
+        study = Pair(upper="codes.csv", lower="codes.csv", **given).study
+        return [each for each in doubts_of_study(study) if "(repeated-extreme)" in each.cure]
+
+    (doubt,) = of_files()
+    assert (doubt.severity, doubt.text.partition(":")[0]) == ("caution", "both bodies")
+    assert "--missing-value -9999" in doubt.cure
+    assert of_files(missing_value="-9999") == of_files(accept="repeated-extreme") == []
+    (caveat,) = MeasuredFile.holding(Profile(heights, spacing=100.0), "upper").caveats
+    assert caveat.name == "repeated-extreme"

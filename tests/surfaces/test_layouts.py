@@ -351,6 +351,16 @@ def test_counts_and_sizes_above_numbers_are_no_heights(tmp_path):
         assert read(path, **options) is None
 
 
+def test_first_number_with_fewer_decimals_is_doubted(tmp_path):
+    path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
+    path.write_text("0.5\n" + "".join(f"{z:.4f}\n" for z in LINE))
+    with pytest.warns(FormatWarning, match="first-number"):
+        read_measurement(path, **options)
+    assert not reading_of(path, **options, accept="first-number").caveats
+    path.write_text("0.5\n" + "".join(f"{z:g}\n" for z in LINE))
+    assert not reading_of(path, **options).caveats
+
+
 def test_lines_with_as_many_cells_as_the_data_are_data(tmp_path):
     path = tmp_path / "a.csv"
     lines = [f"{0.5 * at},{z}" for at, z in enumerate(LINE)]
@@ -463,15 +473,17 @@ def test_one_map_is_the_same_in_all_formats(tmp_path):
         HEIGHTS.T, physical_sizes=(0.5 * COLUMNS, 2.0 * ROWS), unit="µm"
     )
     topography.to_netcdf(str(tmp_path / "a.nc"))
-    topography.to_matrix(str(tmp_path / "a.txt")) if hasattr(topography, "to_matrix") else None
+    topography.to_matrix(str(tmp_path / "a.txt"))
+    topography.to_gwy(str(tmp_path / "a.gwy"))
+    topography.to_x3p(str(tmp_path / "a.x3p"))
     x, y = np.meshgrid(0.5 * np.arange(COLUMNS), 2.0 * np.arange(ROWS))
     np.savetxt(tmp_path / "a.xyz", np.c_[x.ravel(), y.ravel(), HEIGHTS.ravel()], header="x (um) y (um) z (um)")
     stream = io.StringIO()
     np.savetxt(stream, np.block([[np.nan, x[0]], [y[:, :1], HEIGHTS]]), fmt="%.4f", delimiter=";")
     (tmp_path / "b.csv").write_text(stream.getvalue())
-    (tmp_path / "a.sdf").write_text(sdf().replace("Yscale = 5.0E-7", "Yscale = 2.0E-6").replace("BAD", "0"))
-    for name in ("a.csv", "a.npy", "a.nc", "a.xyz", "b.csv"):
-        body = read(tmp_path / name, **({"unit": "um"} if name == "b.csv" else {}))
+    given = {"a.txt": {"unit": "um", "spacing": ("2 um", "0.5 um")}, "b.csv": {"unit": "um"}}
+    for name in ("a.csv", "a.npy", "a.nc", "a.txt", "a.gwy", "a.x3p", "a.xyz", "b.csv"):
+        body = read(tmp_path / name, **given.get(name, {}))
         assert np.allclose(body.heights, HEIGHTS, atol=1e-6), name
         assert body.spacing == pytest.approx((2.0, 0.5)), name
 

@@ -23,6 +23,7 @@ MAX_GRID = 100_000_000  # points of a map
 MAX_LISTED = 12  # names in a message
 MIN_JITTERED, JITTER = 8, 0.5  # positions, and the range of their steps over the mean, that are measured and so uneven
 TILTED = 0.98  # correlation of heights with their places above which the surface is tilted
+MIN_WRITTEN = 20  # numbers that are written alike, by which another one stands out
 MIN_STEP = 3.0  # printed digits of a step of positions; heights with few digits would count evenly within them
 Chosen = str | int
 
@@ -127,7 +128,8 @@ def _profile(table: Table, *places: int) -> Raw:
         filled = np.flatnonzero(~np.isnan(heights))
         end = int(filled[-1]) + 1 if filled.size and table.values.shape[1] > 1 else heights.size
         heights, history = _without_count(heights[:end], table.values.shape[1])
-        return replace(raw, heights=heights, history=history)
+        caveats = () if history else _first_number_caveat(table)
+        return replace(raw, heights=heights, history=history, caveats=caveats)
     positions = table.values[:, places[0]]
     both = np.isnan(positions) & np.isnan(heights)  # below the shorter of two tables side by side
     end = heights.size - int(np.argmin(both[::-1])) if not both.all() else heights.size
@@ -178,6 +180,17 @@ def _without_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]
             "write a row of the map in each line"
         )
     return heights, ()
+
+
+def _first_number_caveat(table: Table) -> tuple[Caveat, ...]:
+    """Return a doubt about the first number of a column if it is written with fewer decimals than all that follow."""
+    if table.values.shape != (table.values.size, 1) or table.values.size < MIN_WRITTEN + 1 or table.row_digits is None:
+        return ()
+    first, *rest = (float(table.row_digits(at)[0]) for at in range(MIN_WRITTEN + 1))
+    if len(set(rest)) > 1 or not first > 50 * rest[0]:
+        return ()
+    text = f"the first number, {table.values[0, 0]:g}, has fewer decimals than all that follow"
+    return (Caveat("first-number", text, "delete it if it is a step or a size and no height, or accept it"),)
 
 
 def _numbering_caveat(table: Table, positions: Floats, place: int) -> tuple[Caveat, ...]:
