@@ -429,6 +429,21 @@ def test_blocks_of_one_width_are_channels(tmp_path):
     assert np.array_equal(body.heights, 2 * HEIGHTS)
 
 
+def test_blocks_of_one_line_are_none_of_them_lost(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("\n".join(f"Trace {at}\n{line}" for at, line in enumerate(rows(HEIGHTS))))
+    with pytest.raises(FormatError, match=rf"holds 0 \(Trace 0\), .*{ROWS - 1} \(Trace {ROWS - 1}\); choose one"):
+        read_measurement(path, unit="um", spacing="0.5 um")
+
+
+def test_matrices_whose_last_line_is_shorter_are_refused(tmp_path):
+    path = tmp_path / "a.txt"
+    cells = [digits(value) for value in HEIGHTS.ravel()]
+    path.write_text("\n".join(" ".join(cells[at : at + 10]) for at in range(0, len(cells), 10)))
+    with pytest.raises(FormatError, match=r"line 7 .* has fewer cells than the lines above it"):
+        read_measurement(path, **MAP_UM, spacing="1 um")
+
+
 def test_one_message_asks_for_all_that_is_missing(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(rows(HEIGHTS)))

@@ -385,8 +385,10 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
         if given is not None:
             if _worst_as_printed(x, direction * given, digit, UNEVEN * given) is not None:
                 _refuse_uneven(x, measured, digit)  # if it is not uniform at all, that is what is wrong
+                numbering = "".join(f"; {each.cure}" for each in raw.caveats if each.name == "numbering")
                 raise FormatError(
-                    f"says by its positions that the spacing is {abs(measured):.7g} µm, but spacing says {given.text}"
+                    f"says by its positions that the spacing is {abs(measured):.7g} µm, but spacing says "
+                    f"{given.text}{numbering}"
                 )
             return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
         if stated is not None and _worst_as_printed(x, direction * stated[0], digit, 1e-9 * stated[0]) is None:

@@ -85,6 +85,7 @@ class Block:
     lines: Lines  # numbers of the lines that are its rows, from 0 on
     dialect: Dialect
     values: Floats  # (rows, columns)
+    short: int | None = None  # first of the lines at its end that lack cells, as of a shorter profile
 
     def row(self, at: int) -> list[str]:
         """Return the cells of a row."""
@@ -279,7 +280,8 @@ def numbers_of(text: Text, first: int, last: int, dialect: Dialect, *, ragged: b
     ends = {len(dialect.cells(text.line(int(at)))) for at in (*lines[:3], *lines[-3:])}
     while values.shape[1] > max(ends | {1}) and np.isnan(values[:, -1]).all():
         values = values[:, :-1]  # separators at the end of each line
-    return Block(text, lines, dialect, values)
+    short = int(lines[np.argmax(wrong)]) if usual != 2 and wrong.any() else None
+    return Block(text, lines, dialect, values, short)
 
 
 def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:

@@ -80,6 +80,11 @@ def _table(text: Text, block: Block, begin: int) -> Table:
     header, footer = text.lines(begin, first), text.lines(end, len(text)) if begin == 0 else []
     width = block.values.shape[1]
     heads = heads_of(header, width, block.dialect)
+    if block.short is not None and not any(heads.names):
+        raise FormatError(
+            f"{text.shown(block.short)} has fewer cells than the lines above it, and columns have no names; "
+            "all lines of a matrix need the same number"
+        )
     return Table(
         block.values,
         names=heads.names,
@@ -143,12 +148,12 @@ def _are_labels(cells: list[str], dialect: Dialect) -> bool:
 
 
 def _alike(text: Text, runs: list[tuple[int, int]], main: tuple[int, int], dialect: Dialect) -> list[tuple[int, int]]:
-    """Return the runs that are as wide as the largest; a single line above all others is a size or a count."""
+    """Return the runs that are as wide as the largest; a line of one or two numbers above is a size or a count."""
     width = len(dialect.cells(text.line(main[0])))
     found: list[tuple[int, int]] = []
     for first, last in runs:
         as_wide = all(len(dialect.cells(text.line(at))) == width for at in (first, last))
-        if (first, last) == main or (as_wide and (found or last - first + 1 >= MIN_BLOCK)):
+        if (first, last) == main or (as_wide and (found or width > 2 or last - first + 1 >= MIN_BLOCK)):
             found.append((first, last))
     gaps = [(last + 1, first) for (_, last), (first, _) in itertools.pairwise(found)]
     if width == 1 and gaps and all(end - begin == 1 and len(text.line(begin).split()) == 1 for begin, end in gaps):
