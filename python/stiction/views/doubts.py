@@ -142,7 +142,7 @@ _OVERLAPPING = _share(
     "share_overlapping", "{} of the load is on ellipses that overlap, where contacts merge", "press by the half-space"
 )
 ON_ONE = "one contact carries {} of the load"
-MORE_CONTACTS = "larger surfaces or a higher load have more contacts"
+MORE_CONTACTS = "take larger scans or a higher load"
 _FINER = "scan more finely, filter the scan, or give a hardness"
 
 IS_MU0 = Check(
@@ -154,10 +154,10 @@ OF_COUNTS = (
     Check("contacts_missing_of_all", 0.0,
           f"all members together have fewer than {FEWEST_CONTACTS} contacts, on average {{}}",
           "a higher load, larger surfaces or more members have more", about="contact_count"),
-    Check("contacts_missing", 0.0, "{} contacts on average are too few for a mean: μ_s is that of single contacts",
+    Check("contacts_missing", 0.0, "{} contacts on average are too few",
           MORE_CONTACTS, about="contact_count"),
     _share("share_on_separate", ON_ONE, MORE_CONTACTS, "fault", MAX_LOAD_ON_ONE),
-    Check("contacts_wanting", 0.0, "{} contacts on average are few: μ_s is that of single contacts",
+    Check("contacts_wanting", 0.0, "{} contacts on average are few",
           MORE_CONTACTS, "caution", about="contact_count"),
     _share("share_on_largest", ON_ONE, MORE_CONTACTS, "caution", LARGE_LOAD_ON_ONE),
 )  # fmt: skip
