@@ -160,3 +160,16 @@ def test_damaged_interface_is_rejected_by_name_and_skipped_in_folder(film, tmp_p
     shutil.copy(film, tmp_path / "good")
     done = stiction_done("interfaces", ".", "--json", cwd=tmp_path)
     assert [each["name"] for each in json.loads(done.stdout)["interfaces"]] == ["good"]
+
+
+def test_other_kinds_are_rejected_in_one_sentence(film) -> None:
+    for function, words in (
+        (lambda: calibrate(5), "tests must be a sequence of FrictionTest"),
+        (lambda: calibrate([5]), "tests must be a sequence of FrictionTest"),
+        (lambda: read_interface(film).predict(3, 5.0), "result must be"),
+        (lambda: write_interface("x", "y"), "interface must be an Interface"),
+        (lambda: interface(3), "interface must be a name or a path"),
+        (lambda: FrictionTest(Ball("5 mm", "3 GPa"), 1.0, coefficient=1e300), "coefficient must be"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            function()

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 from stiction._checks import choice, number
-from stiction._units import in_core_units
+from stiction._units import in_core_units, shortened
 from stiction.mechanics.model import Sliding
 from stiction.studies.calibration_fit import MIN_VARIATION, CalibrationProblem
 from stiction.studies.interfaces import EXCLUDED, HARDNESS, RULES, UNLIKELY, Ball, FrictionTest, Interface, rules_of
@@ -75,9 +75,9 @@ def calibrate(
     (True, 0.012)
     """
     choice("sliding", sliding, Literal["both", "all", "opposing"])
+    if not isinstance(tests, Sequence) or not all(isinstance(test, FrictionTest) for test in tests):
+        raise ValueError(f"tests must be a sequence of FrictionTest, got {shortened(tests)}")
     tests = tuple(tests)
-    if not all(isinstance(test, FrictionTest) for test in tests):
-        raise ValueError("tests must be a sequence of FrictionTest")
     if not any(test.slid for test in tests):
         raise ValueError("tests must have one that slid: those that held are lower bounds alone")
     if not 0 <= number("common", common) < 1:

@@ -232,7 +232,7 @@ class FrictionTest:
         if self.force is not None:
             force = number("force", in_core_units("force", self.force, "force"), unit="mN")
             object.__setattr__(self, "coefficient", force / load)
-        found = number("coefficient", self.coefficient)
+        found = number("coefficient", self.coefficient, below=1e6)
         if not found >= 0:
             raise ValueError(f"the measured coefficient must not be negative, got {found:g}")
         object.__setattr__(self, "coefficient", found)
@@ -369,6 +369,8 @@ class Interface:
         (float, float, float)
             Value, lower and upper end: of mu0 and tau0 jointly, and of the area of the surfaces over their positions.
         """
+        if not (isinstance(result, (Ball, Curve)) or hasattr(result, "dataset") or hasattr(result, "attrs")):
+            raise ValueError(f"result must be a Result, a curve or a Ball, got {type(result).__name__}")
         from scipy.special import ndtr
 
         fit, random = self.fits[0], np.random.default_rng(1)

@@ -128,6 +128,8 @@ def calibration_figure(interface: Interface) -> Figure:
     """
     import matplotlib as mpl
 
+    if not isinstance(interface, Interface):
+        raise ValueError(f"interface must be an Interface, as calibrate() gives it, got {type(interface).__name__}")
     with mpl.rc_context(STYLE):
         figure = new_figure(66, width=FULL_WIDTH)
         data, joint = figure.subplots(1, 2)
