@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +30,17 @@ class Scan:
     spacing: tuple[float, ...]  # µm, along (y and) x
     factor: float = 1.0  # from the numbers of the file to µm
     from_text: bool = True  # whether the numbers were written in words, so that counts are whole numbers
+
+    @cached_property
+    def known(self) -> Floats:
+        """Heights that are not missing."""
+        absent = np.isnan(self.heights)
+        return self.heights[~absent] if absent.any() else self.heights.ravel()
+
+    @cached_property
+    def span(self) -> float:
+        """Range of the heights."""
+        return float(self.known.max() - self.known.min())
 
 
 class Check(NamedTuple):
@@ -57,8 +69,7 @@ def caveats_of(scan: Scan) -> tuple[Caveat, ...]:
 
 def _repeated_extremes(scan: Scan) -> Iterator[str]:
     """Find extreme values that repeat to the last digit, far from all others."""
-    absent = np.isnan(scan.heights)
-    heights = scan.heights[~absent] if absent.any() else scan.heights.ravel()
+    heights = scan.known
     for _ in range(MAX_CODES):
         found = _code(heights)
         if found is None:
@@ -101,7 +112,7 @@ def _whole_numbers(scan: Scan) -> Iterator[str]:
     first = scan.heights.flat[:MIN_POINTS] / scan.factor
     if not np.array_equal(first[~np.isnan(first)], np.round(first[~np.isnan(first)])):
         return
-    numbers = scan.heights[~np.isnan(scan.heights)] / scan.factor
+    numbers = scan.known / scan.factor
     if numbers.size >= MIN_POINTS and np.ptp(numbers) >= MIN_DISTINCT and np.array_equal(numbers, np.round(numbers)):
         yield f"all heights are whole numbers of {with_unit(scan.factor, 'µm')}, as counts of a converter are"
 
@@ -120,9 +131,8 @@ def _sizes(scan: Scan) -> Iterator[str]:
 def _tall(scan: Scan) -> Iterator[str]:
     """Find heights that span more than the scan is long."""
     longest = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
-    low, high = np.nanmin(scan.heights), np.nanmax(scan.heights)
-    if high - low > longest:
-        yield f"heights span {with_unit(float(high - low), 'µm')} over a scan of {with_unit(longest, 'µm')}"
+    if scan.span > longest:
+        yield f"heights span {with_unit(scan.span, 'µm')} over a scan of {with_unit(longest, 'µm')}"
 
 
 CHECKS = (
