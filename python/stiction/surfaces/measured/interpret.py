@@ -13,7 +13,7 @@ from typing import Any, Generic, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, choice
+from stiction._checks import Floats, choice, read_only
 from stiction._units import Quantity, quantity
 from stiction.surfaces.holes import OUTLYING, bridged, outliers_of, words_of_holes
 from stiction.surfaces.measured.plausibility import CAVEATS, Scan, caveats_of
@@ -209,6 +209,7 @@ def _interpreted(
         codes = [each for each in kept if each.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, codes)])) from None
     history = (f"read from {name}", *raw.history, *steps, *filled)
+    heights = read_only(heights) if heights.base is None else heights  # which the body then need not copy
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return Interpreted(body, unit, absent, kept)
 
