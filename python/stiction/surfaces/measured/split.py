@@ -246,6 +246,8 @@ def numbers_of(text: Text, first: int, last: int, dialect: Dialect, *, ragged: b
     `ragged`, at the end of a table.
     """
     lines = _filled_lines(text, first, last, dialect)
+    if not lines.size:
+        raise FormatError("has no lines of numbers where its heights should be")
     blob, joint = _plain(text, lines, dialect)
     starts, cells = _cells_of_rows(blob, joint)
     usual = Counter(cells.tolist()).most_common(1)[0][0]
