@@ -1,4 +1,4 @@
-# Eigen 3.4 and 5.x refuse each other's version requests: find it without one, then check.
+# Eigen 3.4 and 5.x reject each other's version requests, so find any version and check it afterwards.
 find_package(Eigen3 QUIET NO_MODULE)
 if(NOT Eigen3_FOUND)
   message(FATAL_ERROR "Eigen 3.4 or newer is needed to build stiction and was not found. "
@@ -7,7 +7,7 @@ elseif(Eigen3_VERSION VERSION_LESS 3.4)
   message(FATAL_ERROR "Eigen 3.4 or newer is needed to build stiction, found ${Eigen3_VERSION} in ${Eigen3_DIR}")
 endif()
 
-# A tridiagonal system is all that is solved by it, as since its first versions; tried from 2.7 on.
+# Only GSL's tridiagonal solver is used, which exists since its first versions. Tested from 2.7.
 set(STICTION_GSL_OLDEST 2.5)
 find_package(GSL QUIET)
 if(NOT GSL_FOUND)
@@ -17,9 +17,9 @@ elseif(GSL_VERSION VERSION_LESS STICTION_GSL_OLDEST)
   message(FATAL_ERROR "GSL ${STICTION_GSL_OLDEST} or newer is needed to build stiction, found ${GSL_VERSION} in ${GSL_INCLUDE_DIRS}")
 endif()
 
-# The extension carries its own GSL, with hidden symbols, so that nobody else's is touched: the archives beside the
-# library that was found, which belong to its headers. With a shared one every other GSL in the process sees that the
-# error handler is off.
+# The extension contains its own GSL with hidden symbols, so that switching off the error handler does not affect other
+# users of GSL in the process. The static libraries are taken from the directory of the library that was found, because
+# they match its headers. With a shared GSL all users in the process are affected.
 get_filename_component(gsl_folder ${GSL_LIBRARY} DIRECTORY)
 find_library(STICTION_GSL_ARCHIVE PATHS ${gsl_folder} NO_DEFAULT_PATH
   NAMES ${CMAKE_STATIC_LIBRARY_PREFIX}gsl${CMAKE_STATIC_LIBRARY_SUFFIX})
@@ -32,8 +32,8 @@ else()
   set(STICTION_GSL GSL::gsl)
 endif()
 
-# Transforms in single and in double precision, in the extension as GSL is. Their plans are asked for by a thread at a
-# time, which a library that others use too would need them to agree on.
+# FFTW in single and double precision, inside the extension like GSL. The planner is not thread-safe; a shared library
+# would need a lock that all its users share.
 set(STICTION_FFTW_OLDEST 3.3)
 find_path(STICTION_FFTW_INCLUDE fftw3.h)
 set(STICTION_FFTW_LIBRARIES)

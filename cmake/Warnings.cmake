@@ -1,4 +1,4 @@
-# Warnings of our own targets; errors where STICTION_WARNINGS_AS_ERRORS says so.
+# Enable warnings for the targets of this project; STICTION_WARNINGS_AS_ERRORS makes them errors.
 function(stiction_warnings target)
   if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
     target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion

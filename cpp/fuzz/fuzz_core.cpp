@@ -1,5 +1,5 @@
-// Any numbers at all into the entry points of the core: they either refuse with std::invalid_argument, or what they
-// return keeps the promises below. The sanitizers watch the rest.
+// Fuzz the entry points of the core with arbitrary numbers. They must either throw std::invalid_argument or return
+// results that satisfy the invariants below. The sanitizers check the rest.
 #include "stiction/amplitude.hpp"
 #include "stiction/areal.hpp"
 #include "stiction/asperity.hpp"
@@ -19,14 +19,14 @@
 
 namespace {
 
-void require(bool condition, const char* what) {
+void require(bool condition, const char* invariant) {
   if (!condition) {
-    std::fprintf(stderr, "broken promise: %s\n", what);
+    std::fprintf(stderr, "violated invariant: %s\n", invariant);
     std::abort();
   }
 }
 
-// Numbers out of bytes: mostly tame ones, sometimes any double there is.
+// Source of numbers from the fuzzer's bytes: mostly moderate values, sometimes arbitrary doubles.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -72,7 +72,7 @@ class Source {
   std::size_t size_;
 };
 
-stiction::ContactModel model(Source& source) {
+stiction::ContactModel make_model(Source& source) {
   stiction::Law law = stiction::HertzSphere{source.positive()};
   switch (source.byte() % 3) {
     case 1:
@@ -101,15 +101,15 @@ void fuzz_contact(Source& source) {
   }
   std::sort(approaches.begin(), approaches.end());
   const double spacing = source.positive();
-  const stiction::ContactModel how = model(source);
+  const stiction::ContactModel model = make_model(source);
   const stiction::ProfilePair pair{upper, lower, spacing};
-  const std::vector<stiction::Sums> sums = stiction::press(pair, approaches, how);
+  const std::vector<stiction::Sums> sums = stiction::press(pair, approaches, model);
   for (std::size_t k = 0; k < approaches.size(); ++k) {
     require(sums[k].contact_count >= 0 && sums[k].contact_count <= static_cast<stiction::Index>(points),
             "no more contacts than points");
     require(!(sums[k].contact_area < 0.0), "no negative area");
-    const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], how);
-    // Another largest approach is another set of stretches, but not another set of contacts.
+    const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
+    // A different largest approach may change the index ranges, but must not change the contacts.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");
@@ -118,7 +118,7 @@ void fuzz_contact(Source& source) {
   }
 }
 
-// Two maps of one shape on one grid, with ties and level parts among their heights, at any scale.
+// Two maps of equal shape, with ties and level parts among their heights, at any scale.
 struct Maps {
   stiction::Matrix upper;
   stiction::Matrix lower;
@@ -137,80 +137,90 @@ struct Maps {
   }
 };
 
-// What the rows of a table carry together, beside the sums over the same contacts.
-void compare(const std::vector<stiction::Contact>& table, const stiction::ArealSums& sums, const stiction::Vector2& way,
-             stiction::Sliding sliding) {
+// Compare the sums over a contact table with the sums from `press`.
+void check_sums(const std::vector<stiction::Contact>& table, const stiction::ArealSums& sums,
+                const stiction::Vector2& direction, stiction::Sliding sliding) {
   require(static_cast<stiction::Index>(table.size()) == sums.contact_count, "contacts and press agree");
-  stiction::ArealSums own;
+  stiction::ArealSums expected;
   double force = 0.0;
   double area = 0.0;
   for (const stiction::Contact& contact : table) {
-    require(contact.overlap > 0.0 && contact.normal.z() > 0.0, "contacts overlap and look upwards");
-    require(std::abs(contact.tangent.dot(contact.normal)) < 1e-14, "tangents are across the normals");
+    require(contact.overlap > 0.0 && contact.normal.z() > 0.0, "contacts overlap and their normals point upwards");
+    require(std::abs(contact.tangent.dot(contact.normal)) < 1e-14, "tangents are perpendicular to the normals");
     require(std::abs(contact.tangent.norm() - 1.0) < 1e-14, "tangents are of unit length");
     force += contact.force;
     area += contact.area;
-    own.normal_elastic += contact.force * contact.normal.z();
+    expected.normal_elastic += contact.force * contact.normal.z();
     if (sliding == stiction::Sliding::all || contact.opposing) {
-      own.tangential_elastic -= contact.force * contact.normal.head<2>().dot(way);
-      own.normal_frictional += contact.force * contact.tangent.z();
-      own.tangential_frictional -= contact.force * contact.tangent.head<2>().dot(way);
-      own.tangential_adhesive -= contact.area * contact.tangent.head<2>().dot(way);
+      expected.tangential_elastic -= contact.force * contact.normal.head<2>().dot(direction);
+      expected.normal_frictional += contact.force * contact.tangent.z();
+      expected.tangential_frictional -= contact.force * contact.tangent.head<2>().dot(direction);
+      expected.tangential_adhesive -= contact.area * contact.tangent.head<2>().dot(direction);
     }
   }
-  const auto near = [](double one, double other, double size, const char* what) {
-    require(!std::isfinite(size) || std::abs(one - other) <= 1e-12 * size + 1e-300, what);
+  const auto check_close = [](double value, double expected_value, double size, const char* quantity) {
+    require(!std::isfinite(size) || std::abs(value - expected_value) <= 1e-12 * size + 1e-300, quantity);
   };
-  near(area, sums.contact_area, area, "area");
-  near(own.normal_elastic, sums.normal_elastic, force, "normal elastic");
-  near(own.tangential_elastic, sums.tangential_elastic, force, "tangential elastic");
-  near(own.normal_frictional, sums.normal_frictional, force, "normal frictional");
-  near(own.tangential_frictional, sums.tangential_frictional, force, "tangential frictional");
-  near(own.tangential_adhesive, sums.tangential_adhesive, area, "tangential adhesive");
+  check_close(area, sums.contact_area, area, "area");
+  check_close(expected.normal_elastic, sums.normal_elastic, force, "normal elastic");
+  check_close(expected.tangential_elastic, sums.tangential_elastic, force, "tangential elastic");
+  check_close(expected.normal_frictional, sums.normal_frictional, force, "normal frictional");
+  check_close(expected.tangential_frictional, sums.tangential_frictional, force, "tangential frictional");
+  check_close(expected.tangential_adhesive, sums.tangential_adhesive, area, "tangential adhesive");
 }
 
 void fuzz_areal(Source& source) {
   const Maps maps(source);
   const stiction::SurfacePair pair{maps.upper, maps.lower, {source.positive(), source.positive()}};
-  const stiction::ContactModel how = model(source);
+  const stiction::ContactModel model = make_model(source);
   const double deepest = 2.0 * (maps.upper - maps.lower).cwiseAbs().maxCoeff() * source.positive();
-  const stiction::ArealCandidates found = stiction::candidates(pair, deepest, how.curvature);
-  for (const stiction::ArealCandidate& one : found.all) {
-    require(one.gap <= found.deepest && one.radii.minor > 0.0, "minima are within reach and hollow");
-    require(one.radii.major >= one.radii.minor && std::isfinite(one.radii.major), "the larger radius is the first");
-    require(one.row >= 0 && one.row + 1 < maps.upper.rows() && one.column >= 0 && one.column + 1 < maps.upper.cols(),
+  const stiction::ArealCandidates candidates = stiction::candidates(pair, deepest, model.curvature);
+  for (const stiction::ArealCandidate& candidate : candidates.all) {
+    require(candidate.gap <= candidates.deepest && candidate.radii.minor > 0.0,
+            "minima lie below the largest approach and are concave up");
+    require(candidate.radii.major >= candidate.radii.minor && std::isfinite(candidate.radii.major),
+            "the larger radius is the major one");
+    require(candidate.row >= 0 && candidate.row + 1 < maps.upper.rows() && candidate.column >= 0 &&
+                candidate.column + 1 < maps.upper.cols(),
             "minima lie in the map");
   }
-  // Of an ellipse on a wall, seen from above, round-off leaves too few digits to tell what the edge cuts.
-  const bool steep = std::any_of(found.all.begin(), found.all.end(), [](const stiction::ArealCandidate& one) {
-    return one.normal.z() < 1e-5 || one.radii.major > 1e12 * one.radii.minor;
-  });
+  // For a contact on a steep wall, the projected ellipse is so narrow that round-off decides which part is inside the
+  // map.
+  const bool steep =
+      std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
+        return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;
+      });
   std::vector<double> approaches;
   const double steps = 1.0 + static_cast<double>(source.below(7));
   for (double step = 0.0; step < steps; ++step) {
-    approaches.push_back(found.deepest * (step + 0.5) / steps);
+    approaches.push_back(candidates.deepest * (step + 0.5) / steps);
   }
   const double angle = source.number();
-  const std::vector<stiction::Vector2> ways{{1.0, 0.0}, {0.0, -1.0}, {std::cos(angle), std::sin(angle)}};
+  const std::vector<stiction::Vector2> directions{{1.0, 0.0}, {0.0, -1.0}, {std::cos(angle), std::sin(angle)}};
   const auto sliding = source.byte() % 2 == 0 ? stiction::Sliding::all : stiction::Sliding::opposing;
-  const std::vector<stiction::ArealSums> sums = stiction::press(found, approaches, how.law, ways, sliding);
-  require(sums.size() == ways.size() * approaches.size(), "sums of every direction and approach");
+  const std::vector<stiction::ArealSums> sums = stiction::press(candidates, approaches, model.law, directions, sliding);
+  require(sums.size() == directions.size() * approaches.size(), "one row of sums for each direction and approach");
   for (std::size_t k = 0; k < approaches.size(); ++k) {
     const stiction::ArealSums& row = sums[k];
-    const double share = 1.0 + 1e-12;
-    const double least = 1e-300;  // below which numbers lose their digits
+    const double round_off_factor = 1.0 + 1e-12;
+    const double min_normal = 1e-300;  // smaller numbers are denormal
     require(!(row.contact_area < 0.0), "no negative area");
-    require(row.unanswered_count <= row.grid_minimum_count, "no more unanswered than there are");
-    require(!(row.load_at_edge > share * row.normal_elastic), "what the edge cuts is a part of the load");
-    require(!(row.load_overlapping > share * row.normal_elastic), "what overlaps is a part of the load");
-    require(k == 0 || row.contact_count >= sums[k - 1].contact_count, "contacts grow in number");
-    if (std::holds_alternative<stiction::HertzSphere>(how.law) && !steep) {
-      require(k == 0 || !(share * row.normal_elastic + least < sums[k - 1].normal_elastic), "load grows");
-      require(k == 0 || !(share * row.contact_area + least < sums[k - 1].contact_area), "area grows");
+    require(row.unanswered_count <= row.grid_minimum_count, "no more unanswered minima than grid minima");
+    require(!(row.load_at_edge > round_off_factor * row.normal_elastic),
+            "the load at the edge is a fraction of the load");
+    require(!(row.load_overlapping > round_off_factor * row.normal_elastic),
+            "the overlapping load is a fraction of the load");
+    require(k == 0 || row.contact_count >= sums[k - 1].contact_count,
+            "the number of contacts increases with the approach");
+    if (std::holds_alternative<stiction::HertzSphere>(model.law) && !steep) {
+      require(k == 0 || !(round_off_factor * row.normal_elastic + min_normal < sums[k - 1].normal_elastic),
+              "the load increases with the approach");
+      require(k == 0 || !(round_off_factor * row.contact_area + min_normal < sums[k - 1].contact_area),
+              "the area increases with the approach");
     }
-    for (std::size_t d = 0; d < ways.size(); ++d) {
-      compare(stiction::contacts(found, approaches[k], how.law, ways[d]), sums[d * approaches.size() + k], ways[d],
-              sliding);
+    for (std::size_t d = 0; d < directions.size(); ++d) {
+      check_sums(stiction::contacts(candidates, approaches[k], model.law, directions[d]),
+                 sums[d * approaches.size() + k], directions[d], sliding);
     }
   }
 }
@@ -222,10 +232,10 @@ void fuzz_spline(Source& source) {
   std::vector<double> curvature(heights.size());
   stiction::natural_spline(heights, spacing, slope, curvature);
   const std::size_t count = source.below(heights.size() + 2);
-  std::vector<double> part_slope(count);
-  std::vector<double> part_curvature(count);
-  stiction::natural_spline_from(heights, spacing, static_cast<stiction::Index>(source.below(300)) - 2, part_slope,
-                                part_curvature);
+  std::vector<double> range_slope(count);
+  std::vector<double> range_curvature(count);
+  stiction::natural_spline_from(heights, spacing, static_cast<stiction::Index>(source.below(300)) - 2, range_slope,
+                                range_curvature);
   stiction::asperities(heights, spacing, stiction::Side::upper);
 }
 
@@ -241,7 +251,8 @@ void fuzz_harmonics(Source& source) {
   const stiction::Matrix profiles =
       stiction::harmonic_profiles(Eigen::Map<const stiction::Matrix>(phases.data(), directions, frequencies),
                                   Eigen::Map<const stiction::Matrix>(weights.data(), rows, frequencies), grid);
-  require(profiles.rows() == rows && profiles.cols() == points, "a row for each weight, a column for each point");
+  require(profiles.rows() == rows && profiles.cols() == points,
+          "one row for each row of weights, one column for each point");
   stiction::frequency_weights(source.number(), frequencies, 1.0 + source.positive(), source.positive());
 }
 

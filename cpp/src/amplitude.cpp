@@ -12,31 +12,31 @@ namespace stiction {
 namespace {
 
 STICTION_MULTIVERSION
-void take_heights(const double* heights, std::size_t size, double* sums, double* lowests, double* highests) {
-  constexpr std::size_t lanes = Levelling::lanes;
+void accumulate_heights(const double* heights, std::size_t size, double* sums, double* minima, double* maxima) {
+  constexpr std::size_t lanes = HeightAccumulator::lanes;
   double sum[lanes];
-  double lowest[lanes];
-  double highest[lanes];
+  double min[lanes];
+  double max[lanes];
   std::copy_n(sums, lanes, sum);
-  std::copy_n(lowests, lanes, lowest);
-  std::copy_n(highests, lanes, highest);
-  const auto take = [&](double height, std::size_t lane) {
+  std::copy_n(minima, lanes, min);
+  std::copy_n(maxima, lanes, max);
+  const auto add = [&](double height, std::size_t lane) {
     sum[lane] += height;
-    lowest[lane] = height < lowest[lane] ? height : lowest[lane];
-    highest[lane] = height > highest[lane] ? height : highest[lane];
+    min[lane] = height < min[lane] ? height : min[lane];
+    max[lane] = height > max[lane] ? height : max[lane];
   };
   std::size_t i = 0;
   for (; i + lanes <= size; i += lanes) {
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      take(heights[i + lane], lane);
+      add(heights[i + lane], lane);
     }
   }
   for (; i < size; ++i) {
-    take(heights[i], i % lanes);
+    add(heights[i], i % lanes);
   }
   std::copy_n(sum, lanes, sums);
-  std::copy_n(lowest, lanes, lowests);
-  std::copy_n(highest, lanes, highests);
+  std::copy_n(min, lanes, minima);
+  std::copy_n(max, lanes, maxima);
 }
 
 STICTION_MULTIVERSION
@@ -48,39 +48,40 @@ void scale_heights(const double* heights, std::size_t size, double mean, double 
 
 }  // namespace
 
-AmplitudeMeasure amplitude_measure(std::string_view word) {
-  if (word == "height") {
+AmplitudeMeasure amplitude_measure(std::string_view name) {
+  if (name == "height") {
     return AmplitudeMeasure::height;
   }
-  if (word == "Ra") {
+  if (name == "Ra") {
     return AmplitudeMeasure::ra;
   }
-  if (word == "Rq") {
+  if (name == "Rq") {
     return AmplitudeMeasure::rq;
   }
-  throw std::invalid_argument("amplitude measure is " + std::string(word) + ", must be height, Ra or Rq");
+  throw std::invalid_argument("measure must be height, Ra or Rq, got " + std::string(name));
 }
 
-Levelling::Levelling() {
-  sum_.fill(0.0);
-  lowest_.fill(std::numeric_limits<double>::infinity());
-  highest_.fill(-std::numeric_limits<double>::infinity());
+HeightAccumulator::HeightAccumulator() {
+  sums_.fill(0.0);
+  minima_.fill(std::numeric_limits<double>::infinity());
+  maxima_.fill(-std::numeric_limits<double>::infinity());
 }
 
-void Levelling::add(Values heights) {
-  take_heights(heights.data(), heights.size(), sum_.data(), lowest_.data(), highest_.data());
-  points_ += heights.size();
+void HeightAccumulator::add(Values heights) {
+  accumulate_heights(heights.data(), heights.size(), sums_.data(), minima_.data(), maxima_.data());
+  count_ += heights.size();
 }
 
-Level Levelling::level() const {
-  return {std::accumulate(sum_.begin(), sum_.end(), 0.0) / static_cast<double>(points_),
-          *std::min_element(lowest_.begin(), lowest_.end()), *std::max_element(highest_.begin(), highest_.end())};
+HeightStatistics HeightAccumulator::statistics() const {
+  return {std::accumulate(sums_.begin(), sums_.end(), 0.0) / static_cast<double>(count_),
+          *std::min_element(minima_.begin(), minima_.end()), *std::max_element(maxima_.begin(), maxima_.end())};
 }
 
-std::optional<Scaling> scaling_to(double amplitude, AmplitudeMeasure measure, Values heights, const Level& level) {
+std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
+                                    const HeightStatistics& statistics) {
   const auto size = static_cast<double>(heights.size());
-  const double mean = level.mean;
-  double measured = level.highest - level.lowest;
+  const double mean = statistics.mean;
+  double measured = statistics.max - statistics.min;
   if (measure == AmplitudeMeasure::ra) {
     measured = std::accumulate(heights.begin(), heights.end(), 0.0,
                                [&](double total, double height) { return total + std::abs(height - mean); }) /
@@ -91,23 +92,23 @@ std::optional<Scaling> scaling_to(double amplitude, AmplitudeMeasure measure, Va
                         [&](double total, double height) { return total + (height - mean) * (height - mean); }) /
         size);
   }
-  if (!(level.highest > level.lowest) || !(measured > 0.0)) {
+  if (!(statistics.max > statistics.min) || !(measured > 0.0)) {
     return std::nullopt;
   }
   return Scaling{mean, amplitude / measured};
 }
 
-void scale(Values heights, const Scaling& by, std::span<double> scaled) {
-  scale_heights(heights.data(), heights.size(), by.mean, by.factor, scaled.data());
+void scale(Values heights, const Scaling& scaling, std::span<double> scaled) {
+  scale_heights(heights.data(), heights.size(), scaling.mean, scaling.factor, scaled.data());
 }
 
 bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled) {
   if (scaled.size() != heights.size() || heights.empty()) {
     throw std::invalid_argument("scale_to_amplitude: scaled must be as long as heights, and not empty");
   }
-  Levelling levelling;
-  levelling.add(heights);
-  const std::optional<Scaling> scaling = scaling_to(amplitude, measure, heights, levelling.level());
+  HeightAccumulator accumulator;
+  accumulator.add(heights);
+  const std::optional<Scaling> scaling = find_scaling(amplitude, measure, heights, accumulator.statistics());
   if (scaling) {
     scale(heights, *scaling, scaled);
   }

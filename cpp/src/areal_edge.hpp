@@ -1,4 +1,4 @@
-// What of an ellipse of contact lies inside of the map.
+// Part of a contact ellipse that lies inside the map.
 #pragma once
 
 #include "stiction/areal.hpp"
@@ -8,24 +8,25 @@
 
 namespace stiction {
 
-// Shares of a contact that lie inside.
-struct Inside {
+// Fractions of the force and of the area of a contact that lie inside the map.
+struct InsideFractions {
   double force;
   double area;
 };
 
-// The four edges of the map as a contact sees them: in coordinates in which its ellipse of unit overlap is the unit
-// circle, they are the sides of a parallelogram around it.
-class Edges {
+// The four edges of the map in the coordinates of a contact, in which the ellipse of unit overlap is the unit circle:
+// the sides of a parallelogram around it.
+class MapEdges {
  public:
-  Edges(const ArealCandidates& found, const ArealCandidate& candidate);
+  MapEdges(const ArealCandidates& candidates, const ArealCandidate& candidate);
 
-  // Of the ellipse of this overlap [µm], whose pressure is that of Hertz.
-  Inside inside(double overlap) const;
+  // Compute the fractions inside for the ellipse of this overlap [µm], with Hertzian pressure.
+  InsideFractions fractions_inside(double overlap) const;
 
  private:
-  std::array<double, 4> distance_;                // of the sides from the centre
-  std::array<std::array<double, 2>, 4> corners_;  // tangents of the angles at which they end, from where they are near
+  std::array<double, 4> distance_;  // of the sides from the centre
+  std::array<std::array<double, 2>, 4>
+      corners_;  // tangents of the angles at which the sides end, measured from their normals
 };
 
 }  // namespace stiction

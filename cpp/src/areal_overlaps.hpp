@@ -1,4 +1,4 @@
-// Ellipses of contact seen from above, and which of them overlap.
+// Contact ellipses projected onto the horizontal plane, and their overlaps.
 #pragma once
 
 #include "stiction/areal.hpp"
@@ -8,20 +8,21 @@
 
 namespace stiction {
 
-// The shape {x : xᵀ S⁻¹ x <= 1} of an ellipse of unit overlap, seen from above.
-struct Shape {
+// Matrix S of the projected contact ellipse {x : xᵀ S⁻¹ x <= 1} at unit overlap.
+struct ProjectedEllipse {
   double xx;
   double xy;
   double yy;
 };
 
-Shape shape_of(const ArealCandidate& candidate);
+ProjectedEllipse projected_ellipse(const ArealCandidate& candidate);
 
-// The first of the approaches at which a candidate is a contact.
-std::size_t first_step(const ArealCandidate& candidate, Values approaches);
+// Return the index of the first approach at which a candidate is a contact.
+std::size_t first_contact_step(const ArealCandidate& candidate, Values approaches);
 
-// For each candidate, the first of the approaches at which its ellipse overlaps another: as many as there are for none.
+// Return, for each candidate, the index of the first approach at which its ellipse overlaps another one;
+// approaches.size() if there is none.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
-                                        const Checkpoint& checkpoint);
+                                        const CancellationCheck& check_cancellation);
 
 }  // namespace stiction

@@ -15,93 +15,95 @@ namespace {
 
 using std::numbers::pi;
 
-// ---- What a contact carries -----------------------------------------------------------------------------------------
+// ---- Force and area of a contact ------------------------------------------------------------------------------------
 
 double elastic_area(const Ellipse& ellipse, double overlap) {
   return pi * std::sqrt(ellipse.major * ellipse.minor) * overlap;
 }
 
-// Laws of spheres take the one of the mean radius, unless they say better.
+// General case: the law is applied to the sphere of the mean radius.
 template <class AnyLaw>
-ForceArea carried(const AnyLaw& law, const ArealCandidate& candidate, double overlap) {
+ForceArea force_and_area(const AnyLaw& law, const ArealCandidate& candidate, double overlap) {
   return law(overlap, candidate.radii);
 }
 
-ForceArea carried(const HertzSphere& law, const ArealCandidate& candidate, double overlap) {
-  return {4.0 / 3.0 * law.effective_modulus * std::sqrt(candidate.ellipse.stiff * overlap) * overlap,
+ForceArea force_and_area(const HertzSphere& law, const ArealCandidate& candidate, double overlap) {
+  return {4.0 / 3.0 * law.effective_modulus * std::sqrt(candidate.ellipse.force_radius * overlap) * overlap,
           elastic_area(candidate.ellipse, overlap)};
 }
 
-// What yields spreads in proportion: area over that of the elastic ellipse.
+// Return the area relative to that of the elastic ellipse; a yielding contact keeps the shape of the ellipse.
 template <class AnyLaw>
-double spread(const AnyLaw&, const ArealCandidate& candidate, double overlap, double area) {
+double relative_area(const AnyLaw&, const ArealCandidate& candidate, double overlap, double area) {
   return area / elastic_area(candidate.ellipse, overlap);
 }
 
-double spread(const HertzSphere&, const ArealCandidate&, double, double) { return 1.0; }
+double relative_area(const HertzSphere&, const ArealCandidate&, double, double) { return 1.0; }
 
-void refuse_cylinders(const Law& law) {
+void reject_cylinders(const Law& law) {
   if (std::holds_alternative<HertzCylinder>(law)) {
     throw std::invalid_argument(
-        "law hertz-cylinder is of parallel cylinders, and contacts of surfaces are ellipses: take hertz-sphere");
+        "law must be one of spheres, because contacts of surfaces are ellipses, got hertz-cylinder; use hertz-sphere");
   }
 }
 
 // ---- Sums that depend on the direction ------------------------------------------------------------------------------
 
-// -s·n, -c·n, t_z, -s·t and -c·t of a sliding contact, c being the lateral direction: multiples of force, and those of
-// the tangent t of area as well.
-constexpr std::size_t of_force = 5;
-constexpr std::size_t of_normal = 2;
-constexpr std::size_t directed_sums = 2 * of_force - of_normal;
+// Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t, with c the lateral direction. All five multiply the
+// force; the three of the tangent t also multiply the area.
+constexpr std::size_t num_factors = 5;
+constexpr std::size_t num_normal_factors = 2;
+constexpr std::size_t num_directed_sums = 2 * num_factors - num_normal_factors;
 
-// As `pull` has it, of all directions; 0 where the contact does not slide.
+// Compute the factors of `sliding_factors` for all directions; 0 if the contact does not slide.
 STICTION_MULTIVERSION
-void pull_along(const Vector3& normal, const double* towards, std::size_t ways, bool all, double* pulls) {
+void compute_factors(const Vector3& normal, const double* directions_xy, std::size_t direction_count, bool all,
+                     double* factors) {
   const double x = normal.x();
   const double y = normal.y();
   const double z = normal.z();
-  for (std::size_t d = 0; d < ways; ++d) {
-    const double along = x * towards[d] + y * towards[ways + d];
-    const double across = y * towards[d] - x * towards[ways + d];
+  for (std::size_t d = 0; d < direction_count; ++d) {
+    const double along = x * directions_xy[d] + y * directions_xy[direction_count + d];
+    const double across = y * directions_xy[d] - x * directions_xy[direction_count + d];
     const double length = std::sqrt(z * z + across * across);
-    const double drawn = along / length;
-    const double share = (all | (along < 0.0)) ? 1.0 : 0.0;
-    pulls[d] = -along * share;
-    pulls[ways + d] = -across * share;
-    pulls[2 * ways + d] = drawn * z * share;
-    pulls[3 * ways + d] = length * share;
-    pulls[4 * ways + d] = -drawn * across * share;
+    const double slope_component = along / length;
+    const double slides = (all | (along < 0.0)) ? 1.0 : 0.0;
+    factors[d] = -along * slides;
+    factors[direction_count + d] = -across * slides;
+    factors[2 * direction_count + d] = slope_component * z * slides;
+    factors[3 * direction_count + d] = length * slides;
+    factors[4 * direction_count + d] = -slope_component * across * slides;
   }
 }
 
-constexpr std::size_t block = 16;  // contacts that are added together
+constexpr std::size_t contacts_per_block = 16;  // contacts whose sums are accumulated together
 
-// sums(d, m, k) += Σ_i pulls(i, m, d) values(i, k) over the contacts i of a block, force for the first sums m and area
-// for the others, from the step `begin` on. Both numbers of steps are a whole number of packs of any width.
+// sums(d, m, k) += Σ_i factors(i, m, d) values(i, k) over the contacts i of a block, for the steps k from `begin` to
+// `steps`, both of which are multiples of every SIMD width. The values are forces for the first sums m and areas for
+// the others.
 template <std::size_t Width>
-STICTION_INLINE void add_block_kernel(const double* pulls, const double* force, const double* area,
-                                      std::size_t contacts, std::size_t ways, std::size_t begin, std::size_t steps,
-                                      double* sums) {
-  for (std::size_t d = 0; d < ways; ++d) {
+STICTION_INLINE void add_block_kernel(const double* factors, const double* force, const double* area,
+                                      std::size_t contacts, std::size_t direction_count, std::size_t begin,
+                                      std::size_t steps, double* sums) {
+  for (std::size_t d = 0; d < direction_count; ++d) {
     for (std::size_t k = begin; k < steps; k += Width) {
-      double* sum = sums + d * directed_sums * steps + k;
-      Pack<Width> total[directed_sums];
-      for (std::size_t m = 0; m < directed_sums; ++m) {
+      double* sum = sums + d * num_directed_sums * steps + k;
+      Pack<Width> total[num_directed_sums];
+      for (std::size_t m = 0; m < num_directed_sums; ++m) {
         total[m] = load<Width>(sum + m * steps);
       }
       for (std::size_t i = 0; i < contacts; ++i) {
-        const double* by = pulls + i * of_force * ways + d;
-        const Pack<Width> pushing = load<Width>(force + i * steps + k);
-        const Pack<Width> touching = load<Width>(area + i * steps + k);
-        for (std::size_t m = 0; m < of_force; ++m) {
-          total[m] += by[m * ways] * pushing;
+        const double* contact_factors = factors + i * num_factors * direction_count + d;
+        const Pack<Width> forces = load<Width>(force + i * steps + k);
+        const Pack<Width> areas = load<Width>(area + i * steps + k);
+        for (std::size_t m = 0; m < num_factors; ++m) {
+          total[m] += contact_factors[m * direction_count] * forces;
         }
-        for (std::size_t m = of_normal; m < of_force; ++m) {
-          total[m + of_force - of_normal] += by[m * ways] * touching;
+        for (std::size_t m = num_normal_factors; m < num_factors; ++m) {
+          total[m + num_factors - num_normal_factors] += contact_factors[m * direction_count] * areas;
         }
       }
-      for (std::size_t m = 0; m < directed_sums; ++m) {
+      for (std::size_t m = 0; m < num_directed_sums; ++m) {
         store<Width>(total[m], sum + m * steps);
       }
     }
@@ -109,136 +111,140 @@ STICTION_INLINE void add_block_kernel(const double* pulls, const double* force, 
 }
 
 STICTION_KERNEL(add_block,
-                (const double* pulls, const double* force, const double* area, std::size_t contacts, std::size_t ways,
-                 std::size_t begin, std::size_t steps, double* sums),
-                (pulls, force, area, contacts, ways, begin, steps, sums))
+                (const double* factors, const double* force, const double* area, std::size_t contacts,
+                 std::size_t direction_count, std::size_t begin, std::size_t steps, double* sums),
+                (factors, force, area, contacts, direction_count, begin, steps, sums))
 
 }  // namespace
 
-std::vector<Contact> contacts(const ArealCandidates& found, double approach, const Law& law, const Vector2& direction) {
-  check_approaches({&approach, 1}, found.deepest);
+std::vector<Contact> contacts(const ArealCandidates& candidates, double approach, const Law& law,
+                              const Vector2& direction) {
+  check_approaches({&approach, 1}, candidates.deepest);
   check(law);
-  refuse_cylinders(law);
+  reject_cylinders(law);
   check_direction(direction);
   std::vector<Contact> result;
-  const auto with = [&](const auto& one_law) {
-    for (const ArealCandidate& one : found.all) {
-      const double overlap = one.overlap(approach);
+  const auto add_contacts = [&](const auto& any_law) {
+    for (const ArealCandidate& candidate : candidates.all) {
+      const double overlap = candidate.overlap(approach);
       if (!(overlap > 0.0)) {
         continue;
       }
-      auto [force, area] = carried(one_law, one, overlap);
-      const double size = overlap * spread(one_law, one, overlap, area);
-      if (size > one.room) {
-        const Inside inside = Edges(found, one).inside(size);
+      auto [force, area] = force_and_area(any_law, candidate, overlap);
+      const double size = overlap * relative_area(any_law, candidate, overlap, area);
+      if (size > candidate.edge_overlap) {
+        const InsideFractions inside = MapEdges(candidates, candidate).fractions_inside(size);
         force *= inside.force;
         area *= inside.area;
       }
-      // Of the like ellipse with the area that is inside.
-      const double scale = area / (pi * std::sqrt(one.ellipse.major * one.ellipse.minor));
-      result.push_back({one.row * found.columns + one.column, one.position - 0.5 * overlap * one.normal, one.normal,
-                        tangent(one.normal, direction), one.radii,
-                        Vector2(std::sqrt(one.ellipse.major * scale), std::sqrt(one.ellipse.minor * scale)), one.along,
-                        overlap, force, area, opposes(one.normal, direction)});
+      // The reported axes belong to the similar ellipse with the area inside the map.
+      const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
+      result.push_back({candidate.row * candidates.columns + candidate.column,
+                        candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,
+                        tangent(candidate.normal, direction), candidate.radii,
+                        Vector2(std::sqrt(candidate.ellipse.major * scale), std::sqrt(candidate.ellipse.minor * scale)),
+                        candidate.along, overlap, force, area, opposes(candidate.normal, direction)});
     }
   };
-  std::visit(with, law);
+  std::visit(add_contacts, law);
   return result;
 }
 
-std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const Law& law,
-                             std::span<const Vector2> directions, Sliding sliding, const Checkpoint& checkpoint) {
-  check_approaches(approaches, found.deepest);
+std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const Law& law,
+                             std::span<const Vector2> directions, Sliding sliding,
+                             const CancellationCheck& check_cancellation) {
+  check_approaches(approaches, candidates.deepest);
   check(law);
-  refuse_cylinders(law);
+  reject_cylinders(law);
   if (directions.empty()) {
-    throw std::invalid_argument("direction is empty, at least one is needed");
+    throw std::invalid_argument("directions must not be empty");
   }
   for (const Vector2& direction : directions) {
     check_direction(direction);
   }
   const std::size_t steps = approaches.size();
-  const std::size_t ways = directions.size();
-  const double widest = found.spacing.maxCoeff();
-  const std::vector<std::size_t> overlapping = first_overlaps(found.all, approaches, checkpoint);
-  std::vector<ArealSums> common(steps);  // what all directions share
+  const std::size_t direction_count = directions.size();
+  const double max_spacing = candidates.spacing.maxCoeff();
+  const std::vector<std::size_t> overlapping = first_overlaps(candidates.all, approaches, check_cancellation);
+  std::vector<ArealSums> common(steps);  // sums that do not depend on the direction
   const auto whole_packs = [](std::size_t count) { return count / widest_pack * widest_pack; };
-  const std::size_t packed = whole_packs(steps + widest_pack - 1);
-  std::vector<double> sums(ways * directed_sums * packed, 0.0);
-  std::vector<double> force(block * packed);
-  std::vector<double> area(block * packed);
-  std::vector<double> pulls(block * of_force * ways);
-  std::vector<double> towards(2 * ways);  // x of all directions, then y
-  for (std::size_t d = 0; d < ways; ++d) {
-    towards[d] = directions[d].x();
-    towards[ways + d] = directions[d].y();
+  const std::size_t padded_steps = whole_packs(steps + widest_pack - 1);
+  std::vector<double> sums(direction_count * num_directed_sums * padded_steps, 0.0);
+  std::vector<double> force(contacts_per_block * padded_steps);
+  std::vector<double> area(contacts_per_block * padded_steps);
+  std::vector<double> factors(contacts_per_block * num_factors * direction_count);
+  std::vector<double> directions_xy(2 * direction_count);  // x of all directions, then y
+  for (std::size_t d = 0; d < direction_count; ++d) {
+    directions_xy[d] = directions[d].x();
+    directions_xy[direction_count + d] = directions[d].y();
   }
-  // The first to touch first, so that those that are added together begin at about one step.
-  struct Touching {
+  // In order of first contact, so that the contacts of a block begin at about the same step.
+  struct Start {
     std::size_t candidate;
     std::size_t begin;
   };
-  std::vector<Touching> touching;
-  for (std::size_t i = 0; i < found.all.size(); ++i) {
-    const std::size_t begin = first_step(found.all[i], approaches);
+  std::vector<Start> starts;
+  for (std::size_t i = 0; i < candidates.all.size(); ++i) {
+    const std::size_t begin = first_contact_step(candidates.all[i], approaches);
     if (begin < steps) {
-      touching.push_back({i, begin});
+      starts.push_back({i, begin});
     }
   }
-  std::stable_sort(touching.begin(), touching.end(),
-                   [](const Touching& a, const Touching& b) { return a.begin < b.begin; });
-  std::size_t waiting = 0;
+  std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.begin < b.begin; });
+  std::size_t pending = 0;
   std::size_t earliest = 0;
-  const auto add_waiting = [&] {
-    checkpoint();
-    add_block(pulls.data(), force.data(), area.data(), waiting, ways, whole_packs(earliest), packed, sums.data());
+  const auto add_pending = [&] {
+    check_cancellation();
+    add_block(factors.data(), force.data(), area.data(), pending, direction_count, whole_packs(earliest), padded_steps,
+              sums.data());
     std::fill(force.begin(), force.end(), 0.0);
     std::fill(area.begin(), area.end(), 0.0);
-    waiting = 0;
+    pending = 0;
   };
-  const auto with = [&](const auto& one_law) {
-    for (const auto [i, begin] : touching) {
-      const ArealCandidate& one = found.all[i];
-      const double radius = one.radii.mean();
-      earliest = waiting == 0 ? begin : earliest;
-      std::optional<Edges> edges;
+  const auto add_contacts = [&](const auto& any_law) {
+    for (const auto [i, begin] : starts) {
+      const ArealCandidate& candidate = candidates.all[i];
+      const double radius = candidate.radii.mean();
+      earliest = pending == 0 ? begin : earliest;
+      std::optional<MapEdges> edges;
       for (std::size_t k = begin; k < steps; ++k) {
-        const double overlap = one.overlap(approaches[k]);
-        ForceArea has = carried(one_law, one, overlap);
-        const double size = overlap * spread(one_law, one, overlap, has.area);
-        const bool cut = size > one.room;
-        if (cut) {
-          edges = edges ? edges : Edges(found, one);
-          const Inside inside = edges->inside(size);
-          has.force *= inside.force;
-          has.area *= inside.area;
+        const double overlap = candidate.overlap(approaches[k]);
+        ForceArea force_area = force_and_area(any_law, candidate, overlap);
+        const double size = overlap * relative_area(any_law, candidate, overlap, force_area.area);
+        const bool is_cut = size > candidate.edge_overlap;
+        if (is_cut) {
+          edges = edges ? edges : MapEdges(candidates, candidate);
+          const InsideFractions inside = edges->fractions_inside(size);
+          force_area.force *= inside.force;
+          force_area.area *= inside.area;
         }
-        force[waiting * packed + k] = has.force;
-        area[waiting * packed + k] = has.area;
-        const double load = common[k].add(one.normal, overlap, radius, has, widest);
+        force[pending * padded_steps + k] = force_area.force;
+        area[pending * padded_steps + k] = force_area.area;
+        const double load = common[k].add(candidate.normal, overlap, radius, force_area, max_spacing);
         common[k].load_overlapping += k >= overlapping[i] ? load : 0.0;
-        common[k].load_at_edge += cut ? load : 0.0;
+        common[k].load_at_edge += is_cut ? load : 0.0;
       }
-      pull_along(one.normal, towards.data(), ways, sliding == Sliding::all, &pulls[waiting * of_force * ways]);
-      waiting += 1;
-      if (waiting == block) {
-        add_waiting();
+      compute_factors(candidate.normal, directions_xy.data(), direction_count, sliding == Sliding::all,
+                      &factors[pending * num_factors * direction_count]);
+      pending += 1;
+      if (pending == contacts_per_block) {
+        add_pending();
       }
     }
-    add_waiting();
+    add_pending();
   };
-  std::visit(with, law);
-  const auto within = [](const std::vector<double>& gaps, double approach) {
+  std::visit(add_contacts, law);
+  const auto count_within = [](const std::vector<double>& gaps, double approach) {
     return std::upper_bound(gaps.begin(), gaps.end(), approach) - gaps.begin();
   };
   for (std::size_t k = 0; k < steps; ++k) {
-    common[k].grid_minimum_count = within(found.grid_minima, approaches[k]);
-    common[k].unanswered_count = within(found.unanswered, approaches[k]);
+    common[k].grid_minimum_count = count_within(candidates.grid_minima, approaches[k]);
+    common[k].unanswered_count = count_within(candidates.unanswered, approaches[k]);
   }
   std::vector<ArealSums> result;
   result.reserve(directions.size() * steps);
   for (std::size_t d = 0; d < directions.size(); ++d) {
-    const auto sum = [&](std::size_t m, std::size_t k) { return sums[(d * directed_sums + m) * packed + k]; };
+    const auto sum = [&](std::size_t m, std::size_t k) { return sums[(d * num_directed_sums + m) * padded_steps + k]; };
     for (std::size_t k = 0; k < steps; ++k) {
       ArealSums row = common[k];
       row.tangential_elastic = sum(0, k);
@@ -255,9 +261,9 @@ std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, co
   return result;
 }
 
-std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const ContactModel& model,
-                             const Checkpoint& checkpoint) {
-  return press(found, approaches, model.law, std::span(&model.direction, 1), model.sliding, checkpoint);
+std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const ContactModel& model,
+                             const CancellationCheck& check_cancellation) {
+  return press(candidates, approaches, model.law, std::span(&model.direction, 1), model.sliding, check_cancellation);
 }
 
 }  // namespace stiction

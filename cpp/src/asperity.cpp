@@ -9,14 +9,14 @@
 
 namespace stiction {
 
-Side side(std::string_view word) {
-  if (word == "lower") {
+Side side(std::string_view name) {
+  if (name == "lower") {
     return Side::lower;
   }
-  if (word == "upper") {
+  if (name == "upper") {
     return Side::upper;
   }
-  throw std::invalid_argument("side is " + std::string(word) + ", must be lower or upper");
+  throw std::invalid_argument("side must be lower or upper, got " + std::string(name));
 }
 
 Asperity asperity(double slope, double curvature, Side side) {
@@ -32,10 +32,10 @@ Asperities asperities(Values heights, double spacing, Side side) {
                     std::vector<double>(size), std::vector<Vector3>(size)};
   natural_spline(heights, spacing, result.slope, result.curvature);
   for (std::size_t i = 0; i < size; ++i) {
-    const Asperity at = asperity(result.slope[i], result.curvature[i], side);
-    result.normal[i] = at.normal;
-    result.radius[i] = at.radius;
-    result.centre[i] = Vector3(static_cast<double>(i) * spacing, 0.0, heights[i]) + at.centre_offset();
+    const Asperity point = asperity(result.slope[i], result.curvature[i], side);
+    result.normal[i] = point.normal;
+    result.radius[i] = point.radius;
+    result.centre[i] = Vector3(static_cast<double>(i) * spacing, 0.0, heights[i]) + point.centre_offset();
   }
   return result;
 }

@@ -12,41 +12,42 @@
 namespace stiction {
 namespace {
 
-// ---- The tridiagonal system of one direction ------------------------------------------------------------------------
+// ---- Tridiagonal system along one direction -------------------------------------------------------------------------
 //
-// c_(i-1) + 4 c_i + c_(i+1) = 6 z_i at inner points. A second derivative of zero makes c = z at both ends, so there it
-// is known, and 2 c - c of the inner neighbour beyond.
+// c_(i-1) + 4 c_i + c_(i+1) = 6 z_i at inner points. With zero second derivative at the ends, c = z there, and the
+// coefficient beyond an end is 2 c less that of the inner neighbour.
 
-// Along a row each number depends on the one before, so the system is not eliminated there. Its inverse is
-// -6 a / ((1 - a s) (1 - a / s)) with a = sqrt(3) - 2 and s the shift by a point, and 1 / (1 - a s) the product of
-// 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on: passes in which all numbers are independent. Beyond its ends the row goes on
-// turned about them, as its spline does.
+// Along a row, elimination would be sequential. Instead the inverse is applied: -6 a / ((1 - a s) (1 - a / s)), where s
+// is the shift by one point and a = sqrt(3) - 2. The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s²,
+// 1 + a⁴ s⁴ and so on, each of which is a pass without dependences. Beyond its ends the row is continued by point
+// reflection, as is its spline.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
-constexpr Index reach = 32;  // what is left out is 0.268^32 = 5e-19 of a height
+constexpr Index reach = 32;  // the truncation error is 0.268^32 = 5e-19 of a height
 
-struct Pass {
-  double beside;
-  double all;
+struct PassFactors {
+  double neighbour;
+  double overall;
 };
 
-// 1 + b² + b (s + 1/s) over 1 + b²; the last pass has what is left of the product's factor.
-constexpr std::array<Pass, shifts.size()> passes_of_row() {
-  std::array<Pass, shifts.size()> result{};
+// Factors of each pass: (1 + b² + b (s + 1/s)) / (1 + b²). The last pass includes the remaining constant factor.
+constexpr std::array<PassFactors, shifts.size()> row_passes() {
+  std::array<PassFactors, shifts.size()> result{};
   double b = -0.26794919243112270647;  // sqrt(3) - 2
   double factor = -6.0 * b;
-  for (Pass& pass : result) {
+  for (PassFactors& pass : result) {
     pass = {b / (1.0 + b * b), 1.0};
     factor *= 1.0 + b * b;
     b *= b;
   }
-  result.back().all = factor;
+  result.back().overall = factor;
   return result;
 }
 
-// A row of so many points from its first one on, in work of twice `length_of_work`.
+// Solve along one row in place, including one coefficient beyond each end. `work` holds 2 `length` values, with
+// `length` from `work_length`.
 template <std::size_t Width>
 STICTION_INLINE void solve_row_kernel(double* row, Index points, Index length, double* work) {
-  constexpr std::array<Pass, shifts.size()> passes = passes_of_row();
+  constexpr std::array<PassFactors, shifts.size()> passes = row_passes();
   constexpr auto width = static_cast<Index>(Width);
   double* from = work;
   double* to = work + length;
@@ -59,11 +60,11 @@ STICTION_INLINE void solve_row_kernel(double* row, Index points, Index length, d
   Index first = 0;
   for (std::size_t pass = 0; pass < passes.size(); ++pass) {
     const Index shift = shifts[pass];
-    const auto [beside, all] = passes[pass];
+    const auto [neighbour, overall] = passes[pass];
     first += shift;
     for (Index i = first; i < points + 2 * reach - first; i += width) {
-      const Pack<Width> around = load<Width>(from + i - shift) + load<Width>(from + i + shift);
-      store<Width>(all * (load<Width>(from + i) + beside * around), to + i);
+      const Pack<Width> neighbours = load<Width>(from + i - shift) + load<Width>(from + i + shift);
+      store<Width>(overall * (load<Width>(from + i) + neighbour * neighbours), to + i);
     }
     std::swap(from, to);
   }
@@ -72,11 +73,11 @@ STICTION_INLINE void solve_row_kernel(double* row, Index points, Index length, d
 
 STICTION_KERNEL(solve_row, (double* row, Index points, Index length, double* work), (row, points, length, work))
 
-Index length_of_work(Index points) { return points + 2 * reach + static_cast<Index>(widest_pack); }
+Index work_length(Index points) { return points + 2 * reach + static_cast<Index>(widest_pack); }
 
-// Along columns many are eliminated side by side.
+// Along columns, many columns are eliminated in parallel.
 
-// Of the elimination: 1/4, 1/(4 - 1/4) and so on, which tends to 2 - sqrt(3).
+// Return the pivots of the elimination: 1/4, 1/(4 - 1/4) and so on, which tends to 2 - sqrt(3).
 std::vector<double> pivots(Index points) {
   std::vector<double> result(static_cast<std::size_t>(points), 0.0);
   for (std::size_t i = 1; i < result.size(); ++i) {
@@ -85,9 +86,10 @@ std::vector<double> pivots(Index points) {
   return result;
 }
 
-// `lines` lines of `points` values: those of one point are next to each other, those of the next `stride` further on.
+// Solve `lines` systems of `points` values in parallel. The values of one point are adjacent; the next point is
+// `stride` further on.
 STICTION_MULTIVERSION
-void solve(double* values, Index points, Index lines, Index stride, const double* pivot) {
+void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {
     const double* before = values + (i - 1) * stride;
     double* at = values + i * stride;
@@ -104,26 +106,27 @@ void solve(double* values, Index points, Index lines, Index stride, const double
       at[line] -= p * after[line];
     }
   }
-  double* rim = values - stride;
+  double* beyond = values - stride;
   for (Index line = 0; line < lines; ++line) {
-    rim[line] = 2.0 * values[line] - values[stride + line];
+    beyond[line] = 2.0 * values[line] - values[stride + line];
   }
   const double* last = values + (points - 1) * stride;
-  rim = values + points * stride;
+  beyond = values + points * stride;
   for (Index line = 0; line < lines; ++line) {
-    rim[line] = 2.0 * last[line] - last[line - stride];
+    beyond[line] = 2.0 * last[line] - last[line - stride];
   }
 }
 
-// From the coefficients on both sides.
+// Compute factor (after - before), the slope from the coefficients on both sides of a point.
 STICTION_MULTIVERSION
-void differences(const double* before, const double* after, Index size, double factor, double* result) {
+void scaled_differences(const double* before, const double* after, Index size, double factor, double* result) {
   for (Index i = 0; i < size; ++i) {
     result[i] = factor * (after[i] - before[i]);
   }
 }
 
-constexpr Index wide = 64;  // columns that stay in the processor's cache on the way up and down
+// Columns that stay in the processor cache during elimination and back substitution.
+constexpr Index columns_per_strip = 64;
 
 // ---- One cell -------------------------------------------------------------------------------------------------------
 
@@ -133,7 +136,7 @@ struct Basis {
   std::array<double, 4> second;
 };
 
-// The four cubic B-splines of a cell.
+// Return the four cubic B-splines of a cell, with their derivatives.
 STICTION_INLINE Basis basis(double t) {
   const double s = 1.0 - t;
   return {{s * s * s / 6.0, 2.0 / 3.0 - t * t * (1.0 - 0.5 * t), 2.0 / 3.0 - s * s * (1.0 - 0.5 * s), t * t * t / 6.0},
@@ -146,22 +149,22 @@ STICTION_INLINE Basis basis(double t) {
 void natural_bicubic(Eigen::Ref<Matrix> coefficients) {
   const Index rows = coefficients.rows() - 2;
   const Index columns = coefficients.cols() - 2;
-  if (rows < fewest_points || columns < fewest_points) {
-    throw std::invalid_argument("natural_bicubic: the map has " + std::to_string(rows) + " rows and " +
-                                std::to_string(columns) + " columns, at least 4 of each are needed");
+  if (rows < min_map_points || columns < min_map_points) {
+    throw std::invalid_argument("natural_bicubic: the map must have at least 4 rows and 4 columns, got " +
+                                std::to_string(rows) + " by " + std::to_string(columns));
   }
   const Index stride = coefficients.outerStride();
   double* heights = coefficients.data() + stride + 1;
 
-  const Index length = length_of_work(columns);
+  const Index length = work_length(columns);
   std::vector<double> work(static_cast<std::size_t>(2 * length));
   for (Index row = 0; row < rows; ++row) {
     solve_row(heights + row * stride, columns, length, work.data());
   }
 
   const std::vector<double> pivot = pivots(rows);
-  for (Index first = -1; first < columns + 1; first += wide) {
-    solve(heights + first, rows, std::min(wide, columns + 1 - first), stride, pivot.data());
+  for (Index first = -1; first < columns + 1; first += columns_per_strip) {
+    solve_columns(heights + first, rows, std::min(columns_per_strip, columns + 1 - first), stride, pivot.data());
   }
 }
 
@@ -170,34 +173,35 @@ void natural_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Re
   const Index rows = heights.rows();
   const Index columns = heights.cols();
   if (columns < 2 || rows < 1) {
-    throw std::invalid_argument("natural_slopes: the map has " + std::to_string(rows) + " rows and " +
-                                std::to_string(columns) + " columns, at least two points are needed along a line");
+    throw std::invalid_argument("natural_slopes: the map must have at least two points per row, got " +
+                                std::to_string(rows) + " by " + std::to_string(columns));
   }
-  const Index length = length_of_work(columns);
+  const Index length = work_length(columns);
   std::vector<double> work(static_cast<std::size_t>(2 * length));
   std::vector<double> line(static_cast<std::size_t>(columns + 2));
   for (Index row = 0; row < rows; ++row) {
     const double* from = heights.data() + row * heights.outerStride();
     std::copy(from, from + columns, line.begin() + 1);
     solve_row(line.data() + 1, columns, length, work.data());
-    differences(line.data(), line.data() + 2, columns, 0.5 / spacing.x(), along_x.data() + row * along_x.outerStride());
+    scaled_differences(line.data(), line.data() + 2, columns, 0.5 / spacing.x(),
+                       along_x.data() + row * along_x.outerStride());
   }
   if (rows < 2) {
     return;
   }
   const std::vector<double> pivot = pivots(rows);
-  std::vector<double> strip(static_cast<std::size_t>((rows + 2) * wide));
-  for (Index first = 0; first < columns; first += wide) {
-    const Index lines = std::min(wide, columns - first);
+  std::vector<double> strip(static_cast<std::size_t>((rows + 2) * columns_per_strip));
+  for (Index first = 0; first < columns; first += columns_per_strip) {
+    const Index lines = std::min(columns_per_strip, columns - first);
     for (Index row = 0; row < rows; ++row) {
       const double* from = heights.data() + row * heights.outerStride() + first;
-      std::copy(from, from + lines, strip.begin() + (row + 1) * wide);
+      std::copy(from, from + lines, strip.begin() + (row + 1) * columns_per_strip);
     }
-    solve(strip.data() + wide, rows, lines, wide, pivot.data());
+    solve_columns(strip.data() + columns_per_strip, rows, lines, columns_per_strip, pivot.data());
     for (Index row = 0; row < rows; ++row) {
-      const double* before = strip.data() + row * wide;
-      differences(before, before + 2 * wide, lines, 0.5 / spacing.y(),
-                  along_y.data() + row * along_y.outerStride() + first);
+      const double* before = strip.data() + row * columns_per_strip;
+      scaled_differences(before, before + 2 * columns_per_strip, lines, 0.5 / spacing.y(),
+                         along_y.data() + row * along_y.outerStride() + first);
     }
   }
 }

@@ -8,20 +8,20 @@ namespace stiction {
 namespace {
 
 template <std::size_t Width>
-STICTION_INLINE void numbers_at_once_kernel(std::size_t& numbers) {
-  numbers = Width;
+STICTION_INLINE void simd_width_kernel(std::size_t& width) {
+  width = Width;
 }
 
-// Picked like the loops that it tells of.
-STICTION_KERNEL(numbers_at_once, (std::size_t& numbers), (numbers))
+// Selected by the loader in the same way as the hot loops.
+STICTION_KERNEL(simd_width, (std::size_t& width), (width))
 
 std::string instruction_set() {
-  std::size_t numbers = 0;
-  numbers_at_once(numbers);
-  if (numbers == 8) {
+  std::size_t width = 0;
+  simd_width(width);
+  if (width == 8) {
     return "AVX-512";
   }
-  if (numbers == 4) {
+  if (width == 4) {
     return "AVX2, FMA";
   }
 #if defined(__x86_64__)
@@ -35,7 +35,7 @@ std::string instruction_set() {
 
 std::string compiler() {
 #if defined(__clang__)
-  return __VERSION__;  // with its name
+  return __VERSION__;  // includes its name
 #elif defined(__GNUC__)
   return "GCC " __VERSION__;
 #else

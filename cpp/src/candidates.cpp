@@ -16,20 +16,21 @@
 namespace stiction {
 namespace {
 
-// A profile and, of a stretch of it, the slopes and curvatures that the spline through the whole has.
-class Body {
+// A profile, and its spline derivatives in an index range. The derivatives are those of the spline of the whole
+// profile.
+class SplinedProfile {
  public:
-  Body(Values heights, double largest, double spacing, Side side)
-      : heights_(heights), spacing_(spacing), side_(side), straight_(is_straight(heights, largest)) {}
+  SplinedProfile(Values heights, double max_abs, double spacing, Side side)
+      : heights_(heights), spacing_(spacing), side_(side), is_flat_(is_straight(heights, max_abs)) {}
 
-  bool straight() const { return straight_; }
+  bool is_flat() const { return is_flat_; }
 
-  void spline(std::size_t begin, std::size_t end) {
+  void compute_derivatives(std::size_t begin, std::size_t end) {
     begin_ = begin;
     const auto last = static_cast<double>(heights_.size() - 1);
     slope_.assign(end - begin, (heights_.back() - heights_.front()) / (last * spacing_));
     curvature_.assign(end - begin, 0.0);
-    if (!straight_) {
+    if (!is_flat_) {
       natural_spline_from(heights_, spacing_, static_cast<Index>(begin), slope_, curvature_);
     }
   }
@@ -40,12 +41,14 @@ class Body {
   double slope(std::size_t i) const { return slope_[i - begin_]; }
   double curvature(std::size_t i) const { return curvature_[i - begin_]; }
 
-  // Between grid points i and i + 1, t [µm] from the first.
+  // Spline between grid points i and i + 1, at t [µm] from the first.
   double height(std::size_t i, double t) const {
-    return height(i) + t * (slope(i) + 0.5 * t * (curvature(i) + t / (3.0 * spacing_) * bend(i)));
+    return height(i) + t * (slope(i) + 0.5 * t * (curvature(i) + t / (3.0 * spacing_) * curvature_change(i)));
   }
-  double slope(std::size_t i, double t) const { return slope(i) + t * (curvature(i) + 0.5 * t / spacing_ * bend(i)); }
-  double curvature(std::size_t i, double t) const { return curvature(i) + t / spacing_ * bend(i); }
+  double slope(std::size_t i, double t) const {
+    return slope(i) + t * (curvature(i) + 0.5 * t / spacing_ * curvature_change(i));
+  }
+  double curvature(std::size_t i, double t) const { return curvature(i) + t / spacing_ * curvature_change(i); }
 
   Asperity asperity(std::size_t i, double t) const {
     return t == 0.0 ? stiction::asperity(slope(i), curvature(i), side_)
@@ -53,26 +56,27 @@ class Body {
   }
 
  private:
-  double bend(std::size_t i) const { return curvature(i + 1) - curvature(i); }
+  double curvature_change(std::size_t i) const { return curvature(i + 1) - curvature(i); }
 
   Values heights_;
   double spacing_;
   Side side_;
-  bool straight_;
+  bool is_flat_;
   std::size_t begin_ = 0;
   std::vector<double> slope_;
   std::vector<double> curvature_;
 };
 
-// A place that the detection has found.
+// A point selected by the detection.
 struct Site {
   std::size_t index;    // grid point
-  double offset;        // from it [µm]
+  double offset;        // distance from the grid point [µm]
   double lower_height;  // [µm]
-  double gap;           // above first touch [µm]
+  double gap;           // above first contact [µm]
 };
 
-std::optional<Site> site_at(const Body& upper, const Body& lower, std::size_t i, double spacing, double zero) {
+std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile& lower, std::size_t i, double spacing,
+                              double zero) {
   const auto t = gap_minimum(upper.slope(i) - lower.slope(i), upper.curvature(i) - lower.curvature(i),
                              upper.slope(i + 1) - lower.slope(i + 1), upper.curvature(i + 1) - lower.curvature(i + 1),
                              spacing, i == 0);
@@ -83,106 +87,109 @@ std::optional<Site> site_at(const Body& upper, const Body& lower, std::size_t i,
   return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
 }
 
-// Whether asperities may touch there; if so, how they face each other.
-bool encounters(const Body& upper, const Body& lower, const Site& site, Curvature curvature, Encounter& encounter) {
-  const Asperity above = upper.asperity(site.index, site.offset);
-  const Asperity below = lower.asperity(site.index, site.offset);
-  const auto keep = [&](const auto& found) {
-    if (found) {
-      encounter = *found;
+// Set the asperity pair at a site. Returns false if its asperities cannot touch.
+bool set_asperity_pair(const SplinedProfile& upper, const SplinedProfile& lower, const Site& site, Curvature curvature,
+                       AsperityPair& asperity_pair) {
+  const Asperity upper_asperity = upper.asperity(site.index, site.offset);
+  const Asperity lower_asperity = lower.asperity(site.index, site.offset);
+  const auto store = [&](const auto& pair) {
+    if (pair) {
+      asperity_pair = *pair;
     }
-    return found.has_value();
+    return pair.has_value();
   };
-  if (upper.straight()) {
-    return keep(sphere_on_straight(below, Side::lower, above, site.gap));
+  if (upper.is_flat()) {
+    return store(sphere_on_flat(lower_asperity, Side::lower, upper_asperity, site.gap));
   }
-  if (lower.straight()) {
-    return keep(sphere_on_straight(above, Side::upper, below, site.gap));
+  if (lower.is_flat()) {
+    return store(sphere_on_flat(upper_asperity, Side::upper, lower_asperity, site.gap));
   }
-  return keep(sphere_pair(above, below, site.gap, curvature));
+  return store(sphere_pair(upper_asperity, lower_asperity, site.gap, curvature));
 }
 
-void check(const ProfilePair& pair, const Screening& screening, double deepest) {
+void check(const ProfilePair& pair, const Prefilter& prefilter, double deepest) {
   if (pair.upper.size() < 4) {
-    fail("upper and lower have " + std::to_string(pair.upper.size()) + " points, at least 4 are needed");
+    fail("upper and lower must have at least 4 points, got " + std::to_string(pair.upper.size()));
   }
-  if (!screening.upper_finite) {
-    fail("upper has heights that are NaN or infinite");
+  if (!prefilter.upper_finite) {
+    fail("upper must be finite, got NaN or infinite heights");
   }
-  if (!screening.lower_finite) {
-    fail("lower has heights that are NaN or infinite");
+  if (!prefilter.lower_finite) {
+    fail("lower must be finite, got NaN or infinite heights");
   }
   if (!(pair.spacing > 0.0) || !std::isfinite(pair.spacing)) {
-    fail("spacing is " + text(pair.spacing) + " µm, must be above 0 and finite");
+    fail("spacing must be above 0 and finite, got " + format_number(pair.spacing) + " µm");
   }
   if (!(deepest >= 0.0) || !std::isfinite(deepest)) {
-    fail("approach is " + text(deepest) + " µm, must be 0 or above and finite");
+    fail("approach must be at least 0 and finite, got " + format_number(deepest) + " µm");
   }
 }
 
 }  // namespace
 
-Detection detection(std::string_view word) {
-  if (word == "cell") {
+Detection detection(std::string_view name) {
+  if (name == "cell") {
     return Detection::cell;
   }
-  if (word == "gap-minimum") {
+  if (name == "gap-minimum") {
     return Detection::gap_minimum;
   }
-  throw std::invalid_argument("detection is " + std::string(word) + ", must be cell or gap-minimum");
+  throw std::invalid_argument("detection must be cell or gap-minimum, got " + std::string(name));
 }
 
-Curvature curvature(std::string_view word) {
-  if (word == "convex") {
+Curvature curvature(std::string_view name) {
+  if (name == "convex") {
     return Curvature::convex;
   }
-  if (word == "signed") {
+  if (name == "signed") {
     return Curvature::signed_;
   }
-  throw std::invalid_argument("curvature is " + std::string(word) + ", must be convex or signed");
+  throw std::invalid_argument("curvature must be convex or signed, got " + std::string(name));
 }
 
-Screening screen(const ProfilePair& pair) {
+Prefilter run_prefilter(const ProfilePair& pair) {
   if (pair.upper.size() != pair.lower.size()) {
-    fail("upper and lower must have equally many points, not " + std::to_string(pair.upper.size()) + " and " +
+    fail("upper and lower must have equally many points, got " + std::to_string(pair.upper.size()) + " and " +
          std::to_string(pair.lower.size()));
   }
-  return screen(pair.upper, pair.lower);
+  return run_prefilter(pair.upper, pair.lower);
 }
 
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
-                        const std::function<void(const Candidate&)>& visit, const Checkpoint& checkpoint) {
-  for_each_candidate(pair, screen(pair), deepest, detection, curvature, visit, checkpoint);
+                        const std::function<void(const Candidate&)>& visit,
+                        const CancellationCheck& check_cancellation) {
+  for_each_candidate(pair, run_prefilter(pair), deepest, detection, curvature, visit, check_cancellation);
 }
 
-void for_each_candidate(const ProfilePair& pair, const Screening& screening, double deepest, Detection detection,
+void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, double deepest, Detection detection,
                         Curvature curvature, const std::function<void(const Candidate&)>& visit,
-                        const Checkpoint& checkpoint) {
-  check(pair, screening, deepest);
+                        const CancellationCheck& check_cancellation) {
+  check(pair, prefilter, deepest);
   const std::size_t size = pair.upper.size();
-  const double zero = screening.gap;
-  Body upper(pair.upper, screening.upper_largest, pair.spacing, Side::upper);
-  Body lower(pair.lower, screening.lower_largest, pair.spacing, Side::lower);
-  if (upper.straight() && lower.straight()) {
+  const double zero = prefilter.min_gap;
+  SplinedProfile upper(pair.upper, prefilter.upper_max_abs, pair.spacing, Side::upper);
+  SplinedProfile lower(pair.lower, prefilter.lower_max_abs, pair.spacing, Side::lower);
+  if (upper.is_flat() && lower.is_flat()) {
     return;  // no asperities: 1/R = 0 everywhere
   }
   const bool by_cell = detection == Detection::cell;
-  const bool two_convex_spheres = curvature == Curvature::convex && !upper.straight() && !lower.straight();
+  const bool two_convex_spheres = curvature == Curvature::convex && !upper.is_flat() && !lower.is_flat();
 
-  // A cell belongs to a point; a minimum to the interval on the right of a point, and may dip below both its ends.
-  const double dip = by_cell ? 0.0 : largest_dip(pair.upper, pair.lower);
-  constexpr std::size_t longest = 254;  // points whose derivatives are at hand at a time
-  std::array<unsigned char, longest> marks;
+  // A cell belongs to a grid point. A minimum belongs to the interval on the right of a grid point, and may lie below
+  // both ends of it.
+  const double dip = by_cell ? 0.0 : max_dip(pair.upper, pair.lower);
+  constexpr std::size_t chunk_size = 254;  // points per chunk of derivatives
+  std::array<unsigned char, chunk_size> marks;
   Candidate candidate{};
-  for (const Stretch& stretch : stretches_within(pair.upper, pair.lower, screening, deepest + dip)) {
-    const std::size_t stretch_begin = by_cell || stretch.begin == 0 ? stretch.begin : stretch.begin - 1;
-    const std::size_t stretch_end = by_cell ? stretch.end : std::min(stretch.end, size - 1);
-    for (std::size_t begin = stretch_begin; begin < stretch_end; begin += longest) {
-      checkpoint();
-      const std::size_t end = std::min(begin + longest, stretch_end);
+  for (const IndexRange& range : ranges_within(pair.upper, pair.lower, prefilter, deepest + dip)) {
+    const std::size_t range_begin = by_cell || range.begin == 0 ? range.begin : range.begin - 1;
+    const std::size_t range_end = by_cell ? range.end : std::min(range.end, size - 1);
+    for (std::size_t begin = range_begin; begin < range_end; begin += chunk_size) {
+      check_cancellation();
+      const std::size_t end = std::min(begin + chunk_size, range_end);
       const std::size_t count = end - begin;
-      upper.spline(begin, by_cell ? end : end + 1);
-      lower.spline(begin, by_cell ? end : end + 1);
+      upper.compute_derivatives(begin, by_cell ? end : end + 1);
+      lower.compute_derivatives(begin, by_cell ? end : end + 1);
       const Derivatives derivatives{upper.slopes().data(), upper.curvatures().data(), lower.slopes().data(),
                                     lower.curvatures().data()};
       if (!by_cell) {
@@ -198,16 +205,16 @@ void for_each_candidate(const ProfilePair& pair, const Screening& screening, dou
           continue;
         }
         const std::optional<Site> site = by_cell ? Site{i, 0.0, pair.lower[i], (pair.upper[i] - pair.lower[i]) - zero}
-                                                 : site_at(upper, lower, i, pair.spacing, zero);
+                                                 : find_site(upper, lower, i, pair.spacing, zero);
         if (!site || !(site->gap <= deepest)) {
           continue;
         }
-        if (encounters(upper, lower, *site, curvature, candidate.encounter)) {
+        if (set_asperity_pair(upper, lower, *site, curvature, candidate.asperity_pair)) {
           const double x = static_cast<double>(i) * pair.spacing + site->offset;
           candidate.index = static_cast<Index>(i);
           candidate.position = Vector3(x, 0.0, site->lower_height);
           candidate.gap = site->gap;
-          candidate.radii = radii(candidate.encounter);
+          candidate.radii = radii(candidate.asperity_pair);
           visit(candidate);
         }
       }
@@ -215,12 +222,13 @@ void for_each_candidate(const ProfilePair& pair, const Screening& screening, dou
   }
 }
 
-Candidates candidates(const ProfilePair& pair, double deepest, Curvature curvature, const Checkpoint& checkpoint) {
-  Candidates found{{}, deepest, pair.spacing};
+Candidates candidates(const ProfilePair& pair, double deepest, Curvature curvature,
+                      const CancellationCheck& check_cancellation) {
+  Candidates result{{}, deepest, pair.spacing};
   for_each_candidate(
       pair, deepest, Detection::gap_minimum, curvature,
-      [&](const Candidate& candidate) { found.all.push_back(candidate); }, checkpoint);
-  return found;
+      [&](const Candidate& candidate) { result.all.push_back(candidate); }, check_cancellation);
+  return result;
 }
 
 }  // namespace stiction

@@ -8,31 +8,32 @@
 
 namespace stiction {
 
-void fail(const std::string& what) { throw std::invalid_argument(what); }
+void fail(const std::string& message) { throw std::invalid_argument(message); }
 
 void check_approaches(Values approaches, double deepest) {
   if (approaches.empty()) {
-    fail("approaches is empty, at least one is needed");
+    fail("approaches must not be empty");
   }
   for (std::size_t k = 0; k < approaches.size(); ++k) {
     if (!(approaches[k] >= 0.0) || !std::isfinite(approaches[k])) {
-      fail("approach is " + text(approaches[k]) + " µm, must be 0 or above and finite");
+      fail("approach must be at least 0 and finite, got " + format_number(approaches[k]) + " µm");
     }
     if (k > 0 && !(approaches[k] > approaches[k - 1])) {
-      fail("approaches must increase, but " + text(approaches[k - 1]) + " µm is followed by " + text(approaches[k]) +
-           " µm");
+      fail("approaches must increase, got " + format_number(approaches[k - 1]) + " µm followed by " +
+           format_number(approaches[k]) + " µm");
     }
   }
   if (approaches.back() > deepest) {
-    fail("approach is " + text(approaches.back()) + " µm, but candidates were looked for up to " + text(deepest) +
-         " µm only");
+    fail("approach must be at most " + format_number(deepest) + " µm, the limit of the candidates, got " +
+         format_number(approaches.back()) + " µm");
   }
 }
 
 void check_direction(const Vector2& direction) {
   constexpr double round_off = 1e-12;
   if (!(std::abs(direction.squaredNorm() - 1.0) < round_off)) {
-    fail("direction is (" + text(direction.x()) + ", " + text(direction.y()) + "), must be a unit vector");
+    fail("direction must be a unit vector, got (" + format_number(direction.x()) + ", " + format_number(direction.y()) +
+         ")");
   }
 }
 

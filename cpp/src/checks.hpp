@@ -1,4 +1,4 @@
-// What presses of profiles and of surfaces ask of their arguments.
+// Argument checks shared by the contact calculations of profiles and of maps.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -7,14 +7,14 @@
 
 namespace stiction {
 
-/// Throws std::invalid_argument.
-[[noreturn]] void fail(const std::string& what);
+/// Throw std::invalid_argument.
+[[noreturn]] void fail(const std::string& message);
 
-/// At least one, >= 0, finite, strictly increasing and none beyond `deepest`, up to which candidates were looked for.
-/// Throws std::invalid_argument.
+/// Check approaches: at least one, >= 0, finite, strictly increasing, and at most `deepest`, the limit of the
+/// candidates. Throws std::invalid_argument.
 void check_approaches(Values approaches, double deepest);
 
-/// A unit vector. Throws std::invalid_argument.
+/// Check that a direction is a unit vector. Throws std::invalid_argument.
 void check_direction(const Vector2& direction);
 
 }  // namespace stiction

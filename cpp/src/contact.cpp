@@ -9,53 +9,58 @@
 namespace stiction {
 namespace {
 
-constexpr double anywhere = std::numeric_limits<double>::infinity();
+constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-// Calls visit(index of the approach, touch, verdict) for every approach at which a candidate is a contact, or would be
-// one if its centres had not crossed.
+// Call visit(index of the approach, contact point, class) for every approach at which a candidate is a contact or
+// crossed.
 template <class Visit>
-void visit_touches(const Candidate& candidate, Values approaches, double half_cell, const Visit& visit) {
+void visit_contact_points(const Candidate& candidate, Values approaches, double half_cell, const Visit& visit) {
   const auto first = std::lower_bound(approaches.begin(), approaches.end(), candidate.gap);
   const auto begin = static_cast<std::size_t>(first - approaches.begin());
-  const auto visit_all = [&](const auto& encounter) {
+  const auto visit_all = [&](const auto& asperity_pair) {
     for (std::size_t k = begin; k < approaches.size(); ++k) {
-      if (encounter.is_apart(approaches[k])) {
+      if (asperity_pair.is_separated(approaches[k])) {
         continue;
       }
-      const Touch touch = encounter.at(approaches[k]);
-      const Verdict verdict = judge(touch, half_cell);
-      if (verdict != Verdict::no_contact) {
-        visit(k, touch, verdict);
+      const ContactPoint contact_point = asperity_pair.contact_at(approaches[k]);
+      const ContactClass contact_class = classify(contact_point, half_cell);
+      if (contact_class != ContactClass::no_contact) {
+        visit(k, contact_point, contact_class);
       }
     }
   };
-  std::visit(visit_all, candidate.encounter);
+  std::visit(visit_all, candidate.asperity_pair);
 }
 
-template <class L>
-void add_candidate(const Candidate& candidate, Values approaches, double half_cell, double spacing, const L& law,
-                   const Vector2& direction, Sliding sliding, std::vector<Sums>& sums) {
-  visit_touches(candidate, approaches, half_cell, [&](std::size_t k, const Touch& touch, Verdict verdict) {
-    if (verdict == Verdict::crossed) {
-      sums[k].crossed_count += 1;
-    } else {
-      sums[k].add(touch, candidate.radii, law(touch.overlap, candidate.radii), direction, sliding, spacing);
-    }
-  });
+template <class ContactLaw>
+void add_candidate(const Candidate& candidate, Values approaches, double half_cell, double spacing,
+                   const ContactLaw& law, const Vector2& direction, Sliding sliding, std::vector<Sums>& sums) {
+  visit_contact_points(candidate, approaches, half_cell,
+                       [&](std::size_t k, const ContactPoint& contact_point, ContactClass contact_class) {
+                         if (contact_class == ContactClass::crossed) {
+                           sums[k].crossed_count += 1;
+                         } else {
+                           sums[k].add(contact_point, candidate.radii, law(contact_point.overlap, candidate.radii),
+                                       direction, sliding, spacing);
+                         }
+                       });
 }
 
-template <class L>
-void list_candidate(const Candidate& candidate, double approach, double half_cell, const L& law,
-                    const Vector2& direction, std::vector<Contact>& rows) {
-  visit_touches(candidate, {&approach, 1}, half_cell, [&](std::size_t, const Touch& touch, Verdict verdict) {
-    if (verdict == Verdict::crossed) {
-      return;
-    }
-    const auto [force, area] = law(touch.overlap, candidate.radii);
-    rows.push_back({candidate.index, candidate.position + touch.centre, touch.normal, tangent(touch.normal, direction),
-                    candidate.radii, law.semi_axes(touch.overlap, candidate.radii), Vector3::UnitY(), touch.overlap,
-                    force, area, opposes(touch.normal, direction)});
-  });
+template <class ContactLaw>
+void list_candidate(const Candidate& candidate, double approach, double half_cell, const ContactLaw& law,
+                    const Vector2& direction, std::vector<Contact>& result) {
+  visit_contact_points(
+      candidate, {&approach, 1}, half_cell,
+      [&](std::size_t, const ContactPoint& contact_point, ContactClass contact_class) {
+        if (contact_class == ContactClass::crossed) {
+          return;
+        }
+        const auto [force, area] = law(contact_point.overlap, candidate.radii);
+        result.push_back({candidate.index, candidate.position + contact_point.centre, contact_point.normal,
+                          tangent(contact_point.normal, direction), candidate.radii,
+                          law.semi_axes(contact_point.overlap, candidate.radii), Vector3::UnitY(),
+                          contact_point.overlap, force, area, opposes(contact_point.normal, direction)});
+      });
 }
 
 void check(Values approaches, double deepest, const ContactModel& model) {
@@ -65,76 +70,76 @@ void check(Values approaches, double deepest, const ContactModel& model) {
 }
 
 double half_cell(const ProfilePair& pair, const ContactModel& model) {
-  return model.detection == Detection::cell ? 0.5 * pair.spacing : anywhere;
+  return model.detection == Detection::cell ? 0.5 * pair.spacing : unlimited;
 }
 
 }  // namespace
 
 std::vector<Contact> contacts(const ProfilePair& pair, double approach, const ContactModel& model,
-                              const Checkpoint& checkpoint) {
-  check({&approach, 1}, anywhere, model);
-  std::vector<Contact> rows;
-  const auto list_with = [&](const auto& law) {
+                              const CancellationCheck& check_cancellation) {
+  check({&approach, 1}, unlimited, model);
+  std::vector<Contact> result;
+  const auto list_contacts = [&](const auto& law) {
     for_each_candidate(
         pair, approach, model.detection, model.curvature,
         [&](const Candidate& candidate) {
-          list_candidate(candidate, approach, half_cell(pair, model), law, model.direction, rows);
+          list_candidate(candidate, approach, half_cell(pair, model), law, model.direction, result);
         },
-        checkpoint);
+        check_cancellation);
   };
-  std::visit(list_with, model.law);
-  return rows;
+  std::visit(list_contacts, model.law);
+  return result;
 }
 
-std::vector<Contact> contacts(const Candidates& found, double approach, const ContactModel& model,
-                              const Checkpoint& checkpoint) {
-  check({&approach, 1}, found.deepest, model);
-  std::vector<Contact> rows;
-  const auto list_with = [&](const auto& law) {
-    for (const Candidate& candidate : found.all) {
-      checkpoint();
-      list_candidate(candidate, approach, anywhere, law, model.direction, rows);
+std::vector<Contact> contacts(const Candidates& candidates, double approach, const ContactModel& model,
+                              const CancellationCheck& check_cancellation) {
+  check({&approach, 1}, candidates.deepest, model);
+  std::vector<Contact> result;
+  const auto list_contacts = [&](const auto& law) {
+    for (const Candidate& candidate : candidates.all) {
+      check_cancellation();
+      list_candidate(candidate, approach, unlimited, law, model.direction, result);
     }
   };
-  std::visit(list_with, model.law);
-  return rows;
+  std::visit(list_contacts, model.law);
+  return result;
 }
 
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,
-                        const Checkpoint& checkpoint) {
-  return press(pair, screen(pair), approaches, model, checkpoint);
+                        const CancellationCheck& check_cancellation) {
+  return press(pair, run_prefilter(pair), approaches, model, check_cancellation);
 }
 
-std::vector<Sums> press(const ProfilePair& pair, const Screening& screening, Values approaches,
-                        const ContactModel& model, const Checkpoint& checkpoint) {
-  check(approaches, anywhere, model);
+std::vector<Sums> press(const ProfilePair& pair, const Prefilter& prefilter, Values approaches,
+                        const ContactModel& model, const CancellationCheck& check_cancellation) {
+  check(approaches, unlimited, model);
   std::vector<Sums> sums(approaches.size());
-  const auto press_with = [&](const auto& law) {
+  const auto add_contacts = [&](const auto& law) {
     for_each_candidate(
-        pair, screening, approaches.back(), model.detection, model.curvature,
+        pair, prefilter, approaches.back(), model.detection, model.curvature,
         [&](const Candidate& candidate) {
           add_candidate(candidate, approaches, half_cell(pair, model), pair.spacing, law, model.direction,
                         model.sliding, sums);
         },
-        checkpoint);
+        check_cancellation);
   };
-  std::visit(press_with, model.law);
+  std::visit(add_contacts, model.law);
   return sums;
 }
 
-std::vector<Sums> press(const Candidates& found, Values approaches, const ContactModel& model,
-                        const Checkpoint& checkpoint) {
-  check(approaches, found.deepest, model);
+std::vector<Sums> press(const Candidates& candidates, Values approaches, const ContactModel& model,
+                        const CancellationCheck& check_cancellation) {
+  check(approaches, candidates.deepest, model);
   std::vector<Sums> sums(approaches.size());
-  const auto press_with = [&](const auto& law) {
-    for (const Candidate& candidate : found.all) {
-      checkpoint();
+  const auto add_contacts = [&](const auto& law) {
+    for (const Candidate& candidate : candidates.all) {
+      check_cancellation();
       if (candidate.gap <= approaches.back()) {
-        add_candidate(candidate, approaches, anywhere, found.spacing, law, model.direction, model.sliding, sums);
+        add_candidate(candidate, approaches, unlimited, candidates.spacing, law, model.direction, model.sliding, sums);
       }
     }
   };
-  std::visit(press_with, model.law);
+  std::visit(add_contacts, model.law);
   return sums;
 }
 

@@ -9,31 +9,31 @@
 namespace stiction {
 namespace {
 
-// What a pass over points has seen, for each of some lanes.
-struct Seen {
+// Accumulators of a pass over points, one per SIMD lane.
+struct PassSums {
   static constexpr std::size_t lanes = 16;
 
-  double upper_zero[lanes] = {};  // 0, or NaN where a height is not finite
-  double lower_zero[lanes] = {};
-  double upper_largest[lanes] = {};
-  double lower_largest[lanes] = {};
+  double upper_nonfinite[lanes] = {};  // 0, or NaN if a height is not finite
+  double lower_nonfinite[lanes] = {};
+  double upper_max_abs[lanes] = {};
+  double lower_max_abs[lanes] = {};
 };
 
-// The lowest gap of each block goes to block_gap.
+// Accumulate over all points, and write the smallest gap of each block to block_min_gap.
 STICTION_MULTIVERSION
-Seen screen_blocks(const double* upper, const double* lower, std::size_t size, double* block_gap) {
-  constexpr std::size_t lanes = Seen::lanes;
-  constexpr std::size_t block = Screening::block;
+PassSums scan_blocks(const double* upper, const double* lower, std::size_t size, double* block_min_gap) {
+  constexpr std::size_t lanes = PassSums::lanes;
+  constexpr std::size_t block = Prefilter::block;
   static_assert(block % lanes == 0 && (lanes & (lanes - 1)) == 0);
-  Seen seen;
+  PassSums sums;
   double lowest[lanes];
-  const auto take = [&](std::size_t i, std::size_t lane) {
+  const auto add = [&](std::size_t i, std::size_t lane) {
     const double gap = upper[i] - lower[i];
     lowest[lane] = gap < lowest[lane] ? gap : lowest[lane];
-    seen.upper_zero[lane] += upper[i] - upper[i];
-    seen.lower_zero[lane] += lower[i] - lower[i];
-    seen.upper_largest[lane] = std::max(seen.upper_largest[lane], std::abs(upper[i]));
-    seen.lower_largest[lane] = std::max(seen.lower_largest[lane], std::abs(lower[i]));
+    sums.upper_nonfinite[lane] += upper[i] - upper[i];
+    sums.lower_nonfinite[lane] += lower[i] - lower[i];
+    sums.upper_max_abs[lane] = std::max(sums.upper_max_abs[lane], std::abs(upper[i]));
+    sums.lower_max_abs[lane] = std::max(sums.lower_max_abs[lane], std::abs(lower[i]));
   };
   std::size_t begin = 0;
   for (; begin < size; begin += block) {
@@ -42,99 +42,99 @@ Seen screen_blocks(const double* upper, const double* lower, std::size_t size, d
     std::size_t i = begin;
     for (; i + lanes <= end; i += lanes) {
       for (std::size_t lane = 0; lane < lanes; ++lane) {
-        take(i + lane, lane);
+        add(i + lane, lane);
       }
     }
     for (; i < end; ++i) {
-      take(i, i % lanes);
+      add(i, i % lanes);
     }
     for (std::size_t half = lanes / 2; half > 0; half /= 2) {
       for (std::size_t lane = 0; lane < half; ++lane) {
         lowest[lane] = lowest[lane + half] < lowest[lane] ? lowest[lane + half] : lowest[lane];
       }
     }
-    *block_gap++ = lowest[0];
+    *block_min_gap++ = lowest[0];
   }
-  return seen;
+  return sums;
 }
 
 STICTION_MULTIVERSION
-double largest_second_difference(const double* upper, const double* lower, std::size_t size) {
+double max_second_difference(const double* upper, const double* lower, std::size_t size) {
   constexpr std::size_t lanes = 16;
   double largest[lanes] = {};
-  const auto at = [&](std::size_t i) {
+  const auto second_difference = [&](std::size_t i) {
     return std::abs((upper[i - 1] - lower[i - 1]) - 2.0 * (upper[i] - lower[i]) + (upper[i + 1] - lower[i + 1]));
   };
   std::size_t i = 1;
   for (; i + lanes < size; i += lanes) {
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      largest[lane] = std::max(largest[lane], at(i + lane));
+      largest[lane] = std::max(largest[lane], second_difference(i + lane));
     }
   }
   for (; i + 1 < size; ++i) {
-    largest[0] = std::max(largest[0], at(i));
+    largest[0] = std::max(largest[0], second_difference(i));
   }
   return *std::max_element(largest, largest + lanes);
 }
 
 }  // namespace
 
-void Screening::add(Values upper, Values lower) {
-  const std::size_t before = block_gap.size();
-  block_gap.resize(before + (upper.size() + block - 1) / block);
-  const Seen seen = screen_blocks(upper.data(), lower.data(), upper.size(), block_gap.data() + before);
-  gap = std::accumulate(block_gap.begin() + static_cast<Index>(before), block_gap.end(), gap,
-                        [](double lowest, double each) { return std::min(lowest, each); });
+void Prefilter::add(Values upper, Values lower) {
+  const std::size_t old_size = block_min_gap.size();
+  block_min_gap.resize(old_size + (upper.size() + block - 1) / block);
+  const PassSums sums = scan_blocks(upper.data(), lower.data(), upper.size(), block_min_gap.data() + old_size);
+  min_gap = std::accumulate(block_min_gap.begin() + static_cast<Index>(old_size), block_min_gap.end(), min_gap,
+                            [](double a, double b) { return std::min(a, b); });
   const auto is_zero = [](double zero) { return zero == 0.0; };
-  upper_finite = upper_finite && std::all_of(std::begin(seen.upper_zero), std::end(seen.upper_zero), is_zero);
-  lower_finite = lower_finite && std::all_of(std::begin(seen.lower_zero), std::end(seen.lower_zero), is_zero);
-  upper_largest =
-      std::max(upper_largest, *std::max_element(std::begin(seen.upper_largest), std::end(seen.upper_largest)));
-  lower_largest =
-      std::max(lower_largest, *std::max_element(std::begin(seen.lower_largest), std::end(seen.lower_largest)));
+  upper_finite = upper_finite && std::all_of(std::begin(sums.upper_nonfinite), std::end(sums.upper_nonfinite), is_zero);
+  lower_finite = lower_finite && std::all_of(std::begin(sums.lower_nonfinite), std::end(sums.lower_nonfinite), is_zero);
+  upper_max_abs =
+      std::max(upper_max_abs, *std::max_element(std::begin(sums.upper_max_abs), std::end(sums.upper_max_abs)));
+  lower_max_abs =
+      std::max(lower_max_abs, *std::max_element(std::begin(sums.lower_max_abs), std::end(sums.lower_max_abs)));
 }
 
-Screening screen(Values upper, Values lower) {
-  Screening result;
-  result.block_gap.reserve(upper.size() / Screening::block + 1);
+Prefilter run_prefilter(Values upper, Values lower) {
+  Prefilter result;
+  result.block_min_gap.reserve(upper.size() / Prefilter::block + 1);
   result.add(upper, lower);
   return result;
 }
 
-std::vector<Stretch> stretches_within(Values upper, Values lower, const Screening& screening, double largest) {
-  constexpr std::size_t step = 8;      // points that are taken together
-  constexpr std::size_t closest = 32;  // no stretches are nearer to each other
-  std::vector<Stretch> stretches;
-  for (std::size_t b = 0; b < screening.block_gap.size(); ++b) {
-    if (!(screening.block_gap[b] - screening.gap <= largest)) {
+std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap) {
+  constexpr std::size_t granularity = 8;      // granularity of the ranges, in points
+  constexpr std::size_t merge_distance = 32;  // ranges at most this many points apart are merged
+  std::vector<IndexRange> ranges;
+  for (std::size_t b = 0; b < prefilter.block_min_gap.size(); ++b) {
+    if (!(prefilter.block_min_gap[b] - prefilter.min_gap <= max_gap)) {
       continue;
     }
-    const std::size_t block_end = std::min((b + 1) * Screening::block, upper.size());
-    for (std::size_t begin = b * Screening::block; begin < block_end; begin += step) {
-      const std::size_t end = std::min(begin + step, block_end);
+    const std::size_t block_end = std::min((b + 1) * Prefilter::block, upper.size());
+    for (std::size_t begin = b * Prefilter::block; begin < block_end; begin += granularity) {
+      const std::size_t end = std::min(begin + granularity, block_end);
       bool within = false;
       for (std::size_t i = begin; i < end; ++i) {
-        within = within || (upper[i] - lower[i]) - screening.gap <= largest;
+        within = within || (upper[i] - lower[i]) - prefilter.min_gap <= max_gap;
       }
       if (!within) {
         continue;
       }
-      if (!stretches.empty() && begin - stretches.back().end <= closest) {
-        stretches.back().end = end;
+      if (!ranges.empty() && begin - ranges.back().end <= merge_distance) {
+        ranges.back().end = end;
       } else {
-        stretches.push_back({begin, end});
+        ranges.push_back({begin, end});
       }
     }
   }
-  return stretches;
+  return ranges;
 }
 
-double largest_dip(Values upper, Values lower) {
-  return 0.375 * largest_second_difference(upper.data(), lower.data(), upper.size());
+double max_dip(Values upper, Values lower) {
+  return 0.375 * max_second_difference(upper.data(), lower.data(), upper.size());
 }
 
-bool is_straight(Values heights, double largest) {
-  const double round_off = 4.0 * std::numeric_limits<double>::epsilon() * largest;
+bool is_straight(Values heights, double max_abs) {
+  const double round_off = 4.0 * std::numeric_limits<double>::epsilon() * max_abs;
   for (std::size_t i = 1; i + 1 < heights.size(); ++i) {
     if (std::abs((heights[i + 1] - heights[i]) - (heights[i] - heights[i - 1])) > round_off) {
       return false;
@@ -144,51 +144,52 @@ bool is_straight(Values heights, double largest) {
 }
 
 STICTION_MULTIVERSION
-void mark_cells(Derivatives at, const double* upper, const double* lower, std::size_t size, double zero, double largest,
-                double half_cell, unsigned char* marks) {
+void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
+                double max_approach, double half_cell, unsigned char* marks) {
   constexpr double round_off = 1e-12;
   for (std::size_t i = 0; i < size; ++i) {
-    const double upper_slope = at.upper_slope[i];
-    const double lower_slope = at.lower_slope[i];
+    const double upper_slope = derivatives.upper_slope[i];
+    const double lower_slope = derivatives.lower_slope[i];
     const double gap = (upper[i] - lower[i]) - zero;
-    // R = scale q and O = scale (slope, 1), with the sign of the side.
+    // R = scale q, and the centre offset is scale (slope, 1), with the sign of the side.
     const double upper_q2 = 1.0 + upper_slope * upper_slope;
     const double lower_q2 = 1.0 + lower_slope * lower_slope;
-    const double upper_scale = upper_q2 / at.upper_curvature[i];
-    const double lower_scale = -lower_q2 / at.lower_curvature[i];
+    const double upper_scale = upper_q2 / derivatives.upper_curvature[i];
+    const double lower_scale = -lower_q2 / derivatives.lower_curvature[i];
     const double upper_radius = upper_scale * std::sqrt(upper_q2);
     const double lower_radius = lower_scale * std::sqrt(lower_q2);
     const double lower_x = lower_scale * lower_slope;
-    const double apart_x = -upper_scale * upper_slope - lower_x;
-    const double apart_y = gap + upper_scale + lower_scale - largest;
-    const double least_y = apart_y > 0.0 ? apart_y : 0.0;
-    const double farthest = upper_radius + lower_radius;
-    const double nearest = std::sqrt(apart_x * apart_x + least_y * least_y);
+    const double separation_x = -upper_scale * upper_slope - lower_x;
+    const double separation_y = gap + upper_scale + lower_scale - max_approach;
+    const double min_y = separation_y > 0.0 ? separation_y : 0.0;
+    const double max_distance = upper_radius + lower_radius;
+    const double min_distance = std::sqrt(separation_x * separation_x + min_y * min_y);
     const double half_excess = 0.5 * (upper_radius - lower_radius);
-    const double middle = lower_x + 0.5 * apart_x;
-    const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(apart_x) + std::abs(half_excess));
-    // The centre is at middle - half_excess apart_x / distance, from the farthest to the nearest; both sides are
-    // multiplied by the distance. What is not a number is left to the exact rules.
-    const double moved = half_excess * apart_x;
-    const double above = middle - limit;
-    const double below = middle + limit;
-    const bool beside = ((above * farthest > moved) & (above * nearest > moved)) |
-                        ((below * farthest < moved) & (below * nearest < moved));
-    const bool apart = nearest > farthest * (1.0 + round_off);
-    const bool convex = (at.upper_curvature[i] > 0.0) & (at.lower_curvature[i] < 0.0);
-    marks[i] = convex & (gap <= largest) & !beside & !apart;
+    const double middle = lower_x + 0.5 * separation_x;
+    const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(separation_x) + std::abs(half_excess));
+    // The contact centre is at middle - half_excess separation_x / distance, where the distance of the sphere centres
+    // lies between `min_distance` and `max_distance`. Both sides of the comparison are multiplied by the distance. NaN
+    // leaves the point to the exact rules.
+    const double shift = half_excess * separation_x;
+    const double left_edge = middle - limit;
+    const double right_edge = middle + limit;
+    const bool outside_cell = ((left_edge * max_distance > shift) & (left_edge * min_distance > shift)) |
+                              ((right_edge * max_distance < shift) & (right_edge * min_distance < shift));
+    const bool separated = min_distance > max_distance * (1.0 + round_off);
+    const bool convex = (derivatives.upper_curvature[i] > 0.0) & (derivatives.lower_curvature[i] < 0.0);
+    marks[i] = convex & (gap <= max_approach) & !outside_cell & !separated;
   }
 }
 
-// Its slope rises through zero between the ends, or comes down to zero and rises again, or rises through zero and comes
-// down again.
+// Cases: the slope increases through zero between the ends; or it falls to zero and increases again; or it increases
+// through zero and falls again.
 STICTION_MULTIVERSION
-void mark_minima(Derivatives at, std::size_t size, unsigned char* marks) {
+void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks) {
   for (std::size_t i = 0; i < size; ++i) {
-    const double slope = at.upper_slope[i] - at.lower_slope[i];
-    const double curvature = at.upper_curvature[i] - at.lower_curvature[i];
-    const double next_slope = at.upper_slope[i + 1] - at.lower_slope[i + 1];
-    const double next_curvature = at.upper_curvature[i + 1] - at.lower_curvature[i + 1];
+    const double slope = derivatives.upper_slope[i] - derivatives.lower_slope[i];
+    const double curvature = derivatives.upper_curvature[i] - derivatives.lower_curvature[i];
+    const double next_slope = derivatives.upper_slope[i + 1] - derivatives.lower_slope[i + 1];
+    const double next_curvature = derivatives.upper_curvature[i + 1] - derivatives.lower_curvature[i + 1];
     const bool rises = (slope <= 0.0) & (next_slope > 0.0);
     const bool dips = (slope >= 0.0) & (curvature < 0.0) & (next_curvature > 0.0) & (next_slope > 0.0);
     const bool bulges = (slope <= 0.0) & (curvature > 0.0) & (next_curvature < 0.0) & (next_slope < 0.0);

@@ -12,23 +12,23 @@
 namespace stiction {
 namespace {
 
-// FFTW's planner, unlike what it plans, is for one thread at a time.
-std::mutex& planner() {
+// FFTW's planner, unlike the execution of plans, is not thread-safe.
+std::mutex& planner_mutex() {
   static std::mutex mutex;
   return mutex;
 }
 
 #if defined(__unix__) || defined(__APPLE__)
-// A child that is forked while another thread plans would wait for ever for a lock that no thread of its own holds.
-[[maybe_unused]] const int registered =
-    pthread_atfork([] { planner().lock(); }, [] { planner().unlock(); }, [] { planner().unlock(); });
+// A child process forked while another thread is planning would otherwise inherit a locked mutex without an owner.
+[[maybe_unused]] const int fork_handlers =
+    pthread_atfork([] { planner_mutex().lock(); }, [] { planner_mutex().unlock(); }, [] { planner_mutex().unlock(); });
 #endif
 
 template <class Real>
-struct Calls;
+struct FftwFunctions;
 
 template <>
-struct Calls<float> {
+struct FftwFunctions<float> {
   using Plan = fftwf_plan;
   static auto plan(int n, std::complex<float>* in, std::complex<float>* out, int sign) {
     return fftwf_plan_dft_1d(n, reinterpret_cast<fftwf_complex*>(in), reinterpret_cast<fftwf_complex*>(out), sign,
@@ -42,7 +42,7 @@ struct Calls<float> {
 };
 
 template <>
-struct Calls<double> {
+struct FftwFunctions<double> {
   using Plan = fftw_plan;
   static auto plan(int n, std::complex<double>* in, std::complex<double>* out, int sign) {
     return fftw_plan_dft_1d(n, reinterpret_cast<fftw_complex*>(in), reinterpret_cast<fftw_complex*>(out), sign,
@@ -56,13 +56,14 @@ struct Calls<double> {
 };
 
 template <class Real>
-void* planned(std::size_t points, int sign) {
-  Room from;
-  Room to;
-  const std::lock_guard lock(planner());
-  void* plan = Calls<Real>::plan(static_cast<int>(points), from.waves<Real>(points), to.waves<Real>(points), sign);
+void* make_plan(std::size_t points, int sign) {
+  AlignedBuffer input;
+  AlignedBuffer output;
+  const std::lock_guard lock(planner_mutex());
+  void* plan =
+      FftwFunctions<Real>::plan(static_cast<int>(points), input.get<Real>(points), output.get<Real>(points), sign);
   if (plan == nullptr) {
-    throw std::runtime_error("Waves: FFTW has no plan for so many points");
+    throw std::runtime_error("ComplexFft: FFTW cannot create a plan for this number of points");
   }
   return plan;
 }
@@ -70,35 +71,35 @@ void* planned(std::size_t points, int sign) {
 }  // namespace
 
 template <class Real>
-Waves<Real>::Waves(std::size_t points) : points_(points) {
+ComplexFft<Real>::ComplexFft(std::size_t points) : points_(points) {
   if (points == 0 || points > (std::size_t{1} << 30)) {
-    throw std::invalid_argument("Waves: points must be from 1 to 2^30");
+    throw std::invalid_argument("ComplexFft: points must be from 1 to 2^30");
   }
 }
 
 template <class Real>
-Waves<Real>::~Waves() {
-  const std::lock_guard lock(planner());
-  for (void* plan : {forward_, back_}) {
+ComplexFft<Real>::~ComplexFft() {
+  const std::lock_guard lock(planner_mutex());
+  for (void* plan : {forward_, inverse_}) {
     if (plan != nullptr) {
-      Calls<Real>::destroy(plan);
+      FftwFunctions<Real>::destroy(plan);
     }
   }
 }
 
 template <class Real>
-void Waves<Real>::forward(std::complex<Real>* values, std::complex<Real>* waves) const {
-  std::call_once(forward_planned_, [&] { forward_ = planned<Real>(points_, FFTW_FORWARD); });
-  Calls<Real>::execute(forward_, values, waves);
+void ComplexFft<Real>::forward(std::complex<Real>* values, std::complex<Real>* coefficients) const {
+  std::call_once(forward_planned_, [&] { forward_ = make_plan<Real>(points_, FFTW_FORWARD); });
+  FftwFunctions<Real>::execute(forward_, values, coefficients);
 }
 
 template <class Real>
-void Waves<Real>::back(std::complex<Real>* waves, std::complex<Real>* values) const {
-  std::call_once(back_planned_, [&] { back_ = planned<Real>(points_, FFTW_BACKWARD); });
-  Calls<Real>::execute(back_, waves, values);
+void ComplexFft<Real>::inverse(std::complex<Real>* coefficients, std::complex<Real>* values) const {
+  std::call_once(inverse_planned_, [&] { inverse_ = make_plan<Real>(points_, FFTW_BACKWARD); });
+  FftwFunctions<Real>::execute(inverse_, coefficients, values);
 }
 
-template class Waves<float>;
-template class Waves<double>;
+template class ComplexFft<float>;
+template class ComplexFft<double>;
 
 }  // namespace stiction

@@ -1,4 +1,4 @@
-// FFTW's transforms behind owners: the one file pair that knows it.
+// FFTW transforms and aligned buffers. No other file includes FFTW.
 #pragma once
 
 #include <complex>
@@ -10,15 +10,15 @@
 
 namespace stiction {
 
-/// What FFTW's widest registers want, and the line of a cache: which instructions a transform takes, and with them its
-/// bits, depends on where its numbers begin.
+/// Alignment in bytes: the widest SIMD register of FFTW, and a cache line. The alignment of the data decides which
+/// instructions FFTW uses, and so the last bits of the result.
 inline constexpr std::size_t alignment = 64;
 
-/// Memory of complex numbers that begins at a line of the cache, grown as needed; what was in it is lost then.
-class Room {
+/// Memory for complex numbers, aligned to a cache line. It grows on demand, which discards its contents.
+class AlignedBuffer {
  public:
   template <class Real>
-  std::complex<Real>* waves(std::size_t count) {
+  std::complex<Real>* get(std::size_t count) {
     const std::size_t bytes = count * sizeof(std::complex<Real>);
     if (bytes > bytes_) {
       memory_.reset();
@@ -29,36 +29,36 @@ class Room {
   }
 
  private:
-  struct Release {
+  struct Deleter {
     void operator()(std::byte* memory) const { ::operator delete(memory, std::align_val_t{alignment}); }
   };
-  std::unique_ptr<std::byte, Release> memory_;
+  std::unique_ptr<std::byte, Deleter> memory_;
   std::size_t bytes_ = 0;
 };
 
-/// Complex transforms of so many numbers, from one aligned place to another, not normalised. Plans are those that FFTW
-/// estimates, not those that it measures: the same in every run. Many threads may use one at once, which is planned
-/// when first used.
+/// Complex Fourier transform of fixed length between aligned buffers, not normalised. Plans use FFTW's estimates rather
+/// than measurements, so that they are the same in every run. They are created on first use. Several threads may use
+/// one object at the same time.
 template <class Real>
-class Waves {
+class ComplexFft {
  public:
-  explicit Waves(std::size_t points);
-  ~Waves();
-  Waves(const Waves&) = delete;
-  Waves& operator=(const Waves&) = delete;
+  explicit ComplexFft(std::size_t points);
+  ~ComplexFft();
+  ComplexFft(const ComplexFft&) = delete;
+  ComplexFft& operator=(const ComplexFft&) = delete;
 
   std::size_t points() const { return points_; }
-  /// Sums of values times exp(-2πi a b/points).
-  void forward(std::complex<Real>* values, std::complex<Real>* waves) const;
-  /// Sums of waves times exp(2πi a b/points).
-  void back(std::complex<Real>* waves, std::complex<Real>* values) const;
+  /// Compute Σ_a values[a] exp(-2πi a b/points).
+  void forward(std::complex<Real>* values, std::complex<Real>* coefficients) const;
+  /// Compute Σ_a coefficients[a] exp(2πi a b/points).
+  void inverse(std::complex<Real>* coefficients, std::complex<Real>* values) const;
 
  private:
   std::size_t points_;
   mutable std::once_flag forward_planned_;
-  mutable std::once_flag back_planned_;
+  mutable std::once_flag inverse_planned_;
   mutable void* forward_ = nullptr;
-  mutable void* back_ = nullptr;
+  mutable void* inverse_ = nullptr;
 };
 
 }  // namespace stiction

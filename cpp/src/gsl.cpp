@@ -10,13 +10,14 @@
 namespace stiction::gsl {
 namespace {
 
-// GSL aborts the process on an error unless told otherwise; once, at load. It does not throw: it is C.
+// By default GSL aborts the process on an error. The handler is switched off once, at load time. The call cannot throw,
+// because it is C.
 // NOLINTNEXTLINE(bugprone-throwing-static-initialization)
 [[maybe_unused]] gsl_error_handler_t* const previous_handler = gsl_set_error_handler_off();
 
-void check(int status, const char* what) {
+void check(int status, const char* message) {
   if (status != GSL_SUCCESS) {
-    throw std::runtime_error(std::string(what) + ": " + gsl_strerror(status));
+    throw std::runtime_error(std::string(message) + ": " + gsl_strerror(status));
   }
 }
 

@@ -1,12 +1,13 @@
-// The only door to GSL: status codes become exceptions, nothing is thrown through GSL's own frames.
+// Interface to GSL. No other file calls it. Status codes become exceptions, and no exception passes through GSL's
+// frames.
 #pragma once
 
 #include "stiction/array.hpp"
 
 namespace stiction::gsl {
 
-/// Solves the symmetric tridiagonal system with constant diagonal and off-diagonal; `solution` may not alias
-/// `right_side`. Throws std::runtime_error with GSL's own words.
+/// Solve the symmetric tridiagonal system with constant diagonal and off-diagonal. `solution` must not alias
+/// `right_side`. Throws std::runtime_error with GSL's message.
 void solve_tridiagonal(double diagonal, double off_diagonal, Values right_side, std::span<double> solution);
 
 }  // namespace stiction::gsl

@@ -1,8 +1,8 @@
 #include "stiction/half_space.hpp"
 
 #include "multiversion.hpp"
-#include "stiction/near_inverse.hpp"
-#include "stiction/pressure_search.hpp"
+#include "stiction/preconditioner.hpp"
+#include "stiction/projected_cg.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,197 +15,206 @@
 namespace stiction {
 namespace {
 
-// Points along an axis of the coarsest grid.
-constexpr std::size_t fewest_points = 16;
-// Points of a grid whose kernels are kept when nobody uses them.
-constexpr std::size_t most_kept = std::size_t{1} << 20;
-// Tolerance on coarser grids, whose own distance from the finest is larger.
+// Minimum number of points along an axis of the coarsest grid.
+constexpr std::size_t min_points_per_axis = 16;
+// Largest coarser grid, in points, whose kernels stay cached; also the largest grid whose influence coefficients do.
+constexpr std::size_t max_cached_points = std::size_t{1} << 20;
+// Tolerance on the coarser grids. It can be loose, because their discretisation error is larger.
 constexpr double coarse_tolerance = 3e-3;
-// Ratio of loads up to which an area's pressure at one is a good start at the other.
-constexpr double near_load = 1.3;
-// Iterations on the finest grid, where a hundred are many, and on coarser ones, whose solutions are only starts.
-constexpr std::int64_t most_iterations = 2000;
-constexpr std::int64_t most_coarse_iterations = 100;
-// Evaluations in double precision before a solution is given up: round-off is the reason.
-constexpr int most_certificates = 20;
-// Deviation of displacements that should be equal, relative to the compliance, which is then right to 1e-7.
+// Largest ratio of two loads at which the solution of one is a good start for the other, on areas.
+constexpr double max_load_ratio = 1.3;
+// Maximum number of iterations on the finest grid, where a hundred are many, and on coarser grids, whose solutions are
+// only starting points.
+constexpr std::int64_t max_iterations = 2000;
+constexpr std::int64_t max_coarse_iterations = 100;
+// Maximum number of double-precision evaluations. More are needed only if round-off prevents convergence.
+constexpr int max_exact_evaluations = 20;
+// Relative deviation of displacements that should be equal. The error of the compliance is its square, about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// Share of that where only differences of displacements count, which no energy makes better.
-constexpr double of_differences = 0.03;
-// Points up to which their own matrix is solved, which transforms of the grid take longer than.
-constexpr std::size_t most_among = 1024;
-// Deviation of displacements, in those of a cell, below which they are those of an even load: round-off.
-constexpr double even = 1e-9;
-// Loads tried for one approach, where six are many; the ratio of two of them one after the other; and the least part of
-// the way between two loads at which another one is tried.
-constexpr int most_loads = 60;
-constexpr double farthest_load = 30.0;
-constexpr double least_part = 1e-3;
+// Stricter factor for problems in which only differences of displacements are defined, because their compliance is not
+// an energy.
+constexpr double difference_tolerance = 0.03;
+// Largest number of contact points whose dense matrix is solved directly, which is then faster than transforms of the
+// grid.
+constexpr std::size_t max_dense_points = 1024;
+// Deviation of displacements, relative to those of one cell under the same pressure, below which it is round-off.
+constexpr double round_off = 1e-9;
+// Search for the load of an approach: maximum number of loads, where six are many; largest ratio of successive loads;
+// and smallest distance of a new load from the ends of the bracket, as a fraction of the bracket.
+constexpr int max_loads = 60;
+constexpr double max_load_step = 30.0;
+constexpr double min_bracket_fraction = 1e-3;
 
-std::size_t halved(std::size_t points, bool periodic) {
-  if (points < 2 * fewest_points) {
+std::size_t coarsened(std::size_t points, bool periodic) {
+  if (points < 2 * min_points_per_axis) {
     return points;
   }
   const std::size_t half = (points + 1) / 2;
   return points % 2 == 0 || !periodic ? half : fast_length(half);
 }
 
-// How many points of a grid lie on one step of a coarser one; of free grids the next one has every second.
-double step_between(std::size_t points, std::size_t coarser, bool periodic) {
+// Return the ratio of the spacings of two successive grids. On free grids the coarser one has every second point.
+double spacing_ratio(std::size_t points, std::size_t coarser, bool periodic) {
   if (points == coarser) {
     return 1.0;
   }
   return periodic ? static_cast<double>(points) / static_cast<double>(coarser) : 2.0;
 }
 
-// Σ (value - about)^Exponent; in as many sums as make it fast.
+// Return Σ (value - about)^Exponent. Several partial sums allow vectorisation.
 template <int Exponent>
-STICTION_INLINE double powers_about(const double* values, std::size_t size, double about) {
+STICTION_INLINE double central_sum(const double* values, std::size_t size, double about) {
   std::array<double, 8> sums{};
   for (std::size_t i = 0; i < size; ++i) {
-    const double away = values[i] - about;
-    sums[i % sums.size()] += Exponent == 1 ? away : away * away;
+    const double deviation = values[i] - about;
+    sums[i % sums.size()] += Exponent == 1 ? deviation : deviation * deviation;
   }
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 STICTION_MULTIVERSION
-double sum_of(const double* values, std::size_t size) { return powers_about<1>(values, size, 0.0); }
+double sum_values(const double* values, std::size_t size) { return central_sum<1>(values, size, 0.0); }
 
 STICTION_MULTIVERSION
-double squares_about(const double* values, std::size_t size, double about) {
-  return powers_about<2>(values, size, about);
+double squared_deviations(const double* values, std::size_t size, double about) {
+  return central_sum<2>(values, size, about);
 }
 
-double mean_of(Values values) { return sum_of(values.data(), values.size()) / static_cast<double>(values.size()); }
-
-double deviation_of(Values values) {
-  return std::sqrt(squares_about(values.data(), values.size(), mean_of(values)) / static_cast<double>(values.size()));
+double mean_value(Values values) {
+  return sum_values(values.data(), values.size()) / static_cast<double>(values.size());
 }
 
-// Values along one axis, or whole rows of `width` of them, on a grid of as many points over the same length: straight
-// lines between those that are there.
-std::vector<double> resampled_along(Values values, std::size_t blocks, std::size_t have, std::size_t want,
-                                    std::size_t width, bool periodic) {
-  std::vector<double> result(blocks * want * width);
-  const double ratio = static_cast<double>(have) / static_cast<double>(want);
-  const bool coarser = have == 2 * want || (!periodic && have > want);
-  const bool finer = want == 2 * have || (!periodic && want > have);
+double standard_deviation(Values values) {
+  return std::sqrt(squared_deviations(values.data(), values.size(), mean_value(values)) /
+                   static_cast<double>(values.size()));
+}
+
+// Interpolate values, or whole rows of `width` values, linearly along one axis to a grid of another number of points
+// over the same length.
+std::vector<double> interpolate_along(Values values, std::size_t blocks, std::size_t old_points, std::size_t new_points,
+                                      std::size_t width, bool periodic) {
+  std::vector<double> result(blocks * new_points * width);
+  const double ratio = static_cast<double>(old_points) / static_cast<double>(new_points);
+  const bool coarser = old_points == 2 * new_points || (!periodic && old_points > new_points);
+  const bool finer = new_points == 2 * old_points || (!periodic && new_points > old_points);
   for (std::size_t block = 0; block < blocks; ++block) {
-    const double* from = values.data() + block * have * width;
-    double* to = result.data() + block * want * width;
-    if (width == 1 && finer) {  // most of the points of all grids
-      for (std::size_t i = 0; i + 1 < have; ++i) {
+    const double* from = values.data() + block * old_points * width;
+    double* to = result.data() + block * new_points * width;
+    if (width == 1 && finer) {  // fast path for the most frequent case
+      for (std::size_t i = 0; i + 1 < old_points; ++i) {
         to[2 * i] = from[i];
         to[2 * i + 1] = from[i] + 0.5 * (from[i + 1] - from[i]);
       }
-      to[2 * have - 2] = from[have - 1];
-      if (want == 2 * have) {
-        to[want - 1] = from[have - 1] + 0.5 * ((periodic ? from[0] : from[have - 1]) - from[have - 1]);
+      to[2 * old_points - 2] = from[old_points - 1];
+      if (new_points == 2 * old_points) {
+        to[new_points - 1] =
+            from[old_points - 1] + 0.5 * ((periodic ? from[0] : from[old_points - 1]) - from[old_points - 1]);
       }
       continue;
     }
-    for (std::size_t i = 0; i < want; ++i, to += width) {
+    for (std::size_t i = 0; i < new_points; ++i, to += width) {
       std::size_t left = 2 * i;
-      double part = 0.0;
+      double fraction = 0.0;
       if (finer) {
         left = i / 2;
-        part = i % 2 == 0 ? 0.0 : 0.5;
+        fraction = i % 2 == 0 ? 0.0 : 0.5;
       } else if (!coarser) {
-        const double place = static_cast<double>(i) * ratio;
-        left = std::min(static_cast<std::size_t>(place), have - 1);
-        part = place - static_cast<double>(left);
+        const double position = static_cast<double>(i) * ratio;
+        left = std::min(static_cast<std::size_t>(position), old_points - 1);
+        fraction = position - static_cast<double>(left);
       }
-      const std::size_t right = left + 1 < have ? left + 1 : (periodic ? 0 : left);
+      const std::size_t right = left + 1 < old_points ? left + 1 : (periodic ? 0 : left);
       for (std::size_t k = 0; k < width; ++k) {
-        const double one = from[left * width + k];
-        to[k] = part == 0.0 ? one : one + part * (from[right * width + k] - one);
+        const double value = from[left * width + k];
+        to[k] = fraction == 0.0 ? value : value + fraction * (from[right * width + k] - value);
       }
     }
   }
   return result;
 }
 
-std::vector<double> resampled(std::vector<double> values, const Grid& from, const Grid& to) {
+std::vector<double> interpolate(std::vector<double> values, const Grid& from, const Grid& to) {
   if (from.rows != to.rows) {
-    values = resampled_along(values, 1, from.rows, to.rows, from.columns, from.periodic);
+    values = interpolate_along(values, 1, from.rows, to.rows, from.columns, from.periodic);
   }
   if (from.columns != to.columns) {
-    values = resampled_along(values, to.rows, from.columns, to.columns, 1, from.periodic);
+    values = interpolate_along(values, to.rows, from.columns, to.columns, 1, from.periodic);
   }
   return values;
 }
 
-// A search and the kernel that it asks, begun from a pressure that is brought to a mean [GPa].
-class Descent {
+// Solver on one grid level, with its elastic kernel and preconditioner. The starting pressure is brought to a mean
+// [GPa].
+class LevelSolver {
  public:
-  Descent(const HalfSpaceGrids::Kernels& kernels, std::vector<double> start, double mean, Values bound,
-          Workspace& workspace, const Crew& crew)
+  LevelSolver(const HalfSpaceGrids::Kernels& kernels, std::vector<double> start, double mean, Values bound,
+              Workspace& workspace, const ThreadPool& pool)
       : kernel_(*kernels.points),
         workspace_(workspace),
-        crew_(crew),
-        search_(std::move(start), mean * static_cast<double>(kernel_.grid().size()), bound, kernel_.grid().line),
+        pool_(pool),
+        cg_(std::move(start), mean * static_cast<double>(kernel_.grid().size()), bound, kernel_.grid().line),
         response_(kernel_.grid().size()) {
     if (kernels.blocks) {
-      inverse_.emplace(kernel_.grid(), kernel_.stencil(), *kernels.blocks);
+      preconditioner_.emplace(kernel_.grid(), kernel_.stencil(), *kernels.blocks);
     }
   }
 
-  PressureSearch& search() { return search_; }
-  double balance() { return search_.balance(crew_); }
+  ProjectedCgSolver& cg() { return cg_; }
+  double update_free_points() { return cg_.update_free_points(pool_); }
 
-  // The potential; in single precision where it is certified later, or needs not be exact.
-  void renew(Values gap, bool exact) {
-    const Values pressure = search_.pressure();
-    std::vector<double> potential = search_.take_potential();
+  // Recompute the potential. Single precision is enough if it is recomputed later, or if it need not be exact.
+  void recompute_potential(Values gap, bool exact) {
+    const Values pressure = cg_.pressure();
+    std::vector<double> potential = cg_.take_potential();
     potential.resize(pressure.size());
     if (exact) {
-      kernel_.displacement(pressure, potential, workspace_, crew_);
+      kernel_.displacement(pressure, potential, workspace_, pool_);
       std::transform(potential.begin(), potential.end(), gap.begin(), potential.begin(), std::plus<>());
     } else {
       const std::vector<float> single(pressure.begin(), pressure.end());
-      kernel_.displacement(single, response_, workspace_, crew_);
+      kernel_.displacement(single, response_, workspace_, pool_);
       std::transform(response_.begin(), response_.end(), gap.begin(), potential.begin(), std::plus<>());
     }
-    search_.restart(std::move(potential));
-    responded_ = false;
+    cg_.restart(std::move(potential));
+    has_response_ = false;
   }
 
-  // One step, after a balance.
+  // Take one step; `update_free_points` must come before it.
   void iterate() {
-    std::span<const float> residual = search_.residual(crew_);
-    if (!search_.plain()) {
-      if (inverse_) {
-        residual = (*inverse_)(search_.free(), residual, workspace_, crew_);
+    std::span<const float> residual = cg_.residual(pool_);
+    if (!cg_.is_steepest_descent()) {
+      if (preconditioner_) {
+        residual = (*preconditioner_)(cg_.free_points(), residual, workspace_, pool_);
       } else {
         preconditioned_.resize(response_.size());
-        kernel_.stiffened(residual, preconditioned_, workspace_, crew_);
+        kernel_.apply_stiffness(residual, preconditioned_, workspace_, pool_);
         residual = preconditioned_;
       }
     }
-    const auto before = responded_ ? std::span<const float>(response_) : std::span<const float>();
-    kernel_.displacement(search_.step(residual, before, crew_), response_, workspace_, crew_);
-    responded_ = search_.advance(response_, crew_);
+    const auto before = has_response_ ? std::span<const float>(response_) : std::span<const float>();
+    kernel_.displacement(cg_.step(residual, before, pool_), response_, workspace_, pool_);
+    has_response_ = cg_.advance(response_, pool_);
   }
 
  private:
   const ElasticKernel& kernel_;
   Workspace& workspace_;
-  const Crew& crew_;
-  PressureSearch search_;
+  const ThreadPool& pool_;
+  ProjectedCgSolver cg_;
   std::vector<float> response_;
-  std::vector<float> preconditioned_;   // of lines
-  std::optional<NearInverse> inverse_;  // of areas
-  bool responded_ = false;
+  std::vector<float> preconditioned_;             // for lines
+  std::optional<Preconditioner> preconditioner_;  // for areas
+  bool has_response_ = false;
 };
 
-// The logarithm of an approach over the one wanted, less that of what is left to the one at which all points touch.
-double excess_of(double approach, double wanted, double full) {
-  if (approach >= full) {
+// Return ln(approach / target), minus the corresponding logarithm of the remaining distances to full contact.
+double log_excess(double approach, double target, double full_contact) {
+  if (approach >= full_contact) {
     return std::numeric_limits<double>::infinity();
   }
-  const double left = std::isinf(full) ? 0.0 : std::log((full - approach) / (full - wanted));
-  return std::log(approach / wanted) - left;
+  const double remaining =
+      std::isinf(full_contact) ? 0.0 : std::log((full_contact - approach) / (full_contact - target));
+  return std::log(approach / target) - remaining;
 }
 
 STICTION_MULTIVERSION
@@ -223,17 +232,17 @@ double product(const double* left, const double* right, std::size_t size) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// Pressures of some points under which each of them moves by 1, by conjugate gradients with their matrix; none where
-// one is below 0, as round-off of contacts that are single points has it.
-std::vector<double> under_one_displacement(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
-                                           const Crew& crew) {
+// Return pressures at some points under which each of them moves by 1, by conjugate gradients with their dense matrix.
+// Empty if a pressure is negative, which is round-off at contacts of single points.
+std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
+                                const ThreadPool& pool) {
   const std::size_t size = points.size();
   std::vector<double> matrix(size * size);
   for (std::size_t i = 0; i < size; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
-      const auto away = [](std::size_t one, std::size_t other) { return one > other ? one - other : other - one; };
-      const std::size_t rows = away(points[i] / grid.columns, points[j] / grid.columns);
-      const std::size_t columns = away(points[i] % grid.columns, points[j] % grid.columns);
+      const auto distance = [](std::size_t a, std::size_t b) { return a > b ? a - b : b - a; };
+      const std::size_t rows = distance(points[i] / grid.columns, points[j] / grid.columns);
+      const std::size_t columns = distance(points[i] % grid.columns, points[j] % grid.columns);
       matrix[i * size + j] = matrix[j * size + i] = influence[rows * grid.columns + columns];
     }
   }
@@ -242,9 +251,9 @@ std::vector<double> under_one_displacement(Values influence, const Grid& grid, c
   std::vector<double> direction = residual;
   std::vector<double> response(size);
   auto square = static_cast<double>(size);
-  const double enough = square * std::pow(compliance_tolerance, 3.0);
-  for (std::size_t count = 0; count < 10 * size && square > enough; ++count) {
-    crew.check();
+  const double tolerance = square * std::pow(compliance_tolerance, 3.0);
+  for (std::size_t count = 0; count < 10 * size && square > tolerance; ++count) {
+    pool.check_cancellation();
     for (std::size_t i = 0; i < size; ++i) {
       response[i] = product(&matrix[i * size], direction.data(), size);
     }
@@ -258,8 +267,8 @@ std::vector<double> under_one_displacement(Values influence, const Grid& grid, c
       direction[i] = residual[i] + square / before * direction[i];
     }
   }
-  const bool presses = std::all_of(pressure.begin(), pressure.end(), [](double one) { return one >= 0.0; });
-  return presses ? pressure : std::vector<double>();
+  const bool is_positive = std::all_of(pressure.begin(), pressure.end(), [](double value) { return value >= 0.0; });
+  return is_positive ? pressure : std::vector<double>();
 }
 
 }  // namespace
@@ -268,13 +277,13 @@ HalfSpaceGrids::HalfSpaceGrids(const Grid& finest, double effective_modulus)
     : levels_{finest}, effective_modulus_(effective_modulus) {
   while (true) {
     Grid grid = levels_.back();
-    const std::size_t rows = grid.line ? 1 : halved(grid.rows, grid.periodic);
-    const std::size_t columns = halved(grid.columns, grid.periodic);
+    const std::size_t rows = grid.line ? 1 : coarsened(grid.rows, grid.periodic);
+    const std::size_t columns = coarsened(grid.columns, grid.periodic);
     if (rows == grid.rows && columns == grid.columns) {
       break;
     }
-    grid.spacing_y *= step_between(grid.rows, rows, grid.periodic);
-    grid.spacing_x *= step_between(grid.columns, columns, grid.periodic);
+    grid.spacing_y *= spacing_ratio(grid.rows, rows, grid.periodic);
+    grid.spacing_x *= spacing_ratio(grid.columns, columns, grid.periodic);
     grid.rows = rows;
     grid.columns = columns;
     levels_.push_back(grid);
@@ -282,282 +291,287 @@ HalfSpaceGrids::HalfSpaceGrids(const Grid& finest, double effective_modulus)
   kernels_.resize(levels_.size());
 }
 
-HalfSpaceGrids::Kernels HalfSpaceGrids::kernels(std::size_t level, const Crew& crew) const {
+HalfSpaceGrids::Kernels HalfSpaceGrids::kernels(std::size_t level, const ThreadPool& pool) const {
   const std::lock_guard lock(mutex_);
   if (kernels_.at(level).points) {
     return kernels_[level];
   }
   const Grid& grid = levels_[level];
-  Kernels kernels{std::make_shared<const ElasticKernel>(grid, effective_modulus_, crew), {}};
+  Kernels kernels{std::make_shared<const ElasticKernel>(grid, effective_modulus_, pool), {}};
   if (!grid.line) {
-    kernels.blocks = std::make_shared<const ElasticKernel>(NearInverse::blocks_of(grid), effective_modulus_, crew);
+    kernels.blocks = std::make_shared<const ElasticKernel>(Preconditioner::block_grid(grid), effective_modulus_, pool);
   }
-  if (level == 0 || grid.size() <= most_kept) {
+  if (level == 0 || grid.size() <= max_cached_points) {
     kernels_[level] = kernels;
   }
   return kernels;
 }
 
-double HalfSpaceGrids::even_deviation() const {
+double HalfSpaceGrids::uniform_pressure_deviation() const {
   const std::lock_guard lock(mutex_);
-  if (!even_deviation_) {
-    even_deviation_ = stiction::even_deviation(levels_[0], effective_modulus_);
+  if (!uniform_pressure_deviation_) {
+    uniform_pressure_deviation_ = stiction::uniform_pressure_deviation(levels_[0], effective_modulus_);
   }
-  return *even_deviation_;
+  return *uniform_pressure_deviation_;
 }
 
-std::span<const double> HalfSpaceGrids::influence(const Crew& crew) const {
+std::span<const double> HalfSpaceGrids::influence(const ThreadPool& pool) const {
   const std::size_t size = levels_[0].size();
-  if (size > most_kept) {
+  if (size > max_cached_points) {
     return {};
   }
-  const auto finest = kernels(0, crew).points;
+  const auto finest = kernels(0, pool).points;
   const std::lock_guard lock(mutex_);
   if (influence_.empty()) {
     std::vector<double> first(size, 0.0);
     first[0] = 1.0;
-    std::vector<double> moved(size);
+    std::vector<double> displacements(size);
     Workspace workspace;
-    finest->displacement(first, moved, workspace, crew);
-    influence_ = std::move(moved);
+    finest->displacement(first, displacements, workspace, pool);
+    influence_ = std::move(displacements);
   }
   return influence_;
 }
 
 HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrids> grids, Values bound,
-                                 double tolerance, const Crew& crew)
+                                 double tolerance, const ThreadPool& pool)
     : gap_(gap), grids_(std::move(grids)), bound_(bound.begin(), bound.end()), tolerance_(tolerance) {
   const std::vector<Grid>& levels = grids_->levels();
   if (gap.size() != levels[0].size() || (bound.size() != 1 && bound.size() != gap.size())) {
-    throw std::invalid_argument("HalfSpaceSolver: gap must be on the grid, bound one for all points or one for each");
+    throw std::invalid_argument(
+        "HalfSpaceSolver: gap must be on the grid, and bound must have one value for all points or one for each");
   }
   if (!(tolerance > 0.0)) {
     throw std::invalid_argument("HalfSpaceSolver: tolerance must be above 0");
   }
-  // Bounds that differ from point to point cannot be told from those of a coarser grid.
+  // Bounds that vary from point to point have no meaning on a coarser grid.
   for (std::size_t level = 1; level < levels.size() && bound_.size() == 1; ++level) {
     const Values finer = this->gap(level - 1);
-    coarse_gaps_.push_back(resampled({finer.begin(), finer.end()}, levels[level - 1], levels[level]));
+    coarse_gaps_.push_back(interpolate({finer.begin(), finer.end()}, levels[level - 1], levels[level]));
   }
-  heights_scale_ = deviation_of(gap);
-  pressure_scale_ = displacement_of_load(crew);
+  gap_scale_ = standard_deviation(gap);
+  displacement_scale_ = unit_load_deviation(pool);
 }
 
-// Root-mean-square deviation [µm/GPa] under an even pressure, or one in proportion to bounds of points.
-double HalfSpaceSolver::displacement_of_load(const Crew& crew) const {
+// Return the root-mean-square deviation [µm/GPa] of the displacements per mean pressure, under uniform pressure or
+// under pressure proportional to the bounds.
+double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
   const Grid& grid = grids_->levels()[0];
-  const double of_a_cell =
+  const double cell_displacement =
       (grid.line ? grid.spacing_x : std::max(grid.spacing_x, grid.spacing_y)) / grids_->effective_modulus();
   if (bound_.size() > 1) {
-    const double mean = mean_of(bound_);
+    const double mean = mean_value(bound_);
     std::vector<double> load(bound_.size());
     std::transform(bound_.begin(), bound_.end(), load.begin(), [&](double bound) { return bound / mean; });
-    std::vector<double> moved(load.size());
+    std::vector<double> displacements(load.size());
     Workspace workspace;
-    grids_->kernels(0, crew).points->displacement(load, moved, workspace, crew);
-    const double deviation = deviation_of(moved);
-    if (!grid.periodic) {  // bounds under which all points of a flat move alike, to a tolerance
-      return std::max(deviation, grids_->even_deviation());
+    grids_->kernels(0, pool).points->displacement(load, displacements, workspace, pool);
+    const double deviation = standard_deviation(displacements);
+    if (!grid.periodic) {  // the bounds may be pressures that move all points of a flat punch equally, to a tolerance
+      return std::max(deviation, grids_->uniform_pressure_deviation());
     }
-    return deviation > even * of_a_cell ? deviation : of_a_cell;
+    return deviation > round_off * cell_displacement ? deviation : cell_displacement;
   }
   if (!grid.periodic) {
-    return grids_->even_deviation();
+    return grids_->uniform_pressure_deviation();
   }
-  return heights_scale_ == 0.0 ? of_a_cell : 0.0;
+  return gap_scale_ == 0.0 ? cell_displacement : 0.0;
 }
 
 double HalfSpaceSolver::scale(double mean_pressure) const {
-  return std::max(heights_scale_, pressure_scale_ * mean_pressure);
+  return std::max(gap_scale_, displacement_scale_ * mean_pressure);
 }
 
-// Whether a solution at another load is the better start; on lines that of coarse grids is.
-bool HalfSpaceSolver::is_near(Values near, double mean_pressure) const {
+// Return whether the solution at another load is a better start than coarse grids; on lines it is not.
+bool HalfSpaceSolver::is_good_start(Values near, double mean_pressure) const {
   if (near.empty()) {
     return false;
   }
   if (near.size() != gap_.size()) {
     throw std::invalid_argument("HalfSpaceSolver: near must be on the grid");
   }
-  const double ratio = mean_pressure / mean_of(near);
-  return bound_.size() > 1 || (!grids_->levels()[0].line && ratio >= 1 / near_load && ratio <= near_load);
+  const double ratio = mean_pressure / mean_value(near);
+  return bound_.size() > 1 || (!grids_->levels()[0].line && ratio >= 1 / max_load_ratio && ratio <= max_load_ratio);
 }
 
-HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const Crew& crew,
+HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const ThreadPool& pool,
                                       const HalfSpaceProgress& progress) const {
   Workspace workspace;
-  if (is_near(near, mean_pressure)) {
-    HalfSpaceSolution solution = finest({near.begin(), near.end()}, mean_pressure, workspace, crew, progress);
+  if (is_good_start(near, mean_pressure)) {
+    HalfSpaceSolution solution = solve_finest({near.begin(), near.end()}, mean_pressure, workspace, pool, progress);
     if (solution.error <= tolerance_) {
       return solution;
     }
   }
   if (bound_.size() > 1) {
-    return finest(bound_, mean_pressure, workspace, crew, progress);
+    return solve_finest(bound_, mean_pressure, workspace, pool, progress);
   }
   const std::vector<Grid>& levels = grids_->levels();
   std::vector<double> start(levels.back().size(), mean_pressure);
   const double coarse = std::max(coarse_tolerance, tolerance_) * scale(mean_pressure);
   for (std::size_t level = levels.size() - 1; level > 0; --level) {
-    start = on_level(level, std::move(start), mean_pressure, coarse, workspace, crew, {}).pressure;
-    start = resampled(std::move(start), levels[level], levels[level - 1]);
+    start = solve_level(level, std::move(start), mean_pressure, coarse, workspace, pool, {}).pressure;
+    start = interpolate(std::move(start), levels[level], levels[level - 1]);
   }
-  return finest(std::move(start), mean_pressure, workspace, crew, progress);
+  return solve_finest(std::move(start), mean_pressure, workspace, pool, progress);
 }
 
-// What is brought to 0 is the logarithm of approaches, by secants (Illinois) over that of the load; on periodic bodies,
-// where all points touch at the mean gap, less that of what is left to it.
-HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const Crew& crew,
+// Find the root of `log_excess` as a function of the logarithm of the load, by the secant method (Illinois). On
+// periodic surfaces, which are in full contact at the mean gap, the excess includes the distance to full contact.
+HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const ThreadPool& pool,
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
-  const double full = grid.periodic ? mean_of(gap_) : std::numeric_limits<double>::infinity();
-  // Two bodies as far apart as the grid is long, less than which any load is.
+  const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
+  // First guess: a tenth of E* approach / length, the mean pressure of a contact as large as the grid, which no rough
+  // contact exceeds.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
-  const double longest = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
-  double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / longest : mean_of(near);
+  const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
+  double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / length : mean_value(near);
   struct End {
     double load;
     double excess;
   };
-  std::array<std::optional<End>, 2> ends;  // below and above
-  std::optional<bool> was_above;
+  std::array<std::optional<End>, 2> ends;  // below and above the target
+  std::optional<bool> previous_above;
   HalfSpaceSolution solution;
   double miss = 0.0;
-  for (int count = 0; count < most_loads; ++count) {
-    std::vector<double> before = std::move(solution.pressure);
-    solution = at(pressure, count == 0 ? near : Values(before), crew, progress);
+  for (int count = 0; count < max_loads; ++count) {
+    std::vector<double> previous = std::move(solution.pressure);
+    solution = at(pressure, count == 0 ? near : Values(previous), pool, progress);
     miss = std::abs(solution.approach - approach) / scale(pressure);
     if (miss <= tolerance_ || !(solution.error <= tolerance_)) {
       break;
     }
-    const double excess = excess_of(solution.approach, approach, full);
+    const double excess = log_excess(solution.approach, approach, full_contact);
     const bool above = excess > 0.0;
     std::optional<End>& other = ends[above ? 0 : 1];
-    if (was_above == above && other) {  // the other end has stayed twice
+    if (previous_above == above && other) {  // the other end of the bracket has not moved twice in a row
       other->excess *= 0.5;
     }
     ends[above ? 1 : 0] = End{std::log(pressure), excess};
-    was_above = above;
+    previous_above = above;
     if (!other) {
-      pressure *= std::exp(std::clamp(-2 * excess, -std::log(farthest_load), std::log(farthest_load)));
+      pressure *= std::exp(std::clamp(-2 * excess, -std::log(max_load_step), std::log(max_load_step)));
       continue;
     }
     const auto [left, below] = ends[0].value_or(End{});
     const auto [right, over] = ends[1].value_or(End{});
-    const double part = std::isfinite(over) ? below / (below - over) : 0.5;
-    pressure = std::exp(left + std::clamp(part, least_part, 1 - least_part) * (right - left));
+    const double fraction = std::isfinite(over) ? below / (below - over) : 0.5;
+    pressure = std::exp(left + std::clamp(fraction, min_bracket_fraction, 1 - min_bracket_fraction) * (right - left));
   }
   solution.error = std::max(solution.error, miss);
   return solution;
 }
 
-HalfSpaceSolution HalfSpaceSolver::finest(std::vector<double> start, double mean_pressure, Workspace& workspace,
-                                          const Crew& crew, const HalfSpaceProgress& progress) const {
-  const double unit = scale(mean_pressure);
+HalfSpaceSolution HalfSpaceSolver::solve_finest(std::vector<double> start, double mean_pressure, Workspace& workspace,
+                                                const ThreadPool& pool, const HalfSpaceProgress& progress) const {
+  const double length_unit = scale(mean_pressure);
   HalfSpaceSolution solution =
-      on_level(0, std::move(start), mean_pressure, tolerance_ * unit, workspace, crew, progress);
-  solution.error = std::max(solution.error / unit, std::abs(mean_of(solution.pressure) / mean_pressure - 1.0));
+      solve_level(0, std::move(start), mean_pressure, tolerance_ * length_unit, workspace, pool, progress);
+  solution.error =
+      std::max(solution.error / length_unit, std::abs(mean_value(solution.pressure) / mean_pressure - 1.0));
   return solution;
 }
 
-HalfSpaceSolution HalfSpaceSolver::on_level(std::size_t level, std::vector<double> start, double mean_pressure,
-                                            double tolerance, Workspace& workspace, const Crew& crew,
-                                            const HalfSpaceProgress& progress) const {
-  const auto kernels = grids_->kernels(level, crew);
-  const double factor = mean_pressure / mean_of(start);
+HalfSpaceSolution HalfSpaceSolver::solve_level(std::size_t level, std::vector<double> start, double mean_pressure,
+                                               double tolerance, Workspace& workspace, const ThreadPool& pool,
+                                               const HalfSpaceProgress& progress) const {
+  const auto kernels = grids_->kernels(level, pool);
+  const double factor = mean_pressure / mean_value(start);
   for (double& pressure : start) {
     pressure *= factor;
   }
-  Descent descent(kernels, std::move(start), mean_pressure, bound_, workspace, crew);
-  descent.renew(gap(level), false);
-  const std::int64_t most = level == 0 ? most_iterations : most_coarse_iterations;
+  LevelSolver solver(kernels, std::move(start), mean_pressure, bound_, workspace, pool);
+  solver.recompute_potential(gap(level), false);
+  const std::int64_t max_steps = level == 0 ? max_iterations : max_coarse_iterations;
   bool exact = false;
-  int certificates = 0;
+  int exact_evaluations = 0;
   double error = 0.0;
   std::int64_t iterations = 0;
   while (true) {
-    error = descent.balance();
+    error = solver.update_free_points();
     if (error <= tolerance || !std::isfinite(error)) {
-      if (++certificates > most_certificates || exact || level > 0) {
+      if (++exact_evaluations > max_exact_evaluations || exact || level > 0) {
         break;
       }
-      descent.search().settle();
-      descent.renew(gap(level), true);
+      solver.cg().rescale_to_total();
+      solver.recompute_potential(gap(level), true);
       exact = true;
       continue;
     }
-    if (iterations == most) {
+    if (iterations == max_steps) {
       break;
     }
-    descent.iterate();
+    solver.iterate();
     exact = false;
     ++iterations;
     if (progress) {
       progress(iterations, error / (tolerance / tolerance_));
     }
   }
-  const double approach = descent.search().approach();
-  return {descent.search().take_pressure(), approach, error, iterations};
+  const double approach = solver.cg().approach();
+  return {solver.cg().take_pressure(), approach, error, iterations};
 }
 
-LinearAnswer linear_answer(const HalfSpaceGrids& grids, std::span<const bool> free, const Crew& crew) {
+LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool> in_contact, const ThreadPool& pool) {
   const Grid& grid = grids.levels()[0];
-  if (free.size() != grid.size()) {
-    throw std::invalid_argument("linear_answer: free must be on the grid");
+  if (in_contact.size() != grid.size()) {
+    throw std::invalid_argument("linear_response: in_contact must be on the grid");
   }
   std::vector<std::size_t> points;
-  for (std::size_t i = 0; i < free.size(); ++i) {
-    if (free[i]) {
+  for (std::size_t i = 0; i < in_contact.size(); ++i) {
+    if (in_contact[i]) {
       points.push_back(i);
     }
   }
   if (points.empty()) {
-    throw std::invalid_argument("linear_answer: there must be a free point");
+    throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
-  // Pressures of free points are above 0 everywhere, as charges are on a conductor. An even start is as good as any
-  // that the pressures at hand give: at the edges, where those vanish, these are highest.
-  std::vector<double> start(free.size(), 0.0);
+  // The pressures are positive at all points, like charges on a conductor. A uniform start is as good as the given
+  // pressures: these vanish at the edges, where the solution is largest.
+  std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());
   }
-  if (grid.periodic && points.size() == free.size()) {
+  if (grid.periodic && points.size() == in_contact.size()) {
     return {0.0, std::move(start)};
   }
-  const bool floats = grid.line && !grid.periodic;  // displacements have no zero, only differences
-  if (!floats && points.size() <= most_among) {
-    const Values influence = grids.influence(crew);
+  const bool only_differences = grid.line && !grid.periodic;  // only differences of displacements are defined
+  if (!only_differences && points.size() <= max_dense_points) {
+    const Values influence = grids.influence(pool);
     if (!influence.empty()) {
-      const std::vector<double> each = under_one_displacement(influence, grid, points, crew);
-      if (!each.empty()) {
-        const double sum = std::accumulate(each.begin(), each.end(), 0.0);
+      const std::vector<double> dense = solve_dense(influence, grid, points, pool);
+      if (!dense.empty()) {
+        const double sum = std::accumulate(dense.begin(), dense.end(), 0.0);
         for (std::size_t i = 0; i < points.size(); ++i) {
-          start[points[i]] = each[i] / sum;
+          start[points[i]] = dense[i] / sum;
         }
         return {1.0 / sum, std::move(start)};
       }
     }
   }
-  const auto kernels = grids.kernels(0, crew);
-  std::vector<double> bound(free.size(), 0.0);
+  const auto kernels = grids.kernels(0, pool);
+  std::vector<double> bound(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     bound[i] = std::numeric_limits<double>::infinity();
   }
-  const double mean = 1.0 / static_cast<double>(free.size());
+  const double mean = 1.0 / static_cast<double>(in_contact.size());
   Workspace workspace;
-  Descent descent(kernels, std::move(start), mean, bound, workspace, crew);
-  // Single precision leaves 1e-7 of a displacement; on lines the differences that count are a small part of it.
-  descent.renew(std::vector<double>(free.size(), 0.0), grid.line);
-  for (std::int64_t i = 0; i < most_iterations; ++i) {
-    const double error = descent.balance();
-    const double unit = floats ? of_differences * mean * grids.even_deviation() : std::abs(descent.search().approach());
-    if (error <= compliance_tolerance * unit) {
+  LevelSolver solver(kernels, std::move(start), mean, bound, workspace, pool);
+  // Single precision resolves 1e-7 of a displacement, which is not enough for the small differences on lines.
+  solver.recompute_potential(std::vector<double>(in_contact.size(), 0.0), grid.line);
+  for (std::int64_t i = 0; i < max_iterations; ++i) {
+    const double error = solver.update_free_points();
+    const double length_unit = only_differences ? difference_tolerance * mean * grids.uniform_pressure_deviation()
+                                                : std::abs(solver.cg().approach());
+    if (error <= compliance_tolerance * length_unit) {
       break;
     }
-    descent.iterate();
+    solver.iterate();
   }
-  descent.balance();
-  const double compliance = descent.search().work();
-  return {compliance, descent.search().take_pressure()};
+  solver.update_free_points();
+  const double compliance = solver.cg().pressure_dot_potential();
+  return {compliance, solver.cg().take_pressure()};
 }
 
 }  // namespace stiction

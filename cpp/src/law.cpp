@@ -29,7 +29,7 @@ Vector2 HertzCylinder::semi_axes(double overlap, const Radii& radii) const {
 }
 
 ForceArea JacksonGreen::operator()(double overlap, const Radii& radii) const {
-  constexpr double transition = 1.9;  // in critical interferences
+  constexpr double transition = 1.9;  // in units of the critical interference
   const double strain = yield_strength / effective_modulus;
   const double constraint = 1.295 * std::exp(0.736 * poisson_ratio);
   const double half_angle = 0.5 * pi * constraint * strain;
@@ -39,8 +39,9 @@ ForceArea JacksonGreen::operator()(double overlap, const Radii& radii) const {
     return elastic;
   }
   const double spread = std::pow(ratio / transition, 0.14 * std::exp(23.0 * strain));
-  const double contact_radius = half_angle * std::sqrt(ratio * spread);                     // in sphere radii
-  const double hardness = 2.84 * (1.0 - std::exp(-0.82 * std::pow(contact_radius, -0.7)));  // in yield strengths
+  const double contact_radius = half_angle * std::sqrt(ratio * spread);  // in units of the sphere radius
+  const double hardness =
+      2.84 * (1.0 - std::exp(-0.82 * std::pow(contact_radius, -0.7)));  // in units of the yield strength
   const double critical_force = elastic.force / (ratio * std::sqrt(ratio));
   const double elastic_part = std::exp(-0.25 * std::pow(ratio, 5.0 / 12.0)) * ratio * std::sqrt(ratio);
   const double plastic_part = 4.0 * hardness / constraint * -std::expm1(-0.04 * std::pow(ratio, 5.0 / 9.0)) * ratio;
@@ -53,42 +54,47 @@ Vector2 JacksonGreen::semi_axes(double overlap, const Radii& radii) const {
 
 void JacksonGreen::check() const {
   if (!(yield_strength < 0.1 * effective_modulus)) {
-    throw std::invalid_argument("yield_strength is " + text(yield_strength) +
-                                ", must be below a tenth of the effective modulus, in GPa");
+    throw std::invalid_argument("yield_strength must be below a tenth of effective_modulus, got " +
+                                format_number(yield_strength) + " GPa");
   }
 }
 
 namespace {
 
-template <class L>
-void check_parameter(const Parameter<L>& parameter, double value) {
-  const bool within = parameter.ends ? value >= parameter.low && value <= parameter.high
-                                     : value > parameter.low && value < parameter.high;
+template <class AnyLaw>
+void check_parameter(const Parameter<AnyLaw>& parameter, double value) {
+  const bool within = parameter.inclusive ? value >= parameter.low && value <= parameter.high
+                                          : value > parameter.low && value < parameter.high;
   if (within) {
     return;
   }
-  std::string allowed = parameter.ends ? "from " + text(parameter.low) + " to " + text(parameter.high)
-                                       : "above " + text(parameter.low) + " and finite";
+  const std::string allowed = parameter.inclusive
+                                  ? "from " + format_number(parameter.low) + " to " + format_number(parameter.high)
+                                  : "above " + format_number(parameter.low) + " and finite";
+  std::string got = format_number(value);
   if (!parameter.unit.empty()) {
-    allowed += ", in " + std::string(parameter.unit);
+    got += ' ';
+    got += parameter.unit;
   }
-  throw std::invalid_argument(std::string(parameter.name) + " is " + text(value) + ", must be " + allowed);
+  throw std::invalid_argument(std::string(parameter.name) + " must be " + allowed + ", got " + got);
 }
 
-template <class L>
-L law_of(const std::map<std::string, double>& given) {
-  L law{};
-  const auto known = L::parameters();
-  for (const auto& parameter : known) {
-    const auto found = given.find(std::string(parameter.name));
-    if (found == given.end()) {
-      throw std::invalid_argument("law " + std::string(L::name) + " lacks its " + std::string(parameter.name));
+template <class AnyLaw>
+AnyLaw make_law(const std::map<std::string, double>& values) {
+  AnyLaw law{};
+  const auto parameters = AnyLaw::parameters();
+  for (const auto& parameter : parameters) {
+    const auto found = values.find(std::string(parameter.name));
+    if (found == values.end()) {
+      throw std::invalid_argument("law " + std::string(AnyLaw::name) + " requires the parameter " +
+                                  std::string(parameter.name));
     }
     law.*(parameter.member) = found->second;
   }
-  for (const auto& each : given) {
-    if (std::none_of(known.begin(), known.end(), [&](const auto& one) { return one.name == each.first; })) {
-      throw std::invalid_argument("law " + std::string(L::name) + " has no parameter " + each.first);
+  for (const auto& [name, value] : values) {
+    if (std::none_of(parameters.begin(), parameters.end(),
+                     [&](const auto& parameter) { return parameter.name == name; })) {
+      throw std::invalid_argument("law " + std::string(AnyLaw::name) + " has no parameter " + name);
     }
   }
   check(law);
@@ -96,11 +102,11 @@ L law_of(const std::map<std::string, double>& given) {
 }
 
 template <class... Laws>
-Law law_among(std::string_view name, const std::map<std::string, double>& parameters, std::variant<Laws...>*) {
+Law find_law(std::string_view name, const std::map<std::string, double>& parameters, std::variant<Laws...>*) {
   std::optional<Law> found;
-  ((Laws::name == name ? void(found = law_of<Laws>(parameters)) : void()), ...);
+  ((Laws::name == name ? void(found = make_law<Laws>(parameters)) : void()), ...);
   if (!found) {
-    throw std::invalid_argument("there is no law " + std::string(name));
+    throw std::invalid_argument("unknown law " + std::string(name));
   }
   return *found;
 }
@@ -108,17 +114,17 @@ Law law_among(std::string_view name, const std::map<std::string, double>& parame
 }  // namespace
 
 Law law(std::string_view name, const std::map<std::string, double>& parameters) {
-  return law_among(name, parameters, static_cast<Law*>(nullptr));
+  return find_law(name, parameters, static_cast<Law*>(nullptr));
 }
 
 void check(const Law& law) {
   std::visit(
-      [](const auto& one) {
-        for (const auto& parameter : std::decay_t<decltype(one)>::parameters()) {
-          check_parameter(parameter, one.*(parameter.member));
+      [](const auto& any_law) {
+        for (const auto& parameter : std::decay_t<decltype(any_law)>::parameters()) {
+          check_parameter(parameter, any_law.*(parameter.member));
         }
-        if constexpr (requires { one.check(); }) {
-          one.check();
+        if constexpr (requires { any_law.check(); }) {
+          any_law.check();
         }
       },
       law);

@@ -14,113 +14,114 @@ struct Point {
   double f;
 };
 
-// One root, from the bracket of its ends: `one` is the last estimate, `two` lies on the other side of the root, `three`
-// is the one before.
-struct Search {
-  Point one;
-  Point two;
-  Point three;
-  double share;  // of the bracket at which the next estimate lies
+// Bracketing search for one root. `latest` is the last estimate, `opposite` lies on the other side of the root, and
+// `previous` is the point before.
+struct RootSearch {
+  Point latest;
+  Point opposite;
+  Point previous;
+  double fraction;  // position of the next estimate, as a fraction of the bracket
   bool done;
 
-  double next() const { return one.x + share * (two.x - one.x); }
+  double next() const { return latest.x + fraction * (opposite.x - latest.x); }
 
-  const Point& best() const { return std::abs(one.f) < std::abs(two.f) ? one : two; }
+  const Point& best() const { return std::abs(latest.f) < std::abs(opposite.f) ? latest : opposite; }
 
-  void take(double f, double tolerance) {
+  void add_estimate(double f, double tolerance) {
     const Point estimate{next(), f};
-    three = two;
-    if (sign(f) == sign(one.f)) {
-      three = one;
+    previous = opposite;
+    if (sign(f) == sign(latest.f)) {
+      previous = latest;
     } else {
-      two = one;
+      opposite = latest;
     }
-    one = estimate;
-    finish(tolerance);
+    latest = estimate;
+    check_convergence(tolerance);
     if (!done) {
-      choose(tolerance);
+      choose_fraction(tolerance);
     }
   }
 
-  void finish(double tolerance) {
-    done = best().f == 0.0 || sign(one.f) == sign(two.f) || !(width() >= std::abs(best().x) * tolerance);
+  void check_convergence(double tolerance) {
+    done = best().f == 0.0 || sign(latest.f) == sign(opposite.f) || !(width() >= std::abs(best().x) * tolerance);
   }
 
-  double width() const { return std::abs(two.x - one.x); }
+  double width() const { return std::abs(opposite.x - latest.x); }
 
-  void choose(double tolerance) {
-    const double xi = (one.x - two.x) / (three.x - two.x);
-    const double phi = (one.f - two.f) / (three.f - two.f);
-    const double alpha = (three.x - one.x) / (two.x - one.x);
-    share = 0.5;
+  void choose_fraction(double tolerance) {
+    const double xi = (latest.x - opposite.x) / (previous.x - opposite.x);
+    const double phi = (latest.f - opposite.f) / (previous.f - opposite.f);
+    const double alpha = (previous.x - latest.x) / (opposite.x - latest.x);
+    fraction = 0.5;
     if (1.0 - std::sqrt(1.0 - xi) < phi && phi < std::sqrt(xi)) {
-      share = one.f / (one.f - two.f) * three.f / (three.f - two.f) -
-              alpha * one.f / (three.f - one.f) * two.f / (two.f - three.f);
+      fraction = latest.f / (latest.f - opposite.f) * previous.f / (previous.f - opposite.f) -
+                 alpha * latest.f / (previous.f - latest.f) * opposite.f / (opposite.f - previous.f);
     }
-    const double least = 0.5 * (std::abs(best().x) * tolerance) / width();
-    share = std::min(std::max(share, least), 1.0 - least);
+    const double margin = 0.5 * (std::abs(best().x) * tolerance) / width();
+    fraction = std::min(std::max(fraction, margin), 1.0 - margin);
   }
 
   double root() const {
     if (best().f >= 0.0) {
       return best().x;
     }
-    const Point& behind = one.x < two.x ? two : one;
-    const Point& before = one.x < two.x ? one : two;
-    return behind.f >= 0.0 ? behind.x : before.x;
+    const Point& upper_end = latest.x < opposite.x ? opposite : latest;
+    const Point& lower_end = latest.x < opposite.x ? latest : opposite;
+    return upper_end.f >= 0.0 ? upper_end.x : lower_end.x;
   }
 };
 
-template <class Bodies>
-std::vector<double> approaches_of(const Bodies& bodies, Values loads, Values left, Values right, double mu0,
-                                  double tau0, const ContactModel& model, const Checkpoint& checkpoint) {
+template <class Surfaces>
+std::vector<double> find_approaches(const Surfaces& surfaces, Values loads, Values left, Values right, double mu0,
+                                    double tau0, const ContactModel& model,
+                                    const CancellationCheck& check_cancellation) {
   constexpr double tolerance = 1e-12;
   const auto normal_loads = [&](Values approaches) {
-    std::vector<double> loads_there;
-    for (const Sums& sums : press(bodies, approaches, model, checkpoint)) {
-      loads_there.push_back(normal_load(sums, mu0, tau0));
+    std::vector<double> result;
+    for (const Sums& sums : press(surfaces, approaches, model, check_cancellation)) {
+      result.push_back(normal_load(sums, mu0, tau0));
     }
-    return loads_there;
+    return result;
   };
-  return rises_through(normal_loads, loads, left, right, tolerance);
+  return find_crossings(normal_loads, loads, left, right, tolerance);
 }
 
 }  // namespace
 
-std::vector<double> rises_through(const ManyValues& function, Values levels, Values left, Values right,
-                                  double tolerance) {
+std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
+                                   double tolerance) {
   if (left.size() != levels.size() || right.size() != levels.size()) {
-    throw std::invalid_argument("left and right must be as many as levels");
+    throw std::invalid_argument("find_crossings: left and right must be as long as levels");
   }
-  // Values at some arguments, given in any order and more than once.
+  // Evaluate the function at arguments in any order, possibly repeated.
   const auto values_at = [&](const std::vector<double>& arguments) {
     std::vector<double> distinct = arguments;
     std::sort(distinct.begin(), distinct.end());
     distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-    const std::vector<double> at_distinct = function(distinct);
+    const std::vector<double> distinct_values = function(distinct);
     std::vector<double> values;
     for (const double argument : arguments) {
-      const auto place = std::lower_bound(distinct.begin(), distinct.end(), argument) - distinct.begin();
-      values.push_back(at_distinct[static_cast<std::size_t>(place)]);
+      const auto index = std::lower_bound(distinct.begin(), distinct.end(), argument) - distinct.begin();
+      values.push_back(distinct_values[static_cast<std::size_t>(index)]);
     }
     return values;
   };
   if (levels.empty()) {
     return {};
   }
-  const std::vector<double> at_left = values_at({left.begin(), left.end()});
-  const std::vector<double> at_right = values_at({right.begin(), right.end()});
-  std::vector<Search> searches;
-  for (std::size_t l = 0; l < levels.size(); ++l) {
-    const Point first{left[l], at_left[l] - levels[l]};
-    const Point last{right[l], at_right[l] - levels[l]};
+  const std::vector<double> left_values = values_at({left.begin(), left.end()});
+  const std::vector<double> right_values = values_at({right.begin(), right.end()});
+  std::vector<RootSearch> searches;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const Point first{left[i], left_values[i] - levels[i]};
+    const Point last{right[i], right_values[i] - levels[i]};
     searches.push_back({first, last, last, 0.5, false});
-    searches.back().finish(tolerance);
+    searches.back().check_convergence(tolerance);
   }
-  constexpr int most_steps = 2000;  // a bisection of all doubles takes fewer
-  for (int step = 0; step < most_steps; ++step) {
+  constexpr int max_steps = 2000;  // even bisection over all doubles takes fewer
+  for (int step = 0; step < max_steps; ++step) {
     std::vector<double> arguments;
-    for (const Search& search : searches) {
+    for (const RootSearch& search : searches) {
       if (!search.done) {
         arguments.push_back(search.next());
       }
@@ -130,34 +131,34 @@ std::vector<double> rises_through(const ManyValues& function, Values levels, Val
     }
     const std::vector<double> values = values_at(arguments);
     auto value = values.begin();
-    for (std::size_t l = 0; l < levels.size(); ++l) {
-      if (!searches[l].done) {
-        searches[l].take(*value++ - levels[l], tolerance);
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      if (!searches[i].done) {
+        searches[i].add_estimate(*value++ - levels[i], tolerance);
       }
     }
   }
   std::vector<double> roots;
   roots.reserve(searches.size());
-  roots.reserve(searches.size());
-  for (const Search& search : searches) {
+  for (const RootSearch& search : searches) {
     roots.push_back(search.root());
   }
   return roots;
 }
 
 std::vector<double> approaches_at(const ProfilePair& pair, Values loads, Values left, Values right, double mu0,
-                                  double tau0, const ContactModel& model, const Checkpoint& checkpoint) {
-  return approaches_of(pair, loads, left, right, mu0, tau0, model, checkpoint);
+                                  double tau0, const ContactModel& model, const CancellationCheck& check_cancellation) {
+  return find_approaches(pair, loads, left, right, mu0, tau0, model, check_cancellation);
 }
 
-std::vector<double> approaches_at(const Candidates& found, Values loads, Values left, Values right, double mu0,
-                                  double tau0, const ContactModel& model, const Checkpoint& checkpoint) {
-  return approaches_of(found, loads, left, right, mu0, tau0, model, checkpoint);
+std::vector<double> approaches_at(const Candidates& candidates, Values loads, Values left, Values right, double mu0,
+                                  double tau0, const ContactModel& model, const CancellationCheck& check_cancellation) {
+  return find_approaches(candidates, loads, left, right, mu0, tau0, model, check_cancellation);
 }
 
-std::vector<double> approaches_at(const ArealCandidates& found, Values loads, Values left, Values right, double mu0,
-                                  double tau0, const ContactModel& model, const Checkpoint& checkpoint) {
-  return approaches_of(found, loads, left, right, mu0, tau0, model, checkpoint);
+std::vector<double> approaches_at(const ArealCandidates& candidates, Values loads, Values left, Values right,
+                                  double mu0, double tau0, const ContactModel& model,
+                                  const CancellationCheck& check_cancellation) {
+  return find_approaches(candidates, loads, left, right, mu0, tau0, model, check_cancellation);
 }
 
 }  // namespace stiction

@@ -1,4 +1,4 @@
-// Marks of a pass over many points, of which few are set.
+// Iteration over marked points, of which there are few.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -8,22 +8,22 @@
 
 namespace stiction {
 
-/// Calls visit(i) for every i from begin to end, excluded, whose mark is not 0.
+/// Call visit(i) for every i from begin to end, excluding end, whose mark is not 0. Eight marks are tested at a time.
 template <class Visit>
 void for_each_marked(const unsigned char* marks, Index begin, Index end, const Visit& visit) {
-  constexpr Index at_once = sizeof(std::uint64_t);
+  constexpr Index marks_per_word = sizeof(std::uint64_t);
   for (Index i = begin; i < end;) {
-    std::uint64_t some = 1;
-    if (i + at_once <= end) {
-      std::memcpy(&some, marks + i, sizeof(some));
+    std::uint64_t word = 1;
+    if (i + marks_per_word <= end) {
+      std::memcpy(&word, marks + i, sizeof(word));
     }
-    const Index stop = some == 0 ? i : (i + at_once <= end ? i + at_once : end);
+    const Index stop = word == 0 ? i : (i + marks_per_word <= end ? i + marks_per_word : end);
     for (Index k = i; k < stop; ++k) {
       if (marks[k] != 0) {
         visit(k);
       }
     }
-    i = some == 0 ? i + at_once : stop;
+    i = word == 0 ? i + marks_per_word : stop;
   }
 }
 

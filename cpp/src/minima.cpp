@@ -14,124 +14,127 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-// In cells. A minimum this far beyond its cell is still found there, so that none is lost between two cells to
-// round-off; two this near to each other are one.
+// Tolerances in cells. `beyond`: a minimum this far outside its cell is still accepted, so that round-off loses none
+// between two cells. `same`: two minima this close to each other are one.
 constexpr double beyond = 1e-8;
 constexpr double same = 1e-6;
 
-// ---- Which cells to look into: wide and cheap -----------------------------------------------------------------------
+// ---- Prefilter: vectorised exclusion of cells -----------------------------------------------------------------------
 
-// The spline in a cell lies within the range of its 16 coefficients, and a derivative of it within the range of their
-// differences: there can be a minimum where the lowest is low enough and both ranges hold zero.
+// The spline in a cell lies within the range of its 16 coefficients, and each derivative within the range of their
+// differences. A minimum is possible only if the lowest coefficient is low enough and both ranges of differences
+// contain zero.
 
-STICTION_INLINE double least(double a, double b) { return a < b ? a : b; }
-STICTION_INLINE double most(double a, double b) { return a > b ? a : b; }
+STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
+STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
 
-// Cells of a row that are left out together where no coefficient is low enough; they have three columns more.
-constexpr Index cells_at_once = 29;
+// Cells of a row that are excluded together if no coefficient is low enough. They have three columns more than cells.
+constexpr Index cells_per_block = 29;
 
-// Whether a block in a row of coefficients is low enough.
+// Mark the blocks in a row of coefficients that are low enough.
 STICTION_MULTIVERSION
-void mark_low(const double* coefficients, Index cells, double highest, unsigned char* marks) {
-  for (Index first = 0; first < cells; first += cells_at_once) {
+void mark_low(const double* coefficients, Index cells, double max_value, unsigned char* marks) {
+  for (Index first = 0; first < cells; first += cells_per_block) {
     unsigned char any = 0;
-    if (first + cells_at_once <= cells) {
-      for (Index i = first; i < first + cells_at_once + 3; ++i) {
-        any |= static_cast<unsigned char>(coefficients[i] <= highest);
+    if (first + cells_per_block <= cells) {
+      for (Index i = first; i < first + cells_per_block + 3; ++i) {
+        any |= static_cast<unsigned char>(coefficients[i] <= max_value);
       }
     } else {
       for (Index i = first; i < cells + 3; ++i) {
-        any |= static_cast<unsigned char>(coefficients[i] <= highest);
+        any |= static_cast<unsigned char>(coefficients[i] <= max_value);
       }
     }
     *marks++ = any;
   }
 }
 
-// Ranges of one column of four coefficients, or of the differences of two such columns.
+// Ranges of a column of four coefficients, and of the differences within it (y) and between it and the next one (x).
 struct Ranges {
-  explicit Ranges(Index columns) : work(static_cast<std::size_t>(5 * columns)), size(columns) {}
-  double* lowest() { return work.data(); }
-  double* x_low() { return work.data() + size; }
-  double* x_high() { return work.data() + 2 * size; }
-  double* y_low() { return work.data() + 3 * size; }
-  double* y_high() { return work.data() + 4 * size; }
+  explicit Ranges(Index columns) : buffer(static_cast<std::size_t>(5 * columns)), size(columns) {}
+  double* lowest() { return buffer.data(); }
+  double* x_low() { return buffer.data() + size; }
+  double* x_high() { return buffer.data() + 2 * size; }
+  double* y_low() { return buffer.data() + 3 * size; }
+  double* y_high() { return buffer.data() + 4 * size; }
 
-  std::vector<double> work;
+  std::vector<double> buffer;
   Index size;
 };
 
 STICTION_MULTIVERSION
-void screen_columns(const double* c0, Index stride, Index count, double* lowest, double* x_low, double* x_high,
-                    double* y_low, double* y_high) {
+void column_ranges(const double* c0, Index stride, Index count, double* lowest, double* x_low, double* x_high,
+                   double* y_low, double* y_high) {
   const double* c1 = c0 + stride;
   const double* c2 = c1 + stride;
   const double* c3 = c2 + stride;
   for (Index i = 0; i < count; ++i) {
-    lowest[i] = least(least(c0[i], c1[i]), least(c2[i], c3[i]));
+    lowest[i] = smaller(smaller(c0[i], c1[i]), smaller(c2[i], c3[i]));
     const double a = c1[i] - c0[i];
     const double b = c2[i] - c1[i];
     const double c = c3[i] - c2[i];
-    y_low[i] = least(least(a, b), c);
-    y_high[i] = most(most(a, b), c);
+    y_low[i] = smaller(smaller(a, b), c);
+    y_high[i] = larger(larger(a, b), c);
   }
   for (Index i = 0; i + 1 < count; ++i) {
     const double a = c0[i + 1] - c0[i];
     const double b = c1[i + 1] - c1[i];
     const double c = c2[i + 1] - c2[i];
     const double d = c3[i + 1] - c3[i];
-    x_low[i] = least(least(a, b), least(c, d));
-    x_high[i] = most(most(a, b), most(c, d));
+    x_low[i] = smaller(smaller(a, b), smaller(c, d));
+    x_high[i] = larger(larger(a, b), larger(c, d));
   }
 }
 
 STICTION_MULTIVERSION
-void screen_cells(const double* lowest, const double* x_low, const double* x_high, const double* y_low,
-                  const double* y_high, Index cells, double highest, unsigned char* marks) {
+void mark_possible_cells(const double* lowest, const double* x_low, const double* x_high, const double* y_low,
+                         const double* y_high, Index cells, double max_value, unsigned char* marks) {
   for (Index i = 0; i < cells; ++i) {
-    const double low = least(least(lowest[i], lowest[i + 1]), least(lowest[i + 2], lowest[i + 3]));
-    const double xl = least(least(x_low[i], x_low[i + 1]), x_low[i + 2]);
-    const double xh = most(most(x_high[i], x_high[i + 1]), x_high[i + 2]);
-    const double yl = least(least(y_low[i], y_low[i + 1]), least(y_low[i + 2], y_low[i + 3]));
-    const double yh = most(most(y_high[i], y_high[i + 1]), most(y_high[i + 2], y_high[i + 3]));
-    marks[i] = (low <= highest) & (xl <= 0.0) & (xh >= 0.0) & (yl <= 0.0) & (yh >= 0.0);
+    const double low = smaller(smaller(lowest[i], lowest[i + 1]), smaller(lowest[i + 2], lowest[i + 3]));
+    const double xl = smaller(smaller(x_low[i], x_low[i + 1]), x_low[i + 2]);
+    const double xh = larger(larger(x_high[i], x_high[i + 1]), x_high[i + 2]);
+    const double yl = smaller(smaller(y_low[i], y_low[i + 1]), smaller(y_low[i + 2], y_low[i + 3]));
+    const double yh = larger(larger(y_high[i], y_high[i + 1]), larger(y_high[i + 2], y_high[i + 3]));
+    marks[i] = (low <= max_value) & (xl <= 0.0) & (xh >= 0.0) & (yl <= 0.0) & (yh >= 0.0);
   }
 }
 
-// ---- Parts of cells, several at a time ------------------------------------------------------------------------------
+// ---- Classification of cells and parts of cells, several at a time --------------------------------------------------
 
-// Bernstein coefficients of a bicubic on a square, x along the inner index.
+// Bernstein coefficients of a bicubic on a square, with x along the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
 
-// The same of several squares, for each coefficient one after the other.
+// Bernstein coefficients of several squares, with the square as the innermost index.
 template <std::size_t lanes>
 using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 
-constexpr std::size_t together = 8;  // cells
+// Cells that are classified together.
+constexpr std::size_t cells_per_batch = 8;
 
-// What the signs of a part of a cell say about minima in it.
-enum class Finding : unsigned char { none, convex, open };
+// Result of the sign tests on a part of a cell: no minimum, convex (at most one minimum), or undecided.
+enum class CellClass : unsigned char { excluded, convex, undecided };
 
-// Packs of numbers, a square in each.
+// Bernstein coefficients of several squares in SIMD registers.
 template <std::size_t Width>
 using PackNet = Pack<Width>[4][4];
 
 template <class P>
-STICTION_INLINE void narrow(P& low, P& high, const P& value) {
+STICTION_INLINE void extend_range(P& low, P& high, const P& value) {
   low = value < low ? value : low;
   high = value > high ? value : high;
 }
 
 template <std::size_t Width>
-STICTION_INLINE void examine(const PackNet<Width>& net, double highest, const Pack<Width>& slack, Finding* findings) {
+STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const Pack<Width>& slack,
+                              CellClass* classes) {
   using P = Pack<Width>;
-  const P none{};
+  const P zero{};
   P low = net[0][0];
   P x_low = net[0][1] - net[0][0];
   P x_high = x_low;
   P y_low = net[1][0] - net[0][0];
   P y_high = y_low;
-  // Second derivatives: 6, 9 and 6 times these.
+  // Second differences; the second derivatives are 6, 9 and 6 times these.
   P xx_low = net[0][2] - 2.0 * net[0][1] + net[0][0];
   P xx_high = xx_low;
   P xy_low = (net[1][1] - net[1][0]) - (net[0][1] - net[0][0]);
@@ -142,37 +145,37 @@ STICTION_INLINE void examine(const PackNet<Width>& net, double highest, const Pa
     for (std::size_t i = 0; i < 4; ++i) {
       low = net[j][i] < low ? net[j][i] : low;
       if (i < 3) {
-        narrow<P>(x_low, x_high, net[j][i + 1] - net[j][i]);
+        extend_range<P>(x_low, x_high, net[j][i + 1] - net[j][i]);
       }
       if (j < 3) {
-        narrow<P>(y_low, y_high, net[j + 1][i] - net[j][i]);
+        extend_range<P>(y_low, y_high, net[j + 1][i] - net[j][i]);
       }
       if (i < 2) {
-        narrow<P>(xx_low, xx_high, net[j][i + 2] - 2.0 * net[j][i + 1] + net[j][i]);
+        extend_range<P>(xx_low, xx_high, net[j][i + 2] - 2.0 * net[j][i + 1] + net[j][i]);
       }
       if (j < 2) {
-        narrow<P>(yy_low, yy_high, net[j + 2][i] - 2.0 * net[j + 1][i] + net[j][i]);
+        extend_range<P>(yy_low, yy_high, net[j + 2][i] - 2.0 * net[j + 1][i] + net[j][i]);
       }
       if (i < 3 && j < 3) {
-        narrow<P>(xy_low, xy_high, (net[j + 1][i + 1] - net[j + 1][i]) - (net[j][i + 1] - net[j][i]));
+        extend_range<P>(xy_low, xy_high, (net[j + 1][i + 1] - net[j + 1][i]) - (net[j][i + 1] - net[j][i]));
       }
     }
   }
-  const P least_xy = xy_low > none ? xy_low : (xy_high < none ? -xy_high : none);
-  const P most_xy = xy_high > -xy_low ? xy_high : -xy_low;
-  const auto level = (x_low <= slack) & (x_high >= -slack) & (y_low <= slack) & (y_high >= -slack);
-  const auto hollow = (xx_high > 2.0 * slack) & (yy_high > 2.0 * slack);
-  const auto no_saddle = 36.0 * xx_high * yy_high >= 81.0 * least_xy * least_xy;  // not everywhere
-  const auto possible = level & hollow & no_saddle & (low <= none + highest);
-  const auto convex = (xx_low > none) & (yy_low > none) & (36.0 * xx_low * yy_low > 81.0 * most_xy * most_xy);
+  const P min_abs_xy = xy_low > zero ? xy_low : (xy_high < zero ? -xy_high : zero);
+  const P max_abs_xy = xy_high > -xy_low ? xy_high : -xy_low;
+  const auto zero_slope = (x_low <= slack) & (x_high >= -slack) & (y_low <= slack) & (y_high >= -slack);
+  const auto curved_up = (xx_high > 2.0 * slack) & (yy_high > 2.0 * slack);
+  const auto no_saddle = 36.0 * xx_high * yy_high >= 81.0 * min_abs_xy * min_abs_xy;  // a saddle everywhere is excluded
+  const auto possible = zero_slope & curved_up & no_saddle & (low <= zero + max_value);
+  const auto convex = (xx_low > zero) & (yy_low > zero) & (36.0 * xx_low * yy_low > 81.0 * max_abs_xy * max_abs_xy);
   for (std::size_t k = 0; k < Width; ++k) {
-    findings[k] = possible[k] == 0 ? Finding::none : (convex[k] == 0 ? Finding::open : Finding::convex);
+    classes[k] = possible[k] == 0 ? CellClass::excluded : (convex[k] == 0 ? CellClass::undecided : CellClass::convex);
   }
 }
 
 template <class P>
 STICTION_INLINE void to_bernstein(P& c0, P& c1, P& c2, P& c3) {
-  // Not by divisions, which would take longer than all else.
+  // Multiplications, because divisions would dominate the run time.
   constexpr double third = 1.0 / 3.0;
   constexpr double sixth = 1.0 / 6.0;
   const P a = sixth * (c0 + 4.0 * c1 + c2);
@@ -185,15 +188,17 @@ STICTION_INLINE void to_bernstein(P& c0, P& c1, P& c2, P& c3) {
   c3 = d;
 }
 
-// Of B-spline coefficients, in place, those of Bernstein; the round-off of a cell's values.
+// Convert B-spline coefficients to Bernstein coefficients in place, and classify the cells. Also returns the round-off
+// of the values of each cell.
 template <std::size_t Width>
-STICTION_INLINE void examine_cells_kernel(double* coefficients, double highest, double* round_off, Finding* findings) {
-  for (std::size_t k = 0; k < together; k += Width) {
+STICTION_INLINE void classify_cells_kernel(double* coefficients, double max_value, double* round_off,
+                                           CellClass* classes) {
+  for (std::size_t k = 0; k < cells_per_batch; k += Width) {
     PackNet<Width> net;
     Pack<Width> largest{};
     for (std::size_t j = 0; j < 4; ++j) {
       for (std::size_t i = 0; i < 4; ++i) {
-        net[j][i] = load<Width>(coefficients + (4 * j + i) * together + k);
+        net[j][i] = load<Width>(coefficients + (4 * j + i) * cells_per_batch + k);
       }
       to_bernstein(net[j][0], net[j][1], net[j][2], net[j][3]);
     }
@@ -202,19 +207,19 @@ STICTION_INLINE void examine_cells_kernel(double* coefficients, double highest, 
       for (std::size_t j = 0; j < 4; ++j) {
         const Pack<Width> size = net[j][i] > -net[j][i] ? net[j][i] : -net[j][i];
         largest = size > largest ? size : largest;
-        store<Width>(net[j][i], coefficients + (4 * j + i) * together + k);
+        store<Width>(net[j][i], coefficients + (4 * j + i) * cells_per_batch + k);
       }
     }
     const Pack<Width> slack = 4.0 * epsilon * largest;
     store<Width>(slack, round_off + k);
-    examine<Width>(net, highest, slack, findings + k);
+    classify<Width>(net, max_value, slack, classes + k);
   }
 }
 
-STICTION_KERNEL(examine_cells, (double* coefficients, double highest, double* round_off, Finding* findings),
-                (coefficients, highest, round_off, findings))
+STICTION_KERNEL(classify_cells, (double* coefficients, double max_value, double* round_off, CellClass* classes),
+                (coefficients, max_value, round_off, classes))
 
-// The coefficients of both halves of a cubic.
+// Compute the coefficients of both halves of a cubic (de Casteljau).
 STICTION_INLINE void halve(double a, double b, double c, double d, std::array<double, 4>& first,
                            std::array<double, 4>& second) {
   const double ab = 0.5 * (a + b);
@@ -227,7 +232,7 @@ STICTION_INLINE void halve(double a, double b, double c, double d, std::array<do
   second = {middle, bcd, cd, d};
 }
 
-// The quarters of a part: left and right of the lower half, and of the upper one.
+// Subdivide a part into quarters: left and right of the lower half, then of the upper half.
 STICTION_INLINE void quarter(const Net& net, Nets<4>& quarters) {
   std::array<Net, 2> halves;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -254,8 +259,8 @@ STICTION_INLINE void quarter(const Net& net, Nets<4>& quarters) {
 }
 
 template <std::size_t Width>
-STICTION_INLINE void examine_quarters_kernel(const Net& whole, double highest, double round_off, Nets<4>& quarters,
-                                             Finding* findings) {
+STICTION_INLINE void classify_quarters_kernel(const Net& whole, double max_value, double round_off, Nets<4>& quarters,
+                                              CellClass* classes) {
   constexpr std::size_t width = Width < 4 ? Width : 4;
   quarter(whole, quarters);
   for (std::size_t k = 0; k < 4; k += width) {
@@ -265,16 +270,16 @@ STICTION_INLINE void examine_quarters_kernel(const Net& whole, double highest, d
         net[j][i] = load<width>(&quarters[j][i][k]);
       }
     }
-    examine<width>(net, highest, Pack<width>{} + round_off, findings + k);
+    classify<width>(net, max_value, Pack<width>{} + round_off, classes + k);
   }
 }
 
-STICTION_KERNEL(examine_quarters,
-                (const Net& whole, double highest, double round_off, Nets<4>& quarters, Finding* findings),
-                (whole, highest, round_off, quarters, findings))
+STICTION_KERNEL(classify_quarters,
+                (const Net& whole, double max_value, double round_off, Nets<4>& quarters, CellClass* classes),
+                (whole, max_value, round_off, quarters, classes))
 
 template <std::size_t lanes>
-Net one_of(const Nets<lanes>& nets, std::size_t lane) {
+Net extract(const Nets<lanes>& nets, std::size_t lane) {
   Net net;
   for (std::size_t j = 0; j < 4; ++j) {
     for (std::size_t i = 0; i < 4; ++i) {
@@ -288,42 +293,44 @@ Net one_of(const Nets<lanes>& nets, std::size_t lane) {
 
 class Cell {
  public:
-  Cell(const MatrixView& coefficients, Index row, Index column, double highest)
-      : coefficients_(coefficients), row_(row), column_(column), highest_(highest) {}
+  Cell(const MatrixView& coefficients, Index row, Index column, double max_value)
+      : coefficients_(coefficients), row_(row), column_(column), max_value_(max_value) {}
 
-  // Calls found(Minimum), without what is there, whose u and v may be somewhat beyond the cell.
-  template <class Found>
-  void search(const Net& net, double round_off, Finding finding, const Found& found) const {
-    part(net, 0.0, 0.0, 1.0, round_off, finding, found);
+  // Call visit(minimum) for each minimum. Its value and derivatives are not set, and u and v may lie slightly outside
+  // the cell.
+  template <class Visit>
+  void search(const Net& net, double round_off, CellClass cell_class, const Visit& visit) const {
+    search_part(net, 0.0, 0.0, 1.0, round_off, cell_class, visit);
   }
 
  private:
-  template <class Found>
-  void part(const Net& net, double u, double v, double size, double round_off, Finding finding,
-            const Found& found) const {
+  template <class Visit>
+  void search_part(const Net& net, double u, double v, double size, double round_off, CellClass cell_class,
+                   const Visit& visit) const {
     constexpr double smallest = 1.0 / 64.0;
-    const bool last = size <= smallest;
-    if (finding == Finding::convex || last) {
-      const double around = last ? size : beyond;
+    const bool is_smallest = size <= smallest;
+    if (cell_class == CellClass::convex || is_smallest) {
+      const double margin = is_smallest ? size : beyond;
       const auto minimum = newton(u + 0.5 * size, v + 0.5 * size, size, round_off);
-      if (minimum && minimum->u >= u - around && minimum->u <= u + size + around && minimum->v >= v - around &&
-          minimum->v <= v + size + around) {
+      if (minimum && minimum->u >= u - margin && minimum->u <= u + size + margin && minimum->v >= v - margin &&
+          minimum->v <= v + size + margin) {
         if (inside(minimum->u) && inside(minimum->v)) {
-          found(*minimum);
+          visit(*minimum);
         }
         return;
       }
-      if (last) {
+      if (is_smallest) {
         return;
       }
     }
     Nets<4> quarters;
-    std::array<Finding, 4> findings;
-    examine_quarters(net, highest_, round_off, quarters, findings.data());
+    std::array<CellClass, 4> classes;
+    classify_quarters(net, max_value_, round_off, quarters, classes.data());
     const double half = 0.5 * size;
     for (std::size_t k = 0; k < 4; ++k) {
-      if (findings[k] != Finding::none) {
-        part(one_of(quarters, k), k % 2 == 0 ? u : u + half, k < 2 ? v : v + half, half, round_off, findings[k], found);
+      if (classes[k] != CellClass::excluded) {
+        search_part(extract(quarters, k), k % 2 == 0 ? u : u + half, k < 2 ? v : v + half, half, round_off, classes[k],
+                    visit);
       }
     }
   }
@@ -339,9 +346,9 @@ class Cell {
       }
       double du = (at.xy * at.y - at.yy * at.x) / determinant;
       double dv = (at.xy * at.x - at.xx * at.y) / determinant;
-      const double length = most(std::abs(du), std::abs(dv));
-      // Where the floor is nearly level, steps never become shorter than round-off makes them.
-      if (length <= 1e-12 || most(std::abs(at.x), std::abs(at.y)) <= round_off) {
+      const double length = larger(std::abs(du), std::abs(dv));
+      // On a nearly level floor, round-off keeps the steps from becoming shorter.
+      if (length <= 1e-12 || larger(std::abs(at.x), std::abs(at.y)) <= round_off) {
         return Minimum{row_, column_, u + du, v + dv, {}};
       }
       if (length > 2.0 * size) {
@@ -360,20 +367,20 @@ class Cell {
   const MatrixView& coefficients_;
   Index row_;
   Index column_;
-  double highest_;
+  double max_value_;
 };
 
-// ---- Each once, and not on the edge ---------------------------------------------------------------------------------
+// ---- Duplicates and edges -------------------------------------------------------------------------------------------
 
-// A minimum next to a side of its cell belongs to the cell on whose left, or lower, side it then is.
-void settle(double& fraction, Index& cell, Index cells) {
+// Move a minimum close to the right or upper side of its cell to the neighbouring cell.
+void move_to_owner(double& fraction, Index& cell, Index cells) {
   if (fraction >= 1.0 - same && cell + 1 < cells) {
     cell += 1;
     fraction -= 1.0;
   }
 }
 
-bool before(const Minimum& a, const Minimum& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; }
+bool precedes(const Minimum& a, const Minimum& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; }
 
 }  // namespace
 
@@ -384,93 +391,94 @@ Jet at_minimum(const MatrixView& coefficients, const Minimum& minimum) {
                     minimum.v + static_cast<double>(below));
 }
 
-bool is_same(const Minimum& one, const Minimum& other) {
-  return std::abs(one.u - other.u) < 2.0 * same && std::abs(one.v - other.v) < 2.0 * same;
+bool is_same(const Minimum& first, const Minimum& second) {
+  return std::abs(first.u - second.u) < 2.0 * same && std::abs(first.v - second.v) < 2.0 * same;
 }
 
-std::vector<Minimum> minima(const MatrixView& coefficients, const Cells& where, double highest,
-                            const Checkpoint& checkpoint) {
-  const Index rows = coefficients.rows() - 3;  // of all cells
+std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
+                            const CancellationCheck& check_cancellation) {
+  const Index rows = coefficients.rows() - 3;  // number of cells of the map
   const Index columns = coefficients.cols() - 3;
   const Index stride = coefficients.outerStride();
-  std::vector<Minimum> found;
-  const Index blocks = (where.columns + cells_at_once - 1) / cells_at_once;
-  std::vector<unsigned char> low(static_cast<std::size_t>((where.rows + 3) * blocks));
-  for (Index row = 0; row < where.rows + 3; ++row) {
-    mark_low(coefficients.data() + (where.row + row) * stride + where.column, where.columns, highest,
+  std::vector<Minimum> all_minima;
+  const Index blocks = (range.columns + cells_per_block - 1) / cells_per_block;
+  std::vector<unsigned char> low(static_cast<std::size_t>((range.rows + 3) * blocks));
+  for (Index row = 0; row < range.rows + 3; ++row) {
+    mark_low(coefficients.data() + (range.row + row) * stride + range.column, range.columns, max_value,
              &low[static_cast<std::size_t>(row * blocks)]);
   }
-  const auto is_low = [&](Index row, Index at) {
-    const unsigned char* first = &low[static_cast<std::size_t>((row - where.row) * blocks + at)];
+  const auto is_low = [&](Index row, Index block) {
+    const unsigned char* first = &low[static_cast<std::size_t>((row - range.row) * blocks + block)];
     return (first[0] | first[blocks] | first[2 * blocks] | first[3 * blocks]) != 0;
   };
-  std::vector<unsigned char> marks(static_cast<std::size_t>(where.columns));
-  Ranges ranges(where.columns + 3);
-  std::vector<Index> columns_left;  // of the cells in a row
-  Nets<together> nets{};
-  std::array<double, together> round_off;
-  std::array<Finding, together> findings;
-  const auto keep = [&](Minimum minimum) {
+  std::vector<unsigned char> marks(static_cast<std::size_t>(range.columns));
+  Ranges ranges(range.columns + 3);
+  std::vector<Index> remaining_columns;  // columns of the remaining cells in a row
+  Nets<cells_per_batch> nets{};
+  std::array<double, cells_per_batch> round_off;
+  std::array<CellClass, cells_per_batch> classes;
+  const auto add_minimum = [&](Minimum minimum) {
     const double x = static_cast<double>(minimum.column) + minimum.u;
     const double y = static_cast<double>(minimum.row) + minimum.v;
     const bool on_edge =
         x < same || y < same || x > static_cast<double>(columns) - same || y > static_cast<double>(rows) - same;
     if (!on_edge) {
-      settle(minimum.u, minimum.column, columns);
-      settle(minimum.v, minimum.row, rows);
+      move_to_owner(minimum.u, minimum.column, columns);
+      move_to_owner(minimum.v, minimum.row, rows);
       minimum.at = at_minimum(coefficients, minimum);
-      if (minimum.at.value <= highest) {
-        found.push_back(minimum);
+      if (minimum.at.value <= max_value) {
+        all_minima.push_back(minimum);
       }
     }
   };
-  for (Index row = where.row; row < where.row + where.rows; ++row) {
-    checkpoint();
-    columns_left.clear();
-    for (Index at = 0; at < blocks; ++at) {
-      if (!is_low(row, at)) {
+  for (Index row = range.row; row < range.row + range.rows; ++row) {
+    check_cancellation();
+    remaining_columns.clear();
+    for (Index block = 0; block < blocks; ++block) {
+      if (!is_low(row, block)) {
         continue;
       }
-      const Index first = where.column + at * cells_at_once;
-      while (at + 1 < blocks && is_low(row, at + 1)) {
-        ++at;
+      const Index first = range.column + block * cells_per_block;
+      while (block + 1 < blocks && is_low(row, block + 1)) {
+        ++block;
       }
-      const Index cells = std::min(where.columns, (at + 1) * cells_at_once) - (first - where.column);
-      screen_columns(coefficients.data() + row * stride + first, stride, cells + 3, ranges.lowest(), ranges.x_low(),
-                     ranges.x_high(), ranges.y_low(), ranges.y_high());
-      screen_cells(ranges.lowest(), ranges.x_low(), ranges.x_high(), ranges.y_low(), ranges.y_high(), cells, highest,
-                   marks.data());
-      for_each_marked(marks.data(), 0, cells, [&](Index i) { columns_left.push_back(first + i); });
+      const Index cells = std::min(range.columns, (block + 1) * cells_per_block) - (first - range.column);
+      column_ranges(coefficients.data() + row * stride + first, stride, cells + 3, ranges.lowest(), ranges.x_low(),
+                    ranges.x_high(), ranges.y_low(), ranges.y_high());
+      mark_possible_cells(ranges.lowest(), ranges.x_low(), ranges.x_high(), ranges.y_low(), ranges.y_high(), cells,
+                          max_value, marks.data());
+      for_each_marked(marks.data(), 0, cells, [&](Index i) { remaining_columns.push_back(first + i); });
     }
-    for (std::size_t begin = 0; begin < columns_left.size(); begin += together) {
-      const std::size_t count = std::min(together, columns_left.size() - begin);
+    for (std::size_t begin = 0; begin < remaining_columns.size(); begin += cells_per_batch) {
+      const std::size_t count = std::min(cells_per_batch, remaining_columns.size() - begin);
       for (std::size_t k = 0; k < count; ++k) {
-        const double* c = coefficients.data() + row * stride + columns_left[begin + k];
+        const double* c = coefficients.data() + row * stride + remaining_columns[begin + k];
         for (std::size_t j = 0; j < 4; ++j, c += stride) {
           for (std::size_t i = 0; i < 4; ++i) {
             nets[j][i][k] = c[i];
           }
         }
       }
-      examine_cells(nets[0][0].data(), highest, round_off.data(), findings.data());
+      classify_cells(nets[0][0].data(), max_value, round_off.data(), classes.data());
       for (std::size_t k = 0; k < count; ++k) {
-        if (findings[k] != Finding::none) {
-          Cell(coefficients, row, columns_left[begin + k], highest)
-              .search(one_of(nets, k), round_off[k], findings[k], keep);
+        if (classes[k] != CellClass::excluded) {
+          Cell(coefficients, row, remaining_columns[begin + k], max_value)
+              .search(extract(nets, k), round_off[k], classes[k], add_minimum);
         }
       }
     }
   }
-  std::stable_sort(found.begin(), found.end(), before);
-  // The same minimum seen from two cells or two parts of one is now in one cell.
+  std::stable_sort(all_minima.begin(), all_minima.end(), precedes);
+  // Remove duplicates found from two cells or from two parts of a cell; they are in the same cell now.
   std::vector<Minimum> result;
-  result.reserve(found.size());
-  for (const Minimum& minimum : found) {
-    bool known = false;
-    for (auto other = result.rbegin(); other != result.rend() && !before(*other, minimum) && !known; ++other) {
-      known = is_same(*other, minimum);
+  result.reserve(all_minima.size());
+  for (const Minimum& minimum : all_minima) {
+    bool is_duplicate = false;
+    for (auto second = result.rbegin(); second != result.rend() && !precedes(*second, minimum) && !is_duplicate;
+         ++second) {
+      is_duplicate = is_same(*second, minimum);
     }
-    if (!known) {
+    if (!is_duplicate) {
       result.push_back(minimum);
     }
   }

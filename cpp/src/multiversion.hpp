@@ -1,12 +1,12 @@
-// What makes a portable build fast: a hot loop is compiled for several instruction sets, and the widest that the
-// machine has is picked at load time. Two ways, one for loops that the compiler makes wide by itself, one for those in
-// which it matters what stays in registers.
+// Function multiversioning: hot loops are compiled for several instruction sets, and the loader selects the widest one
+// that the machine supports. STICTION_MULTIVERSION is for loops that the compiler vectorises itself; STICTION_KERNEL is
+// for loops written in SIMD registers, where it matters which values stay in registers.
 #pragma once
 
 #include <cstddef>
 
-// Not where the loader cannot do it: other platforms and C libraries, and under sanitizers, whose start-up the resolver
-// functions break.
+// Disabled if the loader does not support it (other platforms and C libraries), and under sanitizers, whose start-up is
+// incompatible with resolver functions.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 #define STICTION_SANITIZED
 #elif defined(__has_feature)
@@ -15,7 +15,7 @@
 #endif
 #endif
 
-// AVX-512 and AVX2 with FMA: GCC knows them as levels since 12, Clang by their parts.
+// AVX-512, and AVX2 with FMA. GCC 12 and later accept the x86-64 levels; Clang needs each feature listed.
 #if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && !defined(STICTION_SANITIZED)
 #if defined(__clang__)
 #define STICTION_WIDEST "avx512f,avx512vl,avx512dq,avx512bw,fma"
@@ -26,20 +26,21 @@
 #endif
 #endif
 
-/// Before a function of plain loops. Not by Clang, of which some versions lose what such a function calls.
+/// Goes before a function of plain loops. Not used with Clang, some versions of which drop functions that such a
+/// function calls.
 #if defined(STICTION_WIDE) && !defined(__clang__)
 #define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
 #else
 #define STICTION_MULTIVERSION
 #endif
 
-// Clang thinks that what only the loader picks is unused.
+// Clang reports functions that only the loader selects as unused.
 #if defined(__clang__)
 #pragma clang diagnostic ignored "-Wunused-function"
 #endif
 
-/// Defines void name(parameters) as name_kernel<Width>(arguments), a template written in packs of so many numbers as a
-/// register of the instruction set holds: GCC keeps wider ones in memory, 20 times slower.
+/// Define void name(parameters) from a template name_kernel<Width>(arguments), whose Width is the number of doubles in
+/// a register of the instruction set. GCC keeps wider SIMD types in memory, which is 20 times slower.
 #if defined(STICTION_WIDE)
 #define STICTION_KERNEL(name, parameters, arguments)                                                            \
   __attribute__((target(STICTION_WIDEST))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \
@@ -50,52 +51,52 @@
   void name parameters { name##_kernel<2> arguments; }
 #endif
 
-// What a hot loop is made of must become part of it, to be compiled for its instruction sets.
+// Functions called in a hot loop must be inlined, so that they are compiled for its instruction sets.
 #define STICTION_INLINE __attribute__((always_inline)) inline
 
 namespace stiction {
 
-// Vector types of GCC and Clang, and the same at any address; written out, because attributes of a type that depends on
-// a template are dropped.
+// SIMD types of GCC and Clang, and unaligned versions of them. They are written out for each width, because attributes
+// of types that depend on a template parameter are ignored.
 template <std::size_t Width>
 struct PackOf;
 template <>
 struct PackOf<2> {
   using Type = double __attribute__((vector_size(16)));
-  struct __attribute__((packed, may_alias)) Anywhere {
+  struct __attribute__((packed, may_alias)) Unaligned {
     Type pack;
   };
 };
 template <>
 struct PackOf<4> {
   using Type = double __attribute__((vector_size(32)));
-  struct __attribute__((packed, may_alias)) Anywhere {
+  struct __attribute__((packed, may_alias)) Unaligned {
     Type pack;
   };
 };
 template <>
 struct PackOf<8> {
   using Type = double __attribute__((vector_size(64)));
-  struct __attribute__((packed, may_alias)) Anywhere {
+  struct __attribute__((packed, may_alias)) Unaligned {
     Type pack;
   };
 };
 
-/// Numbers that one instruction works on.
+/// Doubles that one SIMD instruction processes.
 template <std::size_t Width>
 using Pack = typename PackOf<Width>::Type;
 
 inline constexpr std::size_t widest_pack = 8;
 
-// Not by memcpy, which GCC takes to pieces before it knows the instruction set.
+// Load without alignment. GCC would split a memcpy before it knows the instruction set.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {
-  return reinterpret_cast<const typename PackOf<Width>::Anywhere*>(values)->pack;
+  return reinterpret_cast<const typename PackOf<Width>::Unaligned*>(values)->pack;
 }
 
 template <std::size_t Width>
 STICTION_INLINE void store(const Pack<Width>& pack, double* values) {
-  reinterpret_cast<typename PackOf<Width>::Anywhere*>(values)->pack = pack;
+  reinterpret_cast<typename PackOf<Width>::Unaligned*>(values)->pack = pack;
 }
 
 }  // namespace stiction

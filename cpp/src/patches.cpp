@@ -9,15 +9,15 @@
 namespace stiction {
 namespace {
 
-// Of a cell, by which points under pressure reach beyond the contact at each open side. On lines half of 0.38 +- 0.03
-// points for each contact, measured on Westergaard's sinusoid.
-constexpr double beyond_side_of_line = 0.19;
-constexpr double beyond_side_of_area = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
+// Fraction of a cell by which the points under pressure extend beyond the contact at each open side. On lines it is
+// half of 0.38 +- 0.03 points per contact, measured on Westergaard's sinusoid.
+constexpr double line_side_fraction = 0.19;
+constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
 
-// Sets of points, each of which is named by its first one.
-class Sets {
+// Disjoint sets of points (union-find). Each set is represented by its first point.
+class DisjointSets {
  public:
-  explicit Sets(std::size_t count) : first_(count) {
+  explicit DisjointSets(std::size_t count) : first_(count) {
     for (std::size_t i = 0; i < count; ++i) {
       first_[i] = static_cast<std::int32_t>(i);
     }
@@ -33,9 +33,9 @@ class Sets {
   }
 
   void unite(std::size_t i, std::size_t j) {
-    const std::size_t one = first(i);
-    const std::size_t other = first(j);
-    first_[std::max(one, other)] = static_cast<std::int32_t>(std::min(one, other));
+    const std::size_t first_i = first(i);
+    const std::size_t first_j = first(j);
+    first_[std::max(first_i, first_j)] = static_cast<std::int32_t>(std::min(first_i, first_j));
   }
 
  private:
@@ -46,22 +46,22 @@ class Sets {
 
 Patches patches_of(Values pressure, const Grid& grid, double hardness) {
   if (pressure.size() != grid.size()) {
-    throw std::invalid_argument("patches_of: pressure must be on the grid");
+    throw std::invalid_argument("patches_of: pressure must have as many elements as the grid has points");
   }
-  Patches found;
-  // The number of a point among those under pressure, from 1 on.
-  std::vector<std::int32_t> number(pressure.size(), 0);
+  Patches result;
+  // Number of a point among the points under pressure, from 1; 0 without pressure.
+  std::vector<std::int32_t> numbers(pressure.size(), 0);
   for (std::size_t i = 0; i < pressure.size(); ++i) {
     if (pressure[i] != 0.0) {
-      found.points.push_back(static_cast<std::int64_t>(i));
-      found.pressure.push_back(pressure[i]);
-      number[i] = static_cast<std::int32_t>(found.points.size());
+      result.points.push_back(static_cast<std::int64_t>(i));
+      result.pressure.push_back(pressure[i]);
+      numbers[i] = static_cast<std::int32_t>(result.points.size());
     }
   }
   const auto rows = static_cast<std::int64_t>(grid.rows);
   const auto columns = static_cast<std::int64_t>(grid.columns);
-  const double beyond_side = grid.line ? beyond_side_of_line : beyond_side_of_area;
-  // Of a place beyond the edges: 0, or that of the other side.
+  const double side_fraction = grid.line ? line_side_fraction : area_side_fraction;
+  // Beyond the edges: 0 or, on periodic grids, the number at the opposite side.
   const auto at = [&](std::int64_t row, std::int64_t column) -> std::int32_t {
     if (row < 0 || row >= rows || column < 0 || column >= columns) {
       if (!grid.periodic) {
@@ -70,18 +70,18 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
       row = (row + rows) % rows;
       column = (column + columns) % columns;
     }
-    return number[static_cast<std::size_t>(row * columns + column)];
+    return numbers[static_cast<std::size_t>(row * columns + column)];
   };
-  Sets sets(found.points.size());
-  found.share.reserve(found.points.size());
-  for (std::size_t k = 0; k < found.points.size(); ++k) {
-    const std::int64_t row = found.points[k] / columns;
-    const std::int64_t column = found.points[k] % columns;
+  DisjointSets sets(result.points.size());
+  result.contact_fraction.reserve(result.points.size());
+  for (std::size_t k = 0; k < result.points.size(); ++k) {
+    const std::int64_t row = result.points[k] / columns;
+    const std::int64_t column = result.points[k] % columns;
     for (std::int64_t down = grid.line ? 0 : -1; down <= (grid.line ? 0 : 1); ++down) {
       for (std::int64_t right = -1; right <= 1; ++right) {
-        const std::int32_t other = at(row + down, column + right);
-        if (other > 0 && static_cast<std::size_t>(other) <= k) {
-          sets.unite(k, static_cast<std::size_t>(other - 1));
+        const std::int32_t neighbour = at(row + down, column + right);
+        if (neighbour > 0 && static_cast<std::size_t>(neighbour) <= k) {
+          sets.unite(k, static_cast<std::size_t>(neighbour - 1));
         }
       }
     }
@@ -95,14 +95,14 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
     if (!grid.line) {
       open += static_cast<int>(is_open(-1, 0)) + static_cast<int>(is_open(1, 0));
     }
-    found.share.push_back(std::max(1 - beyond_side * open, found.pressure[k] / hardness));
+    result.contact_fraction.push_back(std::max(1 - side_fraction * open, result.pressure[k] / hardness));
   }
-  found.patch.resize(found.points.size());
-  for (std::size_t k = 0; k < found.points.size(); ++k) {
+  result.patch.resize(result.points.size());
+  for (std::size_t k = 0; k < result.points.size(); ++k) {
     const std::size_t first = sets.first(k);
-    found.patch[k] = first == k ? ++found.count : found.patch[first];
+    result.patch[k] = first == k ? ++result.count : result.patch[first];
   }
-  return found;
+  return result;
 }
 
 PatchSums patch_sums(Values force, Values area, Values slope_y, Values slope_x, std::span<const std::int32_t> patch,
@@ -110,41 +110,41 @@ PatchSums patch_sums(Values force, Values area, Values slope_y, Values slope_x, 
   const std::size_t size = force.size();
   if (area.size() != size || slope_x.size() != size || patch.size() != size ||
       (!slope_y.empty() && slope_y.size() != size)) {
-    throw std::invalid_argument("patch_sums: there must be as many areas, slopes and patches as forces");
+    throw std::invalid_argument("patch_sums: area, slope_y, slope_x and patch must be as long as force");
   }
   std::int32_t last = 0;
-  for (const std::int32_t one : patch) {
-    if (one < 1) {
-      throw std::invalid_argument("patch_sums: patches are numbered from 1 on");
+  for (const std::int32_t first_patch : patch) {
+    if (first_patch < 1) {
+      throw std::invalid_argument("patch_sums: patch must be at least 1");
     }
-    last = std::max(last, one);
+    last = std::max(last, first_patch);
   }
   const auto count = static_cast<std::size_t>(last);
   PatchSums sums;
   sums.force.resize(count);
   sums.area.resize(count);
-  for (auto* each : {&sums.leaning, &sums.upward, &sums.forward, &sums.upward_area, &sums.forward_area}) {
-    each->resize(directions.size() * count);
+  for (auto* values : {&sums.leaning, &sums.upward, &sums.forward, &sums.upward_area, &sums.forward_area}) {
+    values->resize(directions.size() * count);
   }
   const auto along_y = [&](std::size_t i) { return slope_y.empty() ? 0.0 : slope_y[i]; };
   double squares = 0.0;
   double total = 0.0;
   for (std::size_t i = 0; i < size; ++i) {
-    const auto at = static_cast<std::size_t>(patch[i] - 1);
-    const double steep = slope_x[i] * slope_x[i] + along_y(i) * along_y(i);
-    sums.force[at] += force[i];
-    sums.area[at] += area[i] * std::sqrt(1 + steep);
-    squares += steep * force[i];
+    const auto p = static_cast<std::size_t>(patch[i] - 1);
+    const double squared_slope = slope_x[i] * slope_x[i] + along_y(i) * along_y(i);
+    sums.force[p] += force[i];
+    sums.area[p] += area[i] * std::sqrt(1 + squared_slope);
+    squares += squared_slope * force[i];
     total += force[i];
   }
   sums.steepness = std::sqrt(squares / total);
-  for (std::size_t way = 0; way < directions.size(); ++way) {
-    const auto [x, y] = directions[way];
+  for (std::size_t direction = 0; direction < directions.size(); ++direction) {
+    const auto [x, y] = directions[direction];
     for (std::size_t i = 0; i < size; ++i) {
-      const std::size_t at = way * count + static_cast<std::size_t>(patch[i] - 1);
+      const std::size_t at = direction * count + static_cast<std::size_t>(patch[i] - 1);
       const double rise = slope_x[i] * x + along_y(i) * y;  // -q s·n
       const double across = slope_x[i] * y - along_y(i) * x;
-      // t = -s + (s·n) n over its length, sqrt(1 - (s·n)²), which is level/q: F q t_z is -F rise/level.
+      // t is -s + (s·n) n divided by its length sqrt(1 - (s·n)²) = level/q, so q F t_z = -F rise/level.
       const double level = std::sqrt(1 + across * across);
       const double upward = -rise / level;
       sums.leaning[at] += rise * force[i];

@@ -14,41 +14,41 @@ namespace {
 
 void check(Values heights, double spacing, std::size_t size, std::span<double> slope, std::span<double> curvature) {
   if (heights.size() < 4) {
-    throw std::invalid_argument("natural_spline: heights has " + std::to_string(heights.size()) +
-                                " values, at least 4 are needed");
+    throw std::invalid_argument("natural_spline: heights must have at least 4 values, got " +
+                                std::to_string(heights.size()));
   }
   if (!(spacing > 0.0)) {
-    throw std::invalid_argument("natural_spline: spacing is " + std::to_string(spacing) + " µm, must be above 0");
+    throw std::invalid_argument("natural_spline: spacing must be above 0, got " + std::to_string(spacing) + " µm");
   }
   if (slope.size() != size || curvature.size() != size) {
     throw std::invalid_argument("natural_spline: slope and curvature must be as long as heights");
   }
 }
 
-// ---- The load of the spline's tridiagonal system --------------------------------------------------------------------
+// ---- Right-hand side of the tridiagonal system ----------------------------------------------------------------------
 //
 // f''_(i-1) + 4 f''_i + f''_(i+1) = 6 (y_(i-1) - 2 y_i + y_(i+1)) / Δx², and f'' = 0 at both ends.
 
 double load_scale(double spacing) { return 6.0 / (spacing * spacing); }
 
 STICTION_MULTIVERSION
-void loads(const double* heights, Index size, double scale, double* result) {
+void right_sides(const double* heights, Index size, double scale, double* result) {
   for (Index i = 0; i < size; ++i) {
     const double* y = heights + i;
     result[i] = scale * ((y[1] - y[0]) - (y[0] - y[-1]));
   }
 }
 
-// The mean of the two cubics' slopes at a point, which are equal: symmetric in x, so a mirrored profile has mirrored
-// slopes to the last bit.
+// Compute the slope at a point as the mean of the slopes of the two adjacent cubics, which agree to within round-off.
+// The expression is symmetric in x, so that a mirrored profile has bit-identical mirrored slopes.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
-  const double of_heights = 0.5 / spacing;
-  const double of_curvature = spacing / 12.0;
+  const double height_factor = 0.5 / spacing;
+  const double curvature_factor = spacing / 12.0;
   for (Index i = 0; i < size; ++i) {
     const double* y = heights + i;
     const double* c = curvature + i;
-    result[i] = of_heights * (y[1] - y[-1]) - of_curvature * (c[1] - c[-1]);
+    result[i] = height_factor * (y[1] - y[-1]) - curvature_factor * (c[1] - c[-1]);
   }
 }
 
@@ -63,16 +63,16 @@ double last_slope(Values heights, double curvature_before, double spacing) {
 
 // ---- Superposition --------------------------------------------------------------------------------------------------
 
-// Points on each side beyond which the curvature of a unit load, 0.268^28 = 1e-16, is nothing.
+// Points on each side beyond which the curvature of a unit load is negligible, 0.268^28 = 1e-16.
 constexpr Index reach = 28;
-// Curvatures are computed in multiples of a stride, and so many together with one more than points on both sides.
+// Curvatures are computed in multiples of `stride`, and in chunks of `chunk` points plus one on each side.
 constexpr Index stride = 32;
 constexpr Index chunk = 254;
 static_assert((chunk + 2) % stride == 0);
 
 using Kernel = std::array<double, reach + 1>;
 
-// Curvature at 0, 1, ..., `reach` points from a unit load, far from both ends.
+// Return the curvature at 0, 1, ..., `reach` points from a unit load, far from both ends.
 const Kernel& unit_load() {
   static const Kernel kernel = [] {
     constexpr std::size_t middle = 3 * reach;
@@ -87,7 +87,7 @@ const Kernel& unit_load() {
   return kernel;
 }
 
-// result[i] = Σ_k kernel[|k|] values[i + k] for i = 0, 1, ..., a whole number of strides of them.
+// result[i] = Σ_k kernel[|k|] values[i + k] for i = 0, 1, ..., size - 1; `size` is a multiple of `stride`.
 template <std::size_t Width>
 STICTION_INLINE void superpose_kernel(const double* values, const double* kernel, std::size_t size, double* result) {
   constexpr std::size_t packs = 4;
@@ -119,7 +119,7 @@ void natural_spline(Values heights, double spacing, std::span<double> slope, std
   check(heights, spacing, size, slope, curvature);
   std::vector<double> load(size - 2);
   const auto inner = static_cast<Index>(size) - 2;
-  loads(heights.data() + 1, inner, load_scale(spacing), load.data());
+  right_sides(heights.data() + 1, inner, load_scale(spacing), load.data());
   curvature.front() = 0.0;
   curvature.back() = 0.0;
   gsl::solve_tridiagonal(4.0, 1.0, load, curvature.subspan(1, size - 2));
@@ -134,50 +134,51 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
   const auto points = static_cast<Index>(slope.size());
   check(heights, spacing, slope.size(), slope, curvature);
   if (first < 0 || first > size - points) {
-    throw std::invalid_argument("natural_spline_from: the points lie beyond the profile");
+    throw std::invalid_argument("natural_spline_from: the points must lie within the profile");
   }
   const double* y = heights.data();
   const double scale = load_scale(spacing);
   const Index last = size - 1;
-  // An end without curvature is a point of odd symmetry: beyond it the load is that of its mirror image, reversed.
+  // At an end without curvature the load has odd symmetry: beyond the end it is the mirror image with opposite sign.
   const auto load_at = [&](Index j) {
     const Index i = (j % (2 * last) + 2 * last) % (2 * last);
     const Index image = i > last ? 2 * last - i : i;
     double load = 0.0;
     if (image > 0 && image < last) {
-      loads(y + image, 1, scale, &load);
+      right_sides(y + image, 1, scale, &load);
     }
     return i > last ? -load : load;
   };
   std::array<double, chunk + 2 + 2 * reach> load;
-  std::array<double, chunk + 2> around;  // curvatures from one point before the first
+  std::array<double, chunk + 2> curvatures;  // curvatures, starting one point before the chunk
   for (Index done = 0; done < points; done += chunk) {
     const Index count = std::min(chunk, points - done);
     const Index begin = first + done;
-    const Index wanted = (count + 2 + stride - 1) / stride * stride;
+    const Index padded = (count + 2 + stride - 1) / stride * stride;
     const Index load_begin = begin - 1 - reach;
-    const Index load_end = load_begin + wanted + 2 * reach;
+    const Index load_end = load_begin + padded + 2 * reach;
     const Index inner_begin = std::clamp<Index>(1, load_begin, load_end);
     const Index inner_end = std::clamp<Index>(last, inner_begin, load_end);
-    const auto slot = [&](Index j) { return load.data() + (j - load_begin); };
+    const auto load_slot = [&](Index j) { return load.data() + (j - load_begin); };
     for (Index j = load_begin; j < inner_begin; ++j) {
-      *slot(j) = load_at(j);
+      *load_slot(j) = load_at(j);
     }
-    loads(y + inner_begin, inner_end - inner_begin, scale, slot(inner_begin));
+    right_sides(y + inner_begin, inner_end - inner_begin, scale, load_slot(inner_begin));
     for (Index j = inner_end; j < load_end; ++j) {
-      *slot(j) = load_at(j);
+      *load_slot(j) = load_at(j);
     }
-    superpose(load.data() + reach, unit_load().data(), static_cast<std::size_t>(wanted), around.data());
+    superpose(load.data() + reach, unit_load().data(), static_cast<std::size_t>(padded), curvatures.data());
 
-    std::copy_n(around.data() + 1, count, curvature.data() + done);
-    const Index inside = begin == 0 ? 1 : 0;  // the first that has neighbours on both sides
-    const Index outside = begin + count == size ? count - 1 : count;
-    slopes(y + begin + inside, around.data() + 1 + inside, outside - inside, spacing, slope.data() + done + inside);
+    std::copy_n(curvatures.data() + 1, count, curvature.data() + done);
+    const Index first_inner = begin == 0 ? 1 : 0;  // first point with neighbours on both sides
+    const Index last_inner = begin + count == size ? count - 1 : count;
+    slopes(y + begin + first_inner, curvatures.data() + 1 + first_inner, last_inner - first_inner, spacing,
+           slope.data() + done + first_inner);
     if (begin == 0) {
-      slope.front() = first_slope(heights, around[2], spacing);
+      slope.front() = first_slope(heights, curvatures[2], spacing);
     }
     if (begin + count == size) {
-      slope.back() = last_slope(heights, around[static_cast<std::size_t>(count - 1)], spacing);
+      slope.back() = last_slope(heights, curvatures[static_cast<std::size_t>(count - 1)], spacing);
     }
   }
 }

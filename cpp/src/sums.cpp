@@ -6,14 +6,14 @@
 
 namespace stiction {
 
-Sliding sliding(std::string_view word) {
-  if (word == "opposing") {
+Sliding sliding(std::string_view name) {
+  if (name == "opposing") {
     return Sliding::opposing;
   }
-  if (word == "all") {
+  if (name == "all") {
     return Sliding::all;
   }
-  throw std::invalid_argument(std::string("sliding is ").append(word) + ", must be opposing or all");
+  throw std::invalid_argument(std::string("sliding must be opposing or all, got ").append(name));
 }
 
 double normal_load(const Sums& sums, double mu0, double tau0) {

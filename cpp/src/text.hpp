@@ -1,4 +1,4 @@
-// Numbers in messages.
+// Formatting of numbers in messages.
 #pragma once
 
 #include <cstdio>
@@ -6,7 +6,7 @@
 
 namespace stiction {
 
-inline std::string text(double value) {
+inline std::string format_number(double value) {
   std::string digits(32, '\0');
   digits.resize(static_cast<std::size_t>(std::snprintf(digits.data(), digits.size(), "%g", value)));
   return digits;

@@ -6,15 +6,15 @@
 
 using namespace stiction;
 
-TEST_CASE("a build says with what it was made, and what it uses of the machine") {
-  const Build found = build();
-  CHECK(found.gsl == GSL_VERSION);
-  CHECK(found.compiler.find(__VERSION__) != std::string::npos);
+TEST_CASE("build: reports the compiler, the GSL version and a supported instruction set") {
+  const Build info = build();
+  CHECK(info.gsl == GSL_VERSION);
+  CHECK(info.compiler.find(__VERSION__) != std::string::npos);
 #if defined(__x86_64__)
-  const bool is_wide = found.instruction_set == "AVX-512" || found.instruction_set == "AVX2, FMA";
-  CHECK((is_wide || found.instruction_set == "SSE2"));
-  // Never more than the machine has.
-  if (found.instruction_set == "AVX-512") {
+  const bool is_wide = info.instruction_set == "AVX-512" || info.instruction_set == "AVX2, FMA";
+  CHECK((is_wide || info.instruction_set == "SSE2"));
+  // The instruction set must be one that the machine supports.
+  if (info.instruction_set == "AVX-512") {
     CHECK(__builtin_cpu_supports("avx512f"));
   }
   if (is_wide) {

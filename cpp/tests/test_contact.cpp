@@ -16,7 +16,7 @@ namespace {
 
 const ContactModel hertz{HertzSphere{10.0}};
 
-// An arc of a circle, `sign` +1 for a bump of the lower body and -1 for one of the upper.
+// An arc of a circle. `sign` is +1 for a bump of the lower surface and -1 for a bump of the upper one.
 std::vector<double> arc(double apex, double radius, double spacing, std::size_t size, double sign) {
   std::vector<double> heights(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -28,7 +28,7 @@ std::vector<double> arc(double apex, double radius, double spacing, std::size_t 
 
 }  // namespace
 
-TEST_CASE("asperities of a slope of 3/4: normals and radii point out of their solids") {
+TEST_CASE("asperity: normals and radii point out of the solid for a slope of 3/4") {
   // q = 5/4.
   const auto lower = stiction::asperity(0.75, -0.5, stiction::Side::lower);
   CHECK(lower.normal.isApprox(stiction::Vector3(-0.6, 0.0, 0.8)));
@@ -39,7 +39,7 @@ TEST_CASE("asperities of a slope of 3/4: normals and radii point out of their so
   CHECK(stiction::asperity(0.75, 0.0, stiction::Side::upper).radius == std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("one contact in the table is one contact in the sums") {
+TEST_CASE("press and contacts: agree for a single contact") {
   const auto lower = arc(1.0137, 3.0, 0.01, 201, +1.0);
   const auto upper = arc(0.9, 2.0, 0.01, 201, -1.0);
   for (const double shear : {+1.0, -1.0}) {
@@ -56,13 +56,14 @@ TEST_CASE("one contact in the table is one contact in the sums") {
     const double opposing = contact.opposing ? 1.0 : 0.0;
     CHECK(sums.normal_frictional == opposing * contact.force * contact.tangent.z());
     CHECK(sums.tangential_adhesive == opposing * -shear * contact.area * contact.tangent.x());
-    // The upper arc touches on its right, the lower on its left flank: the contact opposes a motion along -x.
+    // The upper arc touches with its right flank, the lower one with its left flank: the contact opposes a motion along
+    // -x.
     CHECK(contact.opposing == (shear * contact.normal.x() < 0.0));
     CHECK(contact.normal.dot(contact.tangent) == doctest::Approx(0.0));
   }
 }
 
-TEST_CASE("contact refuses bad arrays, approaches and models, naming what is wrong") {
+TEST_CASE("press: invalid arrays, approaches and models throw and are named") {
   const std::vector<double> heights{0.0, 1.0, 0.0, 1.0, 0.0};
   const auto message = [&](const std::vector<double>& upper, const std::vector<double>& lower, double spacing,
                            const std::vector<double>& approaches, const ContactModel& model) -> std::string {

@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <vector>
 
-using stiction::Crew;
 using stiction::ElasticKernel;
 using stiction::Grid;
+using stiction::ThreadPool;
 using stiction::Workspace;
 
 namespace {
@@ -19,10 +19,10 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double modulus = 10.0;
 constexpr double round_off = 1e-12;
-constexpr double single = 2e-6;  // of transforms in single precision
+constexpr double single_tolerance = 2e-6;  // error of transforms in single precision
 
-// Some numbers without order.
-std::vector<double> numbers(std::size_t count) {
+// Pseudo-random numbers.
+std::vector<double> pseudo_random(std::size_t count) {
   std::vector<double> result(count);
   for (std::size_t i = 0; i < count; ++i) {
     result[i] = std::sin(1.0 + 12.9898 * static_cast<double>(i * i % 1009));
@@ -30,15 +30,15 @@ std::vector<double> numbers(std::size_t count) {
   return result;
 }
 
-// Wave by wave: `factor` of the length of each wave vector times it.
+// Reference: multiply each Fourier component by factor(|k|), by direct summation.
 template <class Factor>
-std::vector<double> by_waves(const Grid& grid, const std::vector<double>& values, Factor factor) {
+std::vector<double> filter_directly(const Grid& grid, const std::vector<double>& values, Factor factor) {
   std::vector<double> result(values.size(), 0.0);
   const auto wave = [](std::size_t i, std::size_t count, double spacing) {
     const auto signed_i = static_cast<double>(i) - (2 * i > count ? static_cast<double>(count) : 0.0);
     return 2 * pi * signed_i / (static_cast<double>(count) * spacing);
   };
-  std::vector<double> shape(values.size(), 0.0);  // the result of a 1 at the first point
+  std::vector<double> shape(values.size(), 0.0);  // response to a 1 at the first point
   for (std::size_t i = 0; i < grid.rows; ++i) {
     for (std::size_t j = 0; j < grid.columns; ++j) {
       const double ky = grid.line ? 0.0 : wave(i, grid.rows, grid.spacing_y);
@@ -66,8 +66,8 @@ std::vector<double> by_waves(const Grid& grid, const std::vector<double>& values
   return result;
 }
 
-// Cell by cell, each a rectangle of even pressure, or a part of a line.
-std::vector<double> by_cells(const Grid& grid, const std::vector<double>& values) {
+// Reference: direct summation over cells, each a uniformly loaded rectangle, or a segment of a line.
+std::vector<double> displacement_directly(const Grid& grid, const std::vector<double>& values) {
   const auto corner = [&](double x, double y) {
     if (grid.line) {
       return -2 * x * (std::log(std::abs(x)) - 1);
@@ -85,21 +85,21 @@ std::vector<double> by_cells(const Grid& grid, const std::vector<double>& values
       const double y = away(to / grid.columns, from / grid.columns) * grid.spacing_y;
       const double a = 0.5 * grid.spacing_x;
       const double b = 0.5 * grid.spacing_y;
-      const double moved =
+      const double displacement =
           grid.line ? corner(x + a, 0) - corner(x - a, 0)
                     : corner(x + a, y + b) - corner(x - a, y + b) - corner(x + a, y - b) + corner(x - a, y - b);
-      result[to] += values[from] * moved / (pi * modulus);
+      result[to] += values[from] * displacement / (pi * modulus);
     }
   }
   return result;
 }
 
-double largest(const std::vector<double>& values) {
-  double most = 0.0;
+double max_abs(const std::vector<double>& values) {
+  double result = 0.0;
   for (const double value : values) {
-    most = std::max(most, std::abs(value));
+    result = std::max(result, std::abs(value));
   }
-  return most;
+  return result;
 }
 
 std::vector<Grid> grids(bool periodic) {
@@ -111,110 +111,111 @@ std::vector<Grid> grids(bool periodic) {
 
 }  // namespace
 
-TEST_CASE("displacements are the sums over waves, or over cells") {
+TEST_CASE("ElasticKernel: displacements match direct sums over wave vectors or cells") {
   for (const bool periodic : {true, false}) {
     for (const Grid& grid : grids(periodic)) {
       CAPTURE(grid.rows);
       CAPTURE(grid.columns);
       CAPTURE(periodic);
       const ElasticKernel kernel(grid, modulus);
-      std::vector<double> pressure = numbers(grid.size());
-      if (grid.rows > 4) {  // a row without any
+      std::vector<double> pressure = pseudo_random(grid.size());
+      if (grid.rows > 4) {  // a row of zeros
         std::fill_n(pressure.begin() + static_cast<std::ptrdiff_t>(2 * grid.columns), grid.columns, 0.0);
       }
       const std::vector<double> expected =
-          periodic ? by_waves(grid, pressure, [](double k) { return k > 0 ? 2 / (modulus * k) : 0.0; })
-                   : by_cells(grid, pressure);
-      const double unit = std::max(largest(expected), grid.spacing_x / modulus);
+          periodic ? filter_directly(grid, pressure, [](double k) { return k > 0 ? 2 / (modulus * k) : 0.0; })
+                   : displacement_directly(grid, pressure);
+      const double unit = std::max(max_abs(expected), grid.spacing_x / modulus);
       Workspace workspace;
-      std::vector<double> moved(grid.size());
-      kernel.displacement(pressure, moved, workspace);
+      std::vector<double> displacement(grid.size());
+      kernel.displacement(pressure, displacement, workspace);
       const std::vector<float> step(pressure.begin(), pressure.end());
       std::vector<float> response(grid.size());
       kernel.displacement(step, response, workspace);
       for (std::size_t i = 0; i < grid.size(); ++i) {
-        CHECK(std::abs(moved[i] - expected[i]) <= round_off * unit);
-        CHECK(std::abs(static_cast<double>(response[i]) - expected[i]) <= 5 * single * unit);
+        CHECK(std::abs(displacement[i] - expected[i]) <= round_off * unit);
+        CHECK(std::abs(static_cast<double>(response[i]) - expected[i]) <= 5 * single_tolerance * unit);
       }
     }
   }
 }
 
-TEST_CASE("the stiffness is E*|k|/2 of each wave, of free grids as of periodic ones") {
+TEST_CASE("ElasticKernel: the stiffness is E*|k|/2 for each wave vector on periodic and free grids") {
   for (const bool periodic : {true, false}) {
     for (const Grid& grid : grids(periodic)) {
       const ElasticKernel kernel(grid, modulus);
-      const std::vector<double> moved = numbers(grid.size());
-      const std::vector<double> expected = by_waves(grid, moved, [](double k) { return 0.5 * modulus * k; });
+      const std::vector<double> displacement = pseudo_random(grid.size());
+      const std::vector<double> expected =
+          filter_directly(grid, displacement, [](double k) { return 0.5 * modulus * k; });
       Workspace workspace;
-      const std::vector<float> residual(moved.begin(), moved.end());
+      const std::vector<float> residual(displacement.begin(), displacement.end());
       std::vector<float> result(grid.size());
-      kernel.stiffened(residual, result, workspace);
+      kernel.apply_stiffness(residual, result, workspace);
       for (std::size_t i = 0; i < grid.size(); ++i) {
-        CHECK(std::abs(static_cast<double>(result[i]) - expected[i]) <= single * largest(expected));
+        CHECK(std::abs(static_cast<double>(result[i]) - expected[i]) <= single_tolerance * max_abs(expected));
       }
     }
   }
 }
 
-TEST_CASE("threads change no bits, and a checkpoint ends them all") {
+TEST_CASE("ElasticKernel: results are bit-identical for any number of threads, and a check cancels all threads") {
   const Grid grid{300, 280, 0.1, 0.1, false, false};
   const ElasticKernel kernel(grid, modulus);
-  const std::vector<double> pressure = numbers(grid.size());
+  const std::vector<double> pressure = pseudo_random(grid.size());
   std::vector<double> alone(grid.size());
   Workspace workspace;
   kernel.displacement(pressure, alone, workspace);
   for (const std::size_t threads : {2U, 3U}) {
-    const Crew crew(threads);
+    const ThreadPool pool(threads);
     std::vector<double> together(grid.size());
-    kernel.displacement(pressure, together, workspace, crew);
+    kernel.displacement(pressure, together, workspace, pool);
     CHECK(together == alone);
-    CHECK(ElasticKernel(grid, modulus, crew).stencil() == kernel.stencil());
+    CHECK(ElasticKernel(grid, modulus, pool).stencil() == kernel.stencil());
   }
   for (const std::size_t threads : {1U, 2U}) {
-    const Crew crew(threads, stiction::Checkpoint([] { throw std::length_error("stop"); }));
-    std::vector<double> moved(grid.size());
+    const ThreadPool pool(threads, stiction::CancellationCheck([] { throw std::length_error("stop"); }));
+    std::vector<double> displacement(grid.size());
     const auto go_on = [&] {
       for (int i = 0; i < 100; ++i) {
-        kernel.displacement(pressure, moved, workspace, crew);
+        kernel.displacement(pressure, displacement, workspace, pool);
       }
     };
     CHECK_THROWS_AS(go_on(), std::length_error);
   }
 }
 
-TEST_CASE("what one thread throws comes out, and the crew goes on") {
-  const Crew crew(3);
-  CHECK(crew.threads() == 3);
+TEST_CASE("ThreadPool: rethrows the exception of a task and remains usable") {
+  const ThreadPool pool(3);
+  CHECK(pool.threads() == 3);
   const auto failing = [&] {
-    crew.each(50, [](std::size_t part, std::size_t) {
-      if (part == 33) {
+    pool.run(50, [](std::size_t task, std::size_t) {
+      if (task == 33) {
         throw std::range_error("part");
       }
     });
   };
   CHECK_THROWS_AS(failing(), std::range_error);
   std::vector<int> done(50);
-  crew.each(done.size(), [&](std::size_t part, std::size_t) { ++done[part]; });
+  pool.run(done.size(), [&](std::size_t task, std::size_t) { ++done[task]; });
   CHECK(std::count(done.begin(), done.end(), 1) == 50);
 }
 
-TEST_CASE("the deviation under an even pressure is that of its displacements") {
+TEST_CASE("uniform_pressure_deviation: matches the computed displacements") {
   for (const Grid& grid : grids(false)) {
-    const std::vector<double> moved = by_cells(grid, std::vector<double>(grid.size(), 1.0));
+    const std::vector<double> displacement = displacement_directly(grid, std::vector<double>(grid.size(), 1.0));
     double mean = 0.0;
     double squares = 0.0;
-    for (const double one : moved) {
-      mean += one / static_cast<double>(grid.size());
+    for (const double value : displacement) {
+      mean += value / static_cast<double>(grid.size());
     }
-    for (const double one : moved) {
-      squares += (one - mean) * (one - mean) / static_cast<double>(grid.size());
+    for (const double value : displacement) {
+      squares += (value - mean) * (value - mean) / static_cast<double>(grid.size());
     }
-    CHECK(stiction::even_deviation(grid, modulus) == doctest::Approx(std::sqrt(squares)).epsilon(1e-9));
+    CHECK(stiction::uniform_pressure_deviation(grid, modulus) == doctest::Approx(std::sqrt(squares)).epsilon(1e-9));
   }
 }
 
-TEST_CASE("lengths of fast transforms, and grids that are none") {
+TEST_CASE("fast_length: returns known lengths, and invalid grids throw") {
   CHECK(stiction::fast_length(1) == 1);
   CHECK(stiction::fast_length(7) == 8);
   CHECK(stiction::fast_length(1999) == 2000);
@@ -224,6 +225,6 @@ TEST_CASE("lengths of fast transforms, and grids that are none") {
   CHECK_THROWS_AS(ElasticKernel({1, 4, 1.0, 1.0, true, false}, std::nan("")), std::invalid_argument);
   const ElasticKernel kernel({1, 4, 1.0, 1.0, true, false}, modulus);
   Workspace workspace;
-  std::vector<double> moved(4);
-  CHECK_THROWS_AS(kernel.displacement(std::vector<double>(5), moved, workspace), std::invalid_argument);
+  std::vector<double> displacement(4);
+  CHECK_THROWS_AS(kernel.displacement(std::vector<double>(5), displacement, workspace), std::invalid_argument);
 }

@@ -21,8 +21,8 @@ Matrix random_phases(Index directions, Index frequencies) {
   return phases;
 }
 
-// Eq. 1 as it stands, every cosine by itself, phases in extended precision.
-double direct(const Matrix& phases, const std::vector<double>& weights, const HarmonicGrid& grid, Index point) {
+// Reference: Eq. 1 evaluated term by term, with phases in extended precision.
+double direct_sum(const Matrix& phases, const std::vector<double>& weights, const HarmonicGrid& grid, Index point) {
   constexpr long double pi = std::numbers::pi_v<long double>;
   long double sum = 0.0L;
   for (Index n = 0; n < phases.cols(); ++n) {
@@ -45,8 +45,9 @@ double direct(const Matrix& phases, const std::vector<double>& weights, const Ha
 
 }  // namespace
 
-TEST_CASE("the recurrence is the direct sum, for odd and even numbers of directions, aliased or not") {
-  // Round-off of a recurrence of block / lanes steps, times the sum of some hundred unit amplitudes.
+TEST_CASE(
+    "harmonic_profiles: matches the direct sum for odd and even numbers of directions, with and without aliasing") {
+  // Round-off of a recurrence of block / lanes steps, times the sum of a few hundred unit amplitudes.
   constexpr double tolerance = 2e-13;
   for (const Index directions : {1, 2, 7, 40}) {
     for (const bool band_limited : {false, true}) {
@@ -56,14 +57,14 @@ TEST_CASE("the recurrence is the direct sum, for odd and even numbers of directi
       const Matrix row = Eigen::Map<const Matrix>(weights.data(), 1, 24);
       const Matrix profile = stiction::harmonic_profiles(phases, row, grid);
       for (const Index point : {0, 1, 31, 32, 2047, 2048, 4999}) {
-        CHECK(std::abs(profile(0, point) - direct(phases, weights, grid, point)) <
+        CHECK(std::abs(profile(0, point) - direct_sum(phases, weights, grid, point)) <
               tolerance * static_cast<double>(directions));
       }
     }
   }
 }
 
-TEST_CASE("a family member does not depend on the family") {
+TEST_CASE("harmonic_profiles: a row does not depend on the other rows") {
   const Matrix phases = random_phases(8, 6);
   const Matrix weights = random_phases(5, 6);
   const HarmonicGrid grid{0.01, 3000};
@@ -73,7 +74,7 @@ TEST_CASE("a family member does not depend on the family") {
   }
 }
 
-TEST_CASE("the sum refuses what it cannot resolve") {
+TEST_CASE("harmonic_profiles: invalid arguments and unresolvable phases throw") {
   const Matrix phases = random_phases(4, 6);
   const Matrix weights = Matrix::Ones(1, 6);
   const auto refuses = [&](const Matrix& p, const Matrix& w, const HarmonicGrid& grid) {
@@ -85,7 +86,7 @@ TEST_CASE("the sum refuses what it cannot resolve") {
   refuses(phases, weights, {0.01, 0});
   refuses(phases, weights, {0.01, 10, -1.0});
   refuses(phases, weights, {0.01, 10, 1.0, 1.0});
-  // 1e40 turns, which no long double resolves, not even that of 113 bits on aarch64.
+  // No long double resolves 1e40 turns, not even the 113-bit type on aarch64.
   refuses(phases, weights, {0.01, 10, 1.0, 1e8});
   CHECK_NOTHROW(stiction::harmonic_profiles(phases, weights, {0.01, 10, 1.0, 1e8, true}));
 }

@@ -40,11 +40,11 @@ std::vector<Minimum> minima(const Matrix& coefficients, double highest) {
   return stiction::minima(coefficients, {0, 0, coefficients.rows() - 3, coefficients.cols() - 3}, highest);
 }
 
-constexpr double everything = std::numeric_limits<double>::infinity();
+constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-TEST_CASE("the spline of a map is the profile's along every row and column, and passes through its points") {
+TEST_CASE("natural_bicubic: interpolates the points and equals the profile spline along rows and columns") {
   constexpr Index rows = 9;
   constexpr Index columns = 23;
   constexpr double tolerance = 1e-14;
@@ -69,7 +69,7 @@ TEST_CASE("the spline of a map is the profile's along every row and column, and 
     }
     stiction::natural_spline(row, 1.0, slope, curvature);
     for (Index i = 0; i < columns; ++i) {
-      // From the cell on the left or the right, above or below, it is the same.
+      // Evaluation from the neighbouring cell gives the same value.
       const Index column = std::min(i, columns - 2);
       const Index cell = std::min(j, rows - 2);
       const Jet at =
@@ -86,7 +86,7 @@ TEST_CASE("the spline of a map is the profile's along every row and column, and 
   }
 }
 
-TEST_CASE("derivatives of the spline are those of its values") {
+TEST_CASE("bicubic_at: derivatives match finite differences") {
   const Matrix coefficients = noise(6, 7, 5);
   constexpr double h = 1e-5;
   const auto at = [&](double u, double v) { return bicubic_at(coefficients, 2, 3, u, v); };
@@ -98,39 +98,41 @@ TEST_CASE("derivatives of the spline are those of its values") {
   CHECK(middle.yy == doctest::Approx((at(0.3, 0.8 + h).y - at(0.3, 0.8 - h).y) / (2 * h)).epsilon(1e-8));
 }
 
-TEST_CASE("waves have one minimum each, wherever the grid lies, and none on the edge") {
-  // The slope of a cubic spline is wrong by the third power of the spacing, here (2π/16)³ / 48 of the largest.
+TEST_CASE("minima: finds one minimum per period for any grid offset, and none on the edge") {
+  // The error of the slope of a cubic spline is of third order in the spacing, here (2π/16)³ / 48 of the largest slope.
   constexpr double tolerance = 2e-3;
   for (const double shift : {0.0, 1e-9, 0.25, 0.5, 0.9999999999}) {
     const Matrix coefficients = coefficients_of(65, 97, [&](double x, double y) {
       return -std::cos(2 * pi * (x - shift - 8) / 16) - std::cos(2 * pi * (y + shift - 8) / 16);
     });
-    const auto found = minima(coefficients, everything);
-    // Every 16 points, 8 + shift from the left.
-    REQUIRE(found.size() == 4 * 6);
-    for (const Minimum& one : found) {
-      CHECK(std::abs(std::remainder(static_cast<double>(one.column) + one.u - shift - 8, 16)) < tolerance);
-      CHECK(std::abs(std::remainder(static_cast<double>(one.row) + one.v + shift - 8, 16)) < tolerance);
-      CHECK(one.u >= -1e-6);
-      CHECK(one.u < 1.0 - 1e-6);
-      CHECK(one.v >= -1e-6);
-      CHECK(one.v < 1.0 - 1e-6);
+    const auto result = minima(coefficients, no_limit);
+    // One minimum every 16 points, the first 8 + shift from the left.
+    REQUIRE(result.size() == 4 * 6);
+    for (const Minimum& local_minimum : result) {
+      CHECK(std::abs(std::remainder(static_cast<double>(local_minimum.column) + local_minimum.u - shift - 8, 16)) <
+            tolerance);
+      CHECK(std::abs(std::remainder(static_cast<double>(local_minimum.row) + local_minimum.v + shift - 8, 16)) <
+            tolerance);
+      CHECK(local_minimum.u >= -1e-6);
+      CHECK(local_minimum.u < 1.0 - 1e-6);
+      CHECK(local_minimum.v >= -1e-6);
+      CHECK(local_minimum.v < 1.0 - 1e-6);
     }
-    CHECK(minima(coefficients, -1.9).size() == found.size());
+    CHECK(minima(coefficients, -1.9).size() == result.size());
     CHECK(minima(coefficients, -2.1).empty());
   }
 }
 
-TEST_CASE("all minima of rough maps are found: as many as saddles and maxima allow, and by many starts") {
+TEST_CASE("minima: finds exactly the minima of rough maps that multistart Newton finds") {
   for (const unsigned seed : {1U, 2U, 3U}) {
     constexpr Index size = 40;
     const Matrix coefficients = noise(size, size, seed);
-    const auto found = minima(coefficients, everything);
-    // Newton's method from 64 starts in every cell, kept in that cell: slow, and finds nothing else.
-    std::size_t also = 0;
+    const auto result = minima(coefficients, no_limit);
+    // Reference: Newton's method from 64 starts in every cell, restricted to that cell.
+    std::size_t expected_count = 0;
     for (Index row = 0; row < size - 1; ++row) {
       for (Index column = 0; column < size - 1; ++column) {
-        std::vector<std::pair<double, double>> places;
+        std::vector<std::pair<double, double>> expected;
         for (int start = 0; start < 64; ++start) {
           double u = (0.5 + start % 8) / 8;
           double v = (0.5 + start / 8) / 8;
@@ -141,38 +143,39 @@ TEST_CASE("all minima of rough maps are found: as many as saddles and maxima all
             v -= (at.xx * at.y - at.xy * at.x) / determinant;
           }
           const Jet at = bicubic_at(coefficients, row, column, u, v);
-          const bool minimum = std::abs(at.x) + std::abs(at.y) < 1e-12 && at.xx > 0 && at.xx * at.yy > at.xy * at.xy &&
-                               u >= 0 && u < 1 && v >= 0 && v < 1;
-          bool known = false;
-          for (const auto& place : places) {
-            known = known || std::abs(place.first - u) + std::abs(place.second - v) < 1e-6;
+          const bool converged = std::abs(at.x) + std::abs(at.y) < 1e-12 && at.xx > 0 &&
+                                 at.xx * at.yy > at.xy * at.xy && u >= 0 && u < 1 && v >= 0 && v < 1;
+          bool is_duplicate = false;
+          for (const auto& position : expected) {
+            is_duplicate = is_duplicate || std::abs(position.first - u) + std::abs(position.second - v) < 1e-6;
           }
-          if (minimum && !known) {
-            places.emplace_back(u, v);
+          if (converged && !is_duplicate) {
+            expected.emplace_back(u, v);
           }
         }
-        also += places.size();
-        for (const auto& place : places) {
-          bool there = false;
-          for (const Minimum& one : found) {
-            there = there || (one.row == row && one.column == column && std::abs(one.u - place.first) < 1e-6 &&
-                              std::abs(one.v - place.second) < 1e-6);
+        expected_count += expected.size();
+        for (const auto& position : expected) {
+          bool is_found = false;
+          for (const Minimum& local_minimum : result) {
+            is_found = is_found || (local_minimum.row == row && local_minimum.column == column &&
+                                    std::abs(local_minimum.u - position.first) < 1e-6 &&
+                                    std::abs(local_minimum.v - position.second) < 1e-6);
           }
-          CHECK(there);
+          CHECK(is_found);
         }
       }
     }
-    CHECK(found.size() == also);
+    CHECK(result.size() == expected_count);
   }
 }
 
-TEST_CASE("a valley whose floor is level has no minimum") {
-  CHECK(minima(coefficients_of(40, 50, [](double x, double) { return std::sin(0.3 * x) - 7.0; }), everything).empty());
-  CHECK(minima(coefficients_of(40, 50, [](double, double y) { return std::sin(0.3 * y) - 7.0; }), everything).empty());
-  CHECK(minima(coefficients_of(8, 8, [](double, double) { return 3.1; }), everything).empty());
+TEST_CASE("minima: a level valley has none") {
+  CHECK(minima(coefficients_of(40, 50, [](double x, double) { return std::sin(0.3 * x) - 7.0; }), no_limit).empty());
+  CHECK(minima(coefficients_of(40, 50, [](double, double y) { return std::sin(0.3 * y) - 7.0; }), no_limit).empty());
+  CHECK(minima(coefficients_of(8, 8, [](double, double) { return 3.1; }), no_limit).empty());
 }
 
-TEST_CASE("maps that are too small are refused") {
+TEST_CASE("natural_bicubic: maps that are too small throw") {
   Matrix small = Matrix::Zero(5, 9);
   CHECK_THROWS_AS(stiction::natural_bicubic(small), std::invalid_argument);
   Matrix slopes(3, 1);

@@ -18,7 +18,7 @@ constexpr double round_off = 1e-14;
 
 }  // namespace
 
-TEST_CASE("Patches are connected over corners, and over edges where periodic") {
+TEST_CASE("patches_of: connects points across corners and across periodic edges") {
   const std::vector<double> pressure = {1, 0, 0, 0, 1,  //
                                         0, 1, 0, 0, 0,  //
                                         0, 0, 0, 0, 0,  //
@@ -32,24 +32,24 @@ TEST_CASE("Patches are connected over corners, and over edges where periodic") {
   CHECK(around.points == std::vector<std::int64_t>{0, 4, 6, 17, 19});
 }
 
-TEST_CASE("Open sides take their part of a cell, edges none, and no cell bears more than its hardness") {
+TEST_CASE("patches_of: open sides reduce the contact fraction, grid edges do not, and the hardness limits it") {
   const Grid line{1, 4, 1.0, 1.0, true, false};
-  const auto found = stiction::patches_of(std::vector<double>{1, 1, 0, 1}, line, infinite);
-  CHECK(found.share[0] == 1.0);
-  CHECK(found.share[1] == doctest::Approx(0.81).epsilon(round_off));
-  CHECK(found.share[2] == doctest::Approx(0.81).epsilon(round_off));
-  CHECK(stiction::patches_of(std::vector<double>{1, 1, 0, 1}, line, 1.0).share[1] == 1.0);
+  const auto patches = stiction::patches_of(std::vector<double>{1, 1, 0, 1}, line, infinite);
+  CHECK(patches.contact_fraction[0] == 1.0);
+  CHECK(patches.contact_fraction[1] == doctest::Approx(0.81).epsilon(round_off));
+  CHECK(patches.contact_fraction[2] == doctest::Approx(0.81).epsilon(round_off));
+  CHECK(stiction::patches_of(std::vector<double>{1, 1, 0, 1}, line, 1.0).contact_fraction[1] == 1.0);
   CHECK_THROWS_AS(stiction::patches_of(std::vector<double>{1}, line, 1.0), std::invalid_argument);
 }
 
-TEST_CASE("A patch on a slope leans against the way up, and rubs along it") {
+TEST_CASE("patch_sums: a patch on a slope opposes the upward motion, with friction along the slope") {
   const std::vector<double> force = {2, 1};
   const std::vector<double> area = {1, 3};
   const std::vector<double> rise = {0.75, 0.75};
   const std::vector<std::array<double, 2>> ways = {{1, 0}, {0, 1}};
   const std::vector<std::int32_t> patch = {1, 1};
   const auto sums = stiction::patch_sums(force, area, {}, rise, patch, ways);
-  CHECK(sums.area[0] == 5.0);  // 1.25 times that on the ground
+  CHECK(sums.area[0] == 5.0);  // 1.25 times the projected area
   CHECK(sums.leaning == std::vector<double>{2.25, 0});
   CHECK(sums.upward == std::vector<double>{-2.25, 0});
   CHECK(sums.forward == std::vector<double>{3, 3.75});

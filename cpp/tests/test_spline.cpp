@@ -32,9 +32,10 @@ Derivatives derivatives(const std::vector<double>& heights, double spacing) {
 
 }  // namespace
 
-TEST_CASE("the natural spline is GSL's own, evaluated at its knots") {
+TEST_CASE("natural_spline: matches GSL's spline at its knots") {
   constexpr double spacing = 0.25;
-  // GSL evaluates slopes from one side by a longer expression; both round at the size of the slopes, about 1/spacing.
+  // GSL evaluates slopes from one side with a longer expression. Both have round-off relative to the slopes, about
+  // 1/spacing.
   constexpr double tolerance = 1e-12;
   for (const std::size_t size : {4U, 5U, 64U, 1001U}) {
     const std::vector<double> heights = rough_heights(size);
@@ -57,7 +58,7 @@ TEST_CASE("the natural spline is GSL's own, evaluated at its knots") {
   }
 }
 
-TEST_CASE("a straight line has its slope and no curvature") {
+TEST_CASE("natural_spline: a straight line has constant slope and zero curvature") {
   std::vector<double> heights;
   for (int i = 0; i < 20; ++i) {
     heights.push_back(3.0 - 0.5 * i);
@@ -69,7 +70,7 @@ TEST_CASE("a straight line has its slope and no curvature") {
   }
 }
 
-TEST_CASE("a part of the spline is that of the whole, at its ends too") {
+TEST_CASE("natural_spline_from: matches the complete spline, also at its ends") {
   for (const std::size_t size : {4U, 5U, 30U, 1000U}) {
     const std::vector<double> heights = rough_heights(size);
     const Derivatives whole = derivatives(heights, 0.5);
@@ -79,38 +80,38 @@ TEST_CASE("a part of the spline is that of the whole, at its ends too") {
           continue;
         }
         const std::size_t points = std::min(count, size - first);
-        Derivatives part{std::vector<double>(points), std::vector<double>(points)};
-        stiction::natural_spline_from(heights, 0.5, static_cast<stiction::Index>(first), part.slope, part.curvature);
-        double off = 0.0;
+        Derivatives range{std::vector<double>(points), std::vector<double>(points)};
+        stiction::natural_spline_from(heights, 0.5, static_cast<stiction::Index>(first), range.slope, range.curvature);
+        double max_error = 0.0;
         for (std::size_t i = 0; i < points; ++i) {
-          off = std::max({off, std::abs(part.slope[i] - whole.slope[first + i]),
-                          std::abs(part.curvature[i] - whole.curvature[first + i])});
+          max_error = std::max({max_error, std::abs(range.slope[i] - whole.slope[first + i]),
+                                std::abs(range.curvature[i] - whole.curvature[first + i])});
         }
         CAPTURE(size);
         CAPTURE(first);
         CAPTURE(points);
-        CHECK(off < 1e-13);  // of curvatures that reach 30
+        CHECK(max_error < 1e-13);  // curvatures reach 30
       }
     }
   }
 }
 
-TEST_CASE("a point has the same derivatives in whatever part it lies") {
+TEST_CASE("natural_spline_from: the derivatives at a point do not depend on the requested range") {
   const std::vector<double> heights = rough_heights(1000);
   Derivatives all{std::vector<double>(1000), std::vector<double>(1000)};
   stiction::natural_spline_from(heights, 0.5, 0, all.slope, all.curvature);
   for (std::size_t first = 0; first < 1000; ++first) {
     const std::size_t points = std::min<std::size_t>(1000 - first, 1 + first % 90);
-    Derivatives part{std::vector<double>(points), std::vector<double>(points)};
-    stiction::natural_spline_from(heights, 0.5, static_cast<stiction::Index>(first), part.slope, part.curvature);
+    Derivatives range{std::vector<double>(points), std::vector<double>(points)};
+    stiction::natural_spline_from(heights, 0.5, static_cast<stiction::Index>(first), range.slope, range.curvature);
     for (std::size_t i = 0; i < points; ++i) {
-      CHECK(part.slope[i] == all.slope[first + i]);
-      CHECK(part.curvature[i] == all.curvature[first + i]);
+      CHECK(range.slope[i] == all.slope[first + i]);
+      CHECK(range.curvature[i] == all.curvature[first + i]);
     }
   }
 }
 
-TEST_CASE("the spline refuses what it cannot pass through") {
+TEST_CASE("natural_spline: invalid arguments throw") {
   CHECK_THROWS_AS(derivatives({1.0, 2.0, 3.0}, 1.0), std::invalid_argument);
   CHECK_THROWS_AS(derivatives({1.0, 2.0, 3.0, 4.0}, 0.0), std::invalid_argument);
   CHECK_THROWS_AS(derivatives({1.0, 2.0, 3.0, 4.0}, std::nan("")), std::invalid_argument);

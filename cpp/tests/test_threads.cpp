@@ -1,5 +1,5 @@
-// The library keeps no state: what threads compute side by side is what one computes alone. The thread sanitizer runs
-// this as well.
+// Reentrancy of the library: several threads obtain the same results as a single one. Also run under the thread
+// sanitizer.
 #include "stiction/amplitude.hpp"
 #include "stiction/contact.hpp"
 #include "stiction/harmonics.hpp"
@@ -13,7 +13,7 @@
 
 namespace {
 
-std::vector<double> profile(unsigned seed) {
+std::vector<double> random_profile(unsigned seed) {
   std::mt19937_64 random(seed);
   stiction::Matrix phases(8, 12);
   for (stiction::Index i = 0; i < phases.size(); ++i) {
@@ -27,12 +27,12 @@ std::vector<double> profile(unsigned seed) {
   return scaled;
 }
 
-std::vector<double> pressed(unsigned seed) {
+std::vector<double> press_profiles(unsigned seed) {
   const std::vector<double> approaches{0.001, 0.01, 0.03};
   stiction::ContactModel model{stiction::HertzSphere{10.0}};
   model.detection = seed % 2 == 0 ? stiction::Detection::cell : stiction::Detection::gap_minimum;
-  const std::vector<double> upper = profile(seed);
-  const std::vector<double> lower = profile(seed + 100);
+  const std::vector<double> upper = random_profile(seed);
+  const std::vector<double> lower = random_profile(seed + 100);
   std::vector<double> result;
   for (const stiction::Sums& sums : stiction::press({upper, lower, 0.001}, approaches, model)) {
     result.insert(result.end(), {sums.normal_elastic, sums.tangential_elastic, sums.contact_area});
@@ -42,19 +42,19 @@ std::vector<double> pressed(unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("threads side by side compute what one computes alone") {
+TEST_CASE("library: concurrent threads obtain the results of a single thread") {
   constexpr unsigned tasks = 8;
-  // The threads come first, so that whatever is set up at first use is set up by several at once.
+  // The threads run first, so that several of them race for everything that is initialised on first use.
   std::vector<std::vector<double>> together(tasks);
   std::vector<std::thread> threads;
   for (unsigned task = 0; task < tasks; ++task) {
-    threads.emplace_back([task, &together] { together[task] = pressed(task); });
+    threads.emplace_back([task, &together] { together[task] = press_profiles(task); });
   }
   for (std::thread& thread : threads) {
     thread.join();
   }
   for (unsigned task = 0; task < tasks; ++task) {
-    const std::vector<double> alone = pressed(task);
+    const std::vector<double> alone = press_profiles(task);
     CHECK(together[task] == alone);
     CHECK(alone.back() > 0.0);
   }

@@ -1,29 +1,29 @@
 #include "stiction/amplitude.hpp"
 
-#include "levels.hpp"
+#include "height_statistics.hpp"
 
 namespace stiction::python {
 
-py::array_t<double> array_of(const std::vector<Level>& levels) {
-  py::array_t<double> array({static_cast<py::ssize_t>(levels.size()), py::ssize_t{3}});
+py::array_t<double> to_array(const std::vector<HeightStatistics>& statistics) {
+  py::array_t<double> array({static_cast<py::ssize_t>(statistics.size()), py::ssize_t{3}});
   double* row = array.mutable_data();
-  for (const Level& level : levels) {
-    *row++ = level.mean;
-    *row++ = level.lowest;
-    *row++ = level.highest;
+  for (const HeightStatistics& profile : statistics) {
+    *row++ = profile.mean;
+    *row++ = profile.min;
+    *row++ = profile.max;
   }
   return array;
 }
 
-std::vector<Level> levels_of(const MatrixView& rows) {
+std::vector<HeightStatistics> to_height_statistics(const MatrixView& rows) {
   if (rows.cols() != 3) {
-    throw py::value_error("levels must be mean, lowest and highest of each profile");
+    throw py::value_error("statistics must have the columns mean, min and max");
   }
-  std::vector<Level> levels;
+  std::vector<HeightStatistics> statistics;
   for (Index row = 0; row < rows.rows(); ++row) {
-    levels.push_back({rows(row, 0), rows(row, 1), rows(row, 2)});
+    statistics.push_back({rows(row, 0), rows(row, 1), rows(row, 2)});
   }
-  return levels;
+  return statistics;
 }
 
 void bind_amplitude(py::module_& module) {
@@ -36,7 +36,7 @@ void bind_amplitude(py::module_& module) {
         return scale_to_amplitude(values, amplitude, amplitude_measure(measure), out);
       },
       py::arg("heights").noconvert(), py::arg("amplitude"), py::arg("measure"), py::arg("scaled").noconvert(),
-      "Heights [µm] about a mean of zero with a measure of `amplitude` [µm], into `scaled`; False for a flat profile.");
+      "Write heights of zero mean and the given amplitude [µm] to `scaled`. Returns False for a flat profile.");
 }
 
 }  // namespace stiction::python

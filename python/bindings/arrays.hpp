@@ -1,4 +1,5 @@
-// NumPy arrays at the border: in as views of the exact type and layout, out without a copy of their own.
+// NumPy arrays in the bindings: arguments are views of exact type and layout, and results take over the memory of C++
+// vectors.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -16,7 +17,7 @@ namespace stiction::python {
 
 namespace py = pybind11;
 
-// Converting silently is Python's business, where it is announced: arguments are bound with .noconvert().
+// Arguments are bound with .noconvert(): the Python package converts arrays explicitly.
 using Array = py::array_t<double, py::array::c_style>;
 
 // Named columns of equal length.
@@ -29,32 +30,32 @@ inline Values view(const Array& array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
 }
 
-// What keeps the values for as long as an array shows them.
+// Return a capsule that owns the values for the lifetime of an array.
 template <class T>
-py::capsule owner_of(std::unique_ptr<std::vector<T>> values) {
+py::capsule make_owner(std::unique_ptr<std::vector<T>> values) {
   return {values.release(), [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); }};
 }
 
 template <class T>
-py::array_t<T> array_from(std::vector<T>&& values) {
+py::array_t<T> to_array(std::vector<T>&& values) {
   auto owner = std::make_unique<std::vector<T>>(std::move(values));
   T* data = owner->data();
   const auto size = static_cast<py::ssize_t>(owner->size());
-  return py::array_t<T>(size, data, owner_of(std::move(owner)));
+  return py::array_t<T>(size, data, make_owner(std::move(owner)));
 }
 
-// (n, rows).
+// Move vectors into an array of shape (n, rows).
 template <int rows>
-py::array_t<double> array_from(std::vector<Eigen::Matrix<double, rows, 1>>&& values) {
+py::array_t<double> to_array(std::vector<Eigen::Matrix<double, rows, 1>>&& values) {
   using Vector = Eigen::Matrix<double, rows, 1>;
   static_assert(sizeof(Vector) == rows * sizeof(double));
   auto owner = std::make_unique<std::vector<Vector>>(std::move(values));
   const double* data = owner->empty() ? nullptr : owner->front().data();
   const auto size = static_cast<py::ssize_t>(owner->size());
-  return py::array_t<double>({size, py::ssize_t{rows}}, data, owner_of(std::move(owner)));
+  return py::array_t<double>({size, py::ssize_t{rows}}, data, make_owner(std::move(owner)));
 }
 
-// One array for a column of a list: what `field` gives for each row.
+// Return an array of the values of `field` for each row.
 template <class Row, class Field>
 auto column(const std::vector<Row>& rows, Field field) {
   std::vector<std::decay_t<decltype(field(rows.front()))>> values;
@@ -62,7 +63,7 @@ auto column(const std::vector<Row>& rows, Field field) {
   for (const Row& row : rows) {
     values.push_back(field(row));
   }
-  return array_from(std::move(values));
+  return to_array(std::move(values));
 }
 
 }  // namespace stiction::python

@@ -14,12 +14,12 @@ void bind_asperity(py::module_& module) {
           const py::gil_scoped_release release;
           all = asperities(values, spacing, side(of));
         }
-        return py::make_tuple(array_from(std::move(all.slope)), array_from(std::move(all.curvature)),
-                              array_from(std::move(all.normal)), array_from(std::move(all.radius)),
-                              array_from(std::move(all.centre)));
+        return py::make_tuple(to_array(std::move(all.slope)), to_array(std::move(all.curvature)),
+                              to_array(std::move(all.normal)), to_array(std::move(all.radius)),
+                              to_array(std::move(all.centre)));
       },
       py::arg("heights").noconvert(), py::kw_only(), py::arg("spacing"), py::arg("side"),
-      "Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.");
+      "Compute slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile.");
 }
 
 }  // namespace stiction::python

@@ -11,11 +11,12 @@ void bind_build(py::module_& module) {
   module.def(
       "build",
       [] {
-        const Build found = build();
-        return std::map<std::string, std::string>{
-            {"compiler", found.compiler}, {"instruction_set", found.instruction_set}, {"gsl", found.gsl}};
+        const Build candidates = build();
+        return std::map<std::string, std::string>{{"compiler", candidates.compiler},
+                                                  {"instruction_set", candidates.instruction_set},
+                                                  {"gsl", candidates.gsl}};
       },
-      "What the core was built with, and what it uses of this machine: compiler, instruction_set, gsl.");
+      "Return build information of the core: compiler, instruction_set and gsl.");
 }
 
 }  // namespace stiction::python

@@ -1,21 +1,22 @@
 #include "stiction/candidates.hpp"
 
 #include "arrays.hpp"
-#include "checkpoint.hpp"
+#include "cancellation.hpp"
 
 namespace stiction::python {
 
 void bind_candidates(py::module_& module) {
   py::class_<Candidates>(module, "Candidates",
-                         "Places where two bodies may touch, found once for any number of presses.")
-      .def("__len__", [](const Candidates& found) { return found.all.size(); })
-      .def_readonly("deepest", &Candidates::deepest, "Approach [µm] up to which they were looked for.")
-      .def("columns", [](const Candidates& found) {
+                         "Contact candidates of two profiles, valid for any number of approaches up to `deepest`.")
+      .def("__len__", [](const Candidates& candidates) { return candidates.all.size(); })
+      .def_readonly("deepest", &Candidates::deepest, "Largest approach [µm] for which the candidates are complete.")
+      .def("columns", [](const Candidates& candidates) {
         Table table;
-        table["index"] = column(found.all, [](const Candidate& c) { return static_cast<std::int64_t>(c.index); });
-        table["position"] = column(found.all, [](const Candidate& c) { return c.position; });
-        table["gap"] = column(found.all, [](const Candidate& c) { return c.gap; });
-        table["radii"] = column(found.all, [](const Candidate& c) { return Vector2(c.radii.major, c.radii.minor); });
+        table["index"] = column(candidates.all, [](const Candidate& c) { return static_cast<std::int64_t>(c.index); });
+        table["position"] = column(candidates.all, [](const Candidate& c) { return c.position; });
+        table["gap"] = column(candidates.all, [](const Candidate& c) { return c.gap; });
+        table["radii"] =
+            column(candidates.all, [](const Candidate& c) { return Vector2(c.radii.major, c.radii.minor); });
         return table;
       });
 
@@ -23,12 +24,12 @@ void bind_candidates(py::module_& module) {
       "candidates",
       [](const Array& upper, const Array& lower, double spacing, double deepest, const std::string& allowed) {
         const ProfilePair pair{view(upper), view(lower), spacing};
-        const Checkpoint checkpoint = until_interrupted();
+        const CancellationCheck check_cancellation = keyboard_interrupt_check();
         const py::gil_scoped_release release;
-        return candidates(pair, deepest, curvature(allowed), checkpoint);
+        return candidates(pair, deepest, curvature(allowed), check_cancellation);
       },
       py::arg("upper").noconvert(), py::arg("lower").noconvert(), py::kw_only(), py::arg("spacing"), py::arg("deepest"),
-      py::arg("curvature"), "The gap minima of two profiles up to a deepest approach [µm].");
+      py::arg("curvature"), "Find the gap minima of two profiles up to the approach `deepest` [µm].");
 }
 
 }  // namespace stiction::python

@@ -1,14 +1,14 @@
 #include "contact.hpp"
 
 #include "arrays.hpp"
-#include "checkpoint.hpp"
+#include "cancellation.hpp"
 #include "sums.hpp"
 
 #include <array>
 
 namespace stiction::python {
 
-Table table_of(const std::vector<Contact>& rows) {
+Table to_table(const std::vector<Contact>& rows) {
   Table table;
   table["index"] = column(rows, [](const Contact& c) { return static_cast<std::int64_t>(c.index); });
   table["centre"] = column(rows, [](const Contact& c) { return c.centre; });
@@ -27,21 +27,22 @@ Table table_of(const std::vector<Contact>& rows) {
 
 namespace {
 
-// What the library does while the GIL is free and Ctrl-C may end it.
+// Run `work` without the GIL, so that Ctrl-C can cancel it, and return its result as a table.
 template <class Work>
-Table table_by(const Work& work) {
-  const Checkpoint checkpoint = until_interrupted();
+Table table_of_results(const Work& work) {
+  const CancellationCheck check_cancellation = keyboard_interrupt_check();
   auto rows = [&] {
     const py::gil_scoped_release release;
-    return work(checkpoint);
+    return work(check_cancellation);
   }();
-  return table_of(rows);
+  return to_table(rows);
 }
 
 }  // namespace
 
 void bind_contact(py::module_& module) {
-  py::class_<ContactModel>(module, "ContactModel", "How two bodies are pressed together.")
+  py::class_<ContactModel>(module, "ContactModel",
+                           "Contact law, detection method and sliding rule for a pair of surfaces.")
       .def(py::init([](const std::string& name, const std::map<std::string, double>& parameters,
                        const std::string& where, const std::string& allowed, const std::array<double, 2>& direction,
                        const std::string& rule) {
@@ -55,34 +56,44 @@ void bind_contact(py::module_& module) {
       "contacts",
       [](const Array& upper, const Array& lower, double spacing, double approach, const ContactModel& model) {
         const ProfilePair pair{view(upper), view(lower), spacing};
-        return table_by([&](const Checkpoint& checkpoint) { return contacts(pair, approach, model, checkpoint); });
+        return table_of_results([&](const CancellationCheck& check_cancellation) {
+          return contacts(pair, approach, model, check_cancellation);
+        });
       },
       py::arg("upper").noconvert(), py::arg("lower").noconvert(), py::kw_only(), py::arg("spacing"),
-      py::arg("approach"), py::arg("model"), "Every contact at one approach [µm]: a dict of columns.");
+      py::arg("approach"), py::arg("model"),
+      "List the contacts of two profiles at one approach [µm], as a dict of columns.");
   module.def(
       "contacts",
-      [](const Candidates& found, double approach, const ContactModel& model) {
-        return table_by([&](const Checkpoint& checkpoint) { return contacts(found, approach, model, checkpoint); });
+      [](const Candidates& candidates, double approach, const ContactModel& model) {
+        return table_of_results([&](const CancellationCheck& check_cancellation) {
+          return contacts(candidates, approach, model, check_cancellation);
+        });
       },
-      py::arg("found"), py::kw_only(), py::arg("approach"), py::arg("model"), "The same, of candidates.");
+      py::arg("candidates"), py::kw_only(), py::arg("approach"), py::arg("model"),
+      "List the contacts of stored candidates at one approach [µm], as a dict of columns.");
 
   module.def(
       "press",
       [](const Array& upper, const Array& lower, double spacing, const Array& approaches, const ContactModel& model) {
         const ProfilePair pair{view(upper), view(lower), spacing};
         const Values steps = view(approaches);
-        return table_by([&](const Checkpoint& checkpoint) { return press(pair, steps, model, checkpoint); });
+        return table_of_results(
+            [&](const CancellationCheck& check_cancellation) { return press(pair, steps, model, check_cancellation); });
       },
       py::arg("upper").noconvert(), py::arg("lower").noconvert(), py::kw_only(), py::arg("spacing"),
       py::arg("approaches").noconvert(), py::arg("model"),
-      "Sums over the contacts at each approach [µm]: a dict of columns.");
+      "Compute the contact sums of two profiles at each approach [µm], as a dict of columns.");
   module.def(
       "press",
-      [](const Candidates& found, const Array& approaches, const ContactModel& model) {
+      [](const Candidates& candidates, const Array& approaches, const ContactModel& model) {
         const Values steps = view(approaches);
-        return table_by([&](const Checkpoint& checkpoint) { return press(found, steps, model, checkpoint); });
+        return table_of_results([&](const CancellationCheck& check_cancellation) {
+          return press(candidates, steps, model, check_cancellation);
+        });
       },
-      py::arg("found"), py::kw_only(), py::arg("approaches").noconvert(), py::arg("model"), "The same, of candidates.");
+      py::arg("candidates"), py::kw_only(), py::arg("approaches").noconvert(), py::arg("model"),
+      "Compute the contact sums of stored candidates at each approach [µm], as a dict of columns.");
 }
 
 }  // namespace stiction::python

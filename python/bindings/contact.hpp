@@ -1,4 +1,4 @@
-// Contacts at an approach as columns.
+// Conversion of contacts to a table of columns.
 #pragma once
 
 #include "stiction/contact.hpp"
@@ -7,6 +7,6 @@
 
 namespace stiction::python {
 
-Table table_of(const std::vector<Contact>& rows);
+Table to_table(const std::vector<Contact>& rows);
 
 }  // namespace stiction::python

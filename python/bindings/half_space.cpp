@@ -1,7 +1,7 @@
 #include "stiction/half_space.hpp"
 
 #include "arrays.hpp"
-#include "checkpoint.hpp"
+#include "cancellation.hpp"
 #include "stiction/patches.hpp"
 
 namespace stiction::python {
@@ -16,15 +16,15 @@ std::span<const T> grid(const py::array_t<T, py::array::c_style>& array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
 }
 
-// A result on the grid of an argument.
+// Return values as an array with the shape of an argument.
 template <class T>
 py::array_t<T> like(const py::array_t<T, py::array::c_style>& array, std::vector<T>&& values) {
-  return array_from(std::move(values)).reshape(std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()));
+  return to_array(std::move(values)).reshape(std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()));
 }
 
 Grid grid_of(const std::vector<std::size_t>& shape, const std::vector<double>& spacing, bool periodic) {
   if (shape.empty() || shape.size() > 2 || spacing.size() != shape.size()) {
-    throw py::value_error("expected a shape and a spacing of a line or an area");
+    throw py::value_error("shape and spacing must have one element each (line) or two (area)");
   }
   return {shape.size() == 1 ? 1 : shape[0],
           shape.back(),
@@ -34,7 +34,7 @@ Grid grid_of(const std::vector<std::size_t>& shape, const std::vector<double>& s
           periodic};
 }
 
-HalfSpaceProgress calling(const Progress& progress) {
+HalfSpaceProgress to_callback(const Progress& progress) {
   if (progress.is_none()) {
     return {};
   }
@@ -45,24 +45,23 @@ HalfSpaceProgress calling(const Progress& progress) {
 }
 
 template <class Search>
-HalfSpaceSolution solved(std::size_t threads, const Progress& progress, Search search) {
-  const HalfSpaceProgress report = calling(progress);
-  const Checkpoint checkpoint = until_interrupted();
+HalfSpaceSolution solve(std::size_t threads, const Progress& progress, Search search) {
+  const HalfSpaceProgress report = to_callback(progress);
+  const CancellationCheck check_cancellation = keyboard_interrupt_check();
   const py::gil_scoped_release release;
-  return search(Crew(threads, checkpoint), report);
+  return search(ThreadPool(threads, check_cancellation), report);
 }
 
-// (directions, patches).
+// Reshape to (directions, patches).
 py::array_t<double> by_direction(std::vector<double>&& values, py::ssize_t directions) {
-  return array_from(std::move(values)).reshape({directions, py::ssize_t{-1}});
+  return to_array(std::move(values)).reshape({directions, py::ssize_t{-1}});
 }
 
 }  // namespace
 
 void bind_half_space(py::module_& module) {
   py::class_<HalfSpaceGrids, std::shared_ptr<HalfSpaceGrids>>(
-      module, "HalfSpaceGrids",
-      "The grid of a problem, coarser ones, and their kernels, for as many problems as have it.")
+      module, "HalfSpaceGrids", "Grid hierarchy and elastic kernels, shared by all problems with the same grid.")
       .def(py::init([](const std::vector<std::size_t>& shape, const std::vector<double>& spacing,
                        double effective_modulus, bool periodic) {
              return std::make_shared<HalfSpaceGrids>(grid_of(shape, spacing, periodic), effective_modulus);
@@ -72,36 +71,37 @@ void bind_half_space(py::module_& module) {
       .def(
           "displacement",
           [](const HalfSpaceGrids& grids, const Array& pressure, std::size_t threads) {
-            std::vector<double> moved(static_cast<std::size_t>(pressure.size()));
+            std::vector<double> displacements(static_cast<std::size_t>(pressure.size()));
             {
-              const Checkpoint checkpoint = until_interrupted();
+              const CancellationCheck check_cancellation = keyboard_interrupt_check();
               const py::gil_scoped_release release;
-              const Crew crew(threads, checkpoint);
+              const ThreadPool pool(threads, check_cancellation);
               Workspace workspace;
-              grids.kernels(0, crew).points->displacement(grid(pressure), moved, workspace, crew);
+              grids.kernels(0, pool).points->displacement(grid(pressure), displacements, workspace, pool);
             }
-            return like(pressure, std::move(moved));
+            return like(pressure, std::move(displacements));
           },
           py::arg("pressure").noconvert(), py::kw_only(), py::arg("threads") = 1,
-          "Displacement [µm] of each point under a pressure [GPa].")
+          "Compute the displacement [µm] of each point under a pressure [GPa].")
       .def(
-          "linear_answer",
-          [](const HalfSpaceGrids& grids, const Marks& free, std::size_t threads) {
-            LinearAnswer answer;
+          "linear_response",
+          [](const HalfSpaceGrids& grids, const Marks& in_contact, std::size_t threads) {
+            LinearResponse response;
             {
-              const auto marks = grid(free);
-              const Checkpoint checkpoint = until_interrupted();
+              const auto marks = grid(in_contact);
+              const CancellationCheck check_cancellation = keyboard_interrupt_check();
               const py::gil_scoped_release release;
-              answer = linear_answer(grids, marks, Crew(threads, checkpoint));
+              response = linear_response(grids, marks, ThreadPool(threads, check_cancellation));
             }
-            const std::vector<py::ssize_t> shape(free.shape(), free.shape() + free.ndim());
-            const py::array_t<double> pressure = array_from(std::move(answer.pressure)).reshape(shape);
-            return std::pair(pressure, answer.compliance);
+            const std::vector<py::ssize_t> shape(in_contact.shape(), in_contact.shape() + in_contact.ndim());
+            const py::array_t<double> pressure = to_array(std::move(response.pressure)).reshape(shape);
+            return std::pair(pressure, response.compliance);
           },
-          py::arg("free").noconvert(), py::kw_only(), py::arg("threads") = 1,
-          "Pressures [GPa] of sum 1 under which all free points move alike, and by how much [µm].");
+          py::arg("in_contact").noconvert(), py::kw_only(), py::arg("threads") = 1,
+          "Compute pressures [GPa] of sum 1 that displace all contact points equally, and their displacement [µm].");
 
-  py::class_<HalfSpaceSolution>(module, "HalfSpaceSolution", "A pressure and what is known of it.")
+  py::class_<HalfSpaceSolution>(module, "HalfSpaceSolution",
+                                "Pressure field, approach [µm], relative error and number of iterations.")
       .def_property_readonly(
           "pressure",
           [](const py::object& self) {
@@ -114,34 +114,36 @@ void bind_half_space(py::module_& module) {
       .def_readonly("error", &HalfSpaceSolution::error)
       .def_readonly("iterations", &HalfSpaceSolution::iterations);
 
-  const auto bind_at = [](auto& solver, const char* name, auto method, const char* wanted, const char* words) {
+  const auto bind_at = [](auto& solver, const char* name, auto method, const char* targets, const char* description) {
     solver.def(
         name,
         [method](const HalfSpaceSolver& self, double value, const std::optional<Array>& near, std::size_t threads,
                  const Progress& progress) {
           const Values start = near ? grid(*near) : Values();
-          return solved(threads, progress, [&](const Crew& crew, const HalfSpaceProgress& report) {
-            return (self.*method)(value, start, crew, report);
+          return solve(threads, progress, [&](const ThreadPool& pool, const HalfSpaceProgress& report) {
+            return (self.*method)(value, start, pool, report);
           });
         },
-        py::arg(wanted), py::kw_only(), py::arg("near").noconvert() = py::none(), py::arg("threads") = 1,
-        py::arg("progress") = py::none(), words);
+        py::arg(targets), py::kw_only(), py::arg("near").noconvert() = py::none(), py::arg("threads") = 1,
+        py::arg("progress") = py::none(), description);
   };
-  py::class_<HalfSpaceSolver> solver(module, "HalfSpaceSolver",
-                                     "The pressures of one gap at one load after the other.");
+  py::class_<HalfSpaceSolver> solver(module, "HalfSpaceSolver", "Solver for one gap at successive loads.");
   solver.def(py::init([](const Array& gap, std::shared_ptr<HalfSpaceGrids> grids, const Array& bound, double tolerance,
                          std::size_t threads) {
                const auto heights = grid(gap);
                const auto bounds = grid(bound);
-               const Checkpoint checkpoint = until_interrupted();
+               const CancellationCheck check_cancellation = keyboard_interrupt_check();
                const py::gil_scoped_release release;
                return std::make_unique<HalfSpaceSolver>(heights, std::move(grids), bounds, tolerance,
-                                                        Crew(threads, checkpoint));
+                                                        ThreadPool(threads, check_cancellation));
              }),
              py::keep_alive<1, 2>(), py::arg("gap").noconvert(), py::arg("grids"), py::kw_only(),
              py::arg("bound").noconvert(), py::arg("tolerance"), py::arg("threads") = 1);
-  bind_at(solver, "at", &HalfSpaceSolver::at, "mean_pressure", "The pressure with a given mean [GPa] over the grid.");
-  bind_at(solver, "at_approach", &HalfSpaceSolver::at_approach, "approach", "The pressure at an approach [µm].");
+  bind_at(
+      solver, "at", &HalfSpaceSolver::at, "mean_pressure",
+      "Solve for a mean pressure over the grid [GPa]. `near` is the pressure at another load, as a starting point.");
+  bind_at(solver, "at_approach", &HalfSpaceSolver::at_approach, "approach",
+          "Solve for an approach [µm]. `near` is the pressure at another load, as a starting point.");
 
   module.def(
       "patches_of",
@@ -149,16 +151,17 @@ void bind_half_space(py::module_& module) {
         const std::vector<std::size_t> shape(pressure.shape(), pressure.shape() + pressure.ndim());
         const Grid on = grid_of(shape, std::vector<double>(shape.size(), 1.0), periodic);
         const Values values = grid(pressure);
-        Patches found;
+        Patches candidates;
         {
           const py::gil_scoped_release release;
-          found = patches_of(values, on, hardness);
+          candidates = patches_of(values, on, hardness);
         }
-        return py::make_tuple(array_from(std::move(found.points)), array_from(std::move(found.pressure)),
-                              array_from(std::move(found.share)), array_from(std::move(found.patch)));
+        return py::make_tuple(to_array(std::move(candidates.points)), to_array(std::move(candidates.pressure)),
+                              to_array(std::move(candidates.contact_fraction)), to_array(std::move(candidates.patch)));
       },
       py::arg("pressure").noconvert(), py::kw_only(), py::arg("periodic"), py::arg("hardness"),
-      "Of each point under pressure: place, pressure [GPa], share of its cell in contact, and patch, from 1 on.");
+      "Return index, pressure [GPa], contact fraction of its cell and patch number (from 1) of each point under "
+      "pressure.");
   module.def(
       "patch_sums",
       [](const Array& force, const Array& area, const std::optional<Array>& slope_y, const Array& slope_x,
@@ -175,8 +178,8 @@ void bind_half_space(py::module_& module) {
           sums = patch_sums(forces, areas, along_y, along_x, patches, directions);
         }
         py::typing::Dict<py::str, py::object> named;
-        named["force"] = array_from(std::move(sums.force));
-        named["area"] = array_from(std::move(sums.area));
+        named["force"] = to_array(std::move(sums.force));
+        named["area"] = to_array(std::move(sums.area));
         const auto ways = static_cast<py::ssize_t>(directions.size());
         named["leaning"] = by_direction(std::move(sums.leaning), ways);
         named["upward"] = by_direction(std::move(sums.upward), ways);
@@ -188,7 +191,7 @@ void bind_half_space(py::module_& module) {
       },
       py::arg("force").noconvert(), py::arg("area").noconvert(), py::arg("slope_y").noconvert(),
       py::arg("slope_x").noconvert(), py::arg("patch").noconvert(), py::arg("directions"),
-      "Sums over the points of each patch, by name, and along directions (x, y).");
+      "Sum over the points of each patch, also along directions (x, y). Returns a dict of arrays.");
 }
 
 }  // namespace stiction::python

@@ -1,10 +1,10 @@
-// stiction._core: the C++ library as Python sees it. One function per header; the table of contents.
+// stiction._core: Python bindings of the C++ library, with one function per header.
 #include <pybind11/pybind11.h>
 
 namespace stiction::python {
 void bind_amplitude(pybind11::module_& module);
 void bind_areal(pybind11::module_& module);
-void bind_families(pybind11::module_& module);
+void bind_profile_batch(pybind11::module_& module);
 void bind_harmonics(pybind11::module_& module);
 void bind_asperity(pybind11::module_& module);
 void bind_law(pybind11::module_& module);
@@ -17,7 +17,8 @@ void bind_half_space(pybind11::module_& module);
 }  // namespace stiction::python
 
 PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
-  module.doc() = "The C++ core of stiction. Exact types and layouts only; the package around it is the friendly side.";
+  module.doc() =
+      "C++ core of stiction. It accepts only exact types and array layouts; the Python package does all conversions.";
   module.attr("__version__") = STICTION_VERSION;
   stiction::python::bind_build(module);
   stiction::python::bind_amplitude(module);
@@ -28,7 +29,7 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_sums(module);
   stiction::python::bind_contact(module);
   stiction::python::bind_areal(module);
-  stiction::python::bind_families(module);
+  stiction::python::bind_profile_batch(module);
   stiction::python::bind_loading(module);
   stiction::python::bind_half_space(module);
 }

@@ -2,7 +2,7 @@
 
 namespace stiction::python {
 
-Table table_of(const std::vector<Sums>& rows) {
+Table to_table(const std::vector<Sums>& rows) {
   Table table;
   for (const Quantity& quantity : quantities) {
     const auto column_of = [&](auto member) -> py::array {
@@ -20,11 +20,11 @@ void bind_sums(py::module_& module) {
       [] {
         std::vector<std::tuple<std::string, std::string, std::string>> all;
         for (const Quantity& quantity : quantities) {
-          all.emplace_back(quantity.name, quantity.unit, quantity.words);
+          all.emplace_back(quantity.name, quantity.unit, quantity.description);
         }
         return all;
       },
-      "Name, unit and words of each of the sums.");
+      "Return name, unit and description of the contact sums.");
 }
 
 }  // namespace stiction::python

@@ -1,4 +1,4 @@
-// The sums at each approach as columns.
+// Conversion of contact sums to a table of columns.
 #pragma once
 
 #include "stiction/sums.hpp"
@@ -7,6 +7,6 @@
 
 namespace stiction::python {
 
-Table table_of(const std::vector<Sums>& rows);
+Table to_table(const std::vector<Sums>& rows);
 
 }  // namespace stiction::python

@@ -1,4 +1,4 @@
-"""The C++ core of stiction. Exact types and layouts only; the package around it is the friendly side."""
+"""C++ core of stiction. It accepts only exact types and array layouts; the Python package does all conversions."""
 
 from __future__ import annotations
 import collections.abc
@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 import typing
 
 class Candidates:
-    """Places where two bodies may touch, found once for any number of presses."""
+    """Contact candidates of two profiles, valid for any number of approaches up to `deepest`."""
     def __len__(self) -> int: ...
     def columns(self) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]: ...
     @property
     def deepest(self) -> float:
-        """Approach [µm] up to which they were looked for."""
+        """Largest approach [µm] for which the candidates are complete."""
 
 class ContactModel:
-    """How two bodies are pressed together."""
+    """Contact law, detection method and sliding rule for a pair of surfaces."""
     def __init__(
         self,
         *,
@@ -29,15 +29,15 @@ class ContactModel:
     ) -> None: ...
 
 class ArealCandidates:
-    """Where two maps may touch, found once for any number of presses."""
+    """Contact candidates of two maps, valid for any number of approaches up to `deepest`."""
     def __len__(self) -> int: ...
     def columns(self) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]: ...
     @property
     def deepest(self) -> float:
-        """Approach [µm] up to which they were looked for."""
+        """Largest approach [µm] for which the candidates are complete."""
 
 class HalfSpaceGrids:
-    """The grid of a problem, coarser ones, and their kernels, for as many problems as have it."""
+    """Grid hierarchy and elastic kernels, shared by all problems with the same grid."""
     def __init__(
         self,
         shape: collections.abc.Sequence[int],
@@ -47,14 +47,14 @@ class HalfSpaceGrids:
         periodic: bool,
     ) -> None: ...
     def displacement(self, pressure: NDArray[float64], *, threads: int = 1) -> NDArray[float64]:
-        """Displacement [µm] of each point under a pressure [GPa]."""
-    def linear_answer(self, free: NDArray[numpy.bool], *, threads: int = 1) -> tuple[NDArray[float64], float]:
-        """Pressures [GPa] of sum 1 under which all free points move alike, and by how much [µm]."""
+        """Compute the displacement [µm] of each point under a pressure [GPa]."""
+    def linear_response(self, in_contact: NDArray[numpy.bool], *, threads: int = 1) -> tuple[NDArray[float64], float]:
+        """Compute pressures [GPa] of sum 1 that displace all contact points equally, and their displacement [µm]."""
     @property
     def periodic(self) -> bool: ...
 
 class HalfSpaceSolution:
-    """A pressure and what is known of it."""
+    """Pressure field, approach [µm], relative error and number of iterations."""
     @property
     def approach(self) -> float: ...
     @property
@@ -65,7 +65,7 @@ class HalfSpaceSolution:
     def pressure(self) -> NDArray[float64]: ...
 
 class HalfSpaceSolver:
-    """The pressures of one gap at one load after the other."""
+    """Solver for one gap at successive loads."""
     def __init__(
         self,
         gap: NDArray[float64],
@@ -83,7 +83,7 @@ class HalfSpaceSolver:
         threads: int = 1,
         progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
     ) -> HalfSpaceSolution:
-        """The pressure with a given mean [GPa] over the grid."""
+        """Solve for a mean pressure over the grid [GPa]. `near` is the pressure at another load, as a starting point."""
     def at_approach(
         self,
         approach: float,
@@ -92,7 +92,7 @@ class HalfSpaceSolver:
         threads: int = 1,
         progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
     ) -> HalfSpaceSolution:
-        """The pressure at an approach [µm]."""
+        """Solve for an approach [µm]. `near` is the pressure at another load, as a starting point."""
 
 @typing.overload
 def approaches_at(
@@ -107,11 +107,11 @@ def approaches_at(
     tau0: float,
     model: ContactModel,
 ) -> NDArray[float64]:
-    """Approaches [µm] in brackets at which the normal load rises through loads [mN]."""
+    """Find the approaches [µm] between `left` and `right` at which two profiles reach the loads [mN]."""
 
 @typing.overload
 def approaches_at(
-    found: Candidates,
+    candidates: Candidates,
     *,
     loads: NDArray[float64],
     left: NDArray[float64],
@@ -120,11 +120,11 @@ def approaches_at(
     tau0: float,
     model: ContactModel,
 ) -> NDArray[float64]:
-    """The same, of candidates."""
+    """Find the approaches [µm] between `left` and `right` at which candidates of two profiles reach the loads [mN]."""
 
 @typing.overload
 def approaches_at(
-    found: ArealCandidates,
+    candidates: ArealCandidates,
     *,
     loads: NDArray[float64],
     left: NDArray[float64],
@@ -133,24 +133,24 @@ def approaches_at(
     tau0: float,
     model: ContactModel,
 ) -> NDArray[float64]:
-    """The same, of candidates of two maps."""
+    """Find the approaches [µm] between `left` and `right` at which candidates of two maps reach the loads [mN]."""
 
 def areal_quantities() -> list[tuple[str, str, str]]:
-    """Name, unit and words of each of the sums that only areas have."""
+    """Return name, unit and description of the contact sums that only areal contact has."""
 
 def asperities(
     heights: NDArray[float64], *, spacing: float, side: str
 ) -> tuple[NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64], NDArray[float64]]:
-    """Slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile."""
+    """Compute slope, curvature [1/µm], normal, radius [µm] and centre [µm] at every point of a profile."""
 
 def build() -> dict[str, str]:
-    """What the core was built with, and what it uses of this machine: compiler, instruction_set, gsl."""
+    """Return build information of the core: compiler, instruction_set and gsl."""
 
 @typing.overload
 def candidates(
     upper: NDArray[float64], lower: NDArray[float64], *, spacing: float, deepest: float, curvature: str
 ) -> Candidates:
-    """The gap minima of two profiles up to a deepest approach [µm]."""
+    """Find the gap minima of two profiles up to the approach `deepest` [µm]."""
 
 @typing.overload
 def candidates(
@@ -161,33 +161,33 @@ def candidates(
     deepest: float,
     curvature: str,
 ) -> ArealCandidates:
-    """The gap minima of two maps up to a deepest approach [µm]; spacing of rows, then of columns."""
+    """Find the gap minima of two maps up to the approach `deepest` [µm]. `spacing` is (Δy, Δx) [µm]."""
 
 @typing.overload
 def contacts(
     upper: NDArray[float64], lower: NDArray[float64], *, spacing: float, approach: float, model: ContactModel
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """Every contact at one approach [µm]: a dict of columns."""
+    """List the contacts of two profiles at one approach [µm], as a dict of columns."""
 
 @typing.overload
 def contacts(
-    found: Candidates, *, approach: float, model: ContactModel
+    candidates: Candidates, *, approach: float, model: ContactModel
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """The same, of candidates."""
+    """List the contacts of stored candidates at one approach [µm], as a dict of columns."""
 
 @typing.overload
 def contacts(
-    found: ArealCandidates, *, approach: float, model: ContactModel
+    candidates: ArealCandidates, *, approach: float, model: ContactModel
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """Every contact of two maps at one approach [µm]: a dict of columns."""
+    """List the contacts of two maps at one approach [µm], as a dict of columns."""
 
 def force_and_area(
     law: str, parameters: collections.abc.Mapping[str, float], *, overlap: float, radius: float
 ) -> tuple[float, float]:
-    """Force [mN] and area [µm²] of one contact, by a law of this name with all of its parameters."""
+    """Compute force [mN] and area [µm²] of one contact for a named law with all of its parameters."""
 
 def frequency_weights(hurst_exponent: float, frequencies: int, gamma: float, length_scale: float) -> list[float]:
-    """Amplitudes of the frequencies of Eq. 1 [µm]."""
+    """Compute the amplitudes [µm] of the frequencies of Eq. 1."""
 
 def harmonic_profiles(
     phases: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
@@ -199,7 +199,7 @@ def harmonic_profiles(
     gamma: float,
     band_limited: bool,
 ) -> NDArray[float64]:
-    """Eq. 1 for every row of weights, into `profiles` (rows, points) [µm]. Returns mean, lowest and highest of each."""
+    """Write Eq. 1 for every row of weights to `profiles` (rows, points) [µm]. Returns (mean, min, max) of each row."""
 
 def harmonic_surface(
     phases: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
@@ -212,12 +212,12 @@ def harmonic_surface(
     gamma: float,
     band_limited: bool,
 ) -> None:
-    """Eq. 1 over an area, into `heights` (rows, columns) [µm]."""
+    """Write the areal form of Eq. 1 to `heights` (rows, columns) [µm]."""
 
 def natural_slopes(
     heights: NDArray[float64], *, spacing: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]
 ) -> typing.Annotated[list[NDArray[float64]], "FixedSize(2)"]:
-    """Slopes of a map along columns and along rows by natural cubic splines; spacing of rows, then of columns."""
+    """Compute the slopes (dz/dy, dz/dx) of a map from natural cubic splines. `spacing` is (Δy, Δx) [µm]."""
 
 def patch_sums(
     force: NDArray[float64],
@@ -227,12 +227,12 @@ def patch_sums(
     patch: NDArray[numpy.int32],
     directions: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]],
 ) -> dict[str, typing.Any]:
-    """Sums over the points of each patch, by name, and along directions (x, y)."""
+    """Sum over the points of each patch, also along directions (x, y). Returns a dict of arrays."""
 
 def patches_of(
     pressure: NDArray[float64], *, periodic: bool, hardness: float
 ) -> tuple[NDArray[numpy.int64], NDArray[float64], NDArray[float64], NDArray[numpy.int32]]:
-    """Of each point under pressure: place, pressure [GPa], share of its cell in contact, and patch, from 1 on."""
+    """Return index, pressure [GPa], contact fraction of its cell and patch number (from 1) of each point under pressure."""
 
 @typing.overload
 def press(
@@ -243,25 +243,25 @@ def press(
     approaches: NDArray[float64],
     model: ContactModel,
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """Sums over the contacts at each approach [µm]: a dict of columns."""
+    """Compute the contact sums of two profiles at each approach [µm], as a dict of columns."""
 
 @typing.overload
 def press(
-    found: Candidates, *, approaches: NDArray[float64], model: ContactModel
+    candidates: Candidates, *, approaches: NDArray[float64], model: ContactModel
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """The same, of candidates."""
+    """Compute the contact sums of stored candidates at each approach [µm], as a dict of columns."""
 
 @typing.overload
 def press(
-    found: ArealCandidates, *, approaches: NDArray[float64], model: ContactModel, directions: NDArray[float64]
+    candidates: ArealCandidates, *, approaches: NDArray[float64], model: ContactModel, directions: NDArray[float64]
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """Sums over the contacts of two maps: a dict of columns, direction by direction and in it by approach."""
+    """Compute the contact sums of two maps, as a dict of columns with rows ordered by direction, then approach [µm]."""
 
-def press_families(
+def press_profile_batches(
     upper: typing.Annotated[NDArray[float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
-    upper_levels: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
+    upper_statistics: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
     lower: typing.Annotated[NDArray[float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
-    lower_levels: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
+    lower_statistics: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
     *,
     spacing: float,
     amplitudes: NDArray[float64],
@@ -270,12 +270,12 @@ def press_families(
     models: collections.abc.Sequence[ContactModel],
     scratch: typing.Annotated[NDArray[float64], "[m, n]", "flags.writeable", "flags.c_contiguous"],
 ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
-    """Sums of every pair of rows at each amplitude [µm] by each model at each approach [µm]: a dict of columns. Both families are used up."""
+    """Compute the contact sums of each pair of rows, for each amplitude [µm], model and approach [µm], as a dict of columns. The heights are overwritten."""
 
 def quantities() -> list[tuple[str, str, str]]:
-    """Name, unit and words of each of the sums."""
+    """Return name, unit and description of the contact sums."""
 
 def scale_to_amplitude(heights: NDArray[float64], amplitude: float, measure: str, scaled: NDArray[float64]) -> bool:
-    """Heights [µm] about a mean of zero with a measure of `amplitude` [µm], into `scaled`; False for a flat profile."""
+    """Write heights of zero mean and the given amplitude [µm] to `scaled`. Returns False for a flat profile."""
 
 __version__: str

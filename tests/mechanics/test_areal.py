@@ -424,7 +424,7 @@ class TestLoading:
             assert isinstance(again, SurfaceLoadCurve)
             for name in COMMON + DIRECTED:
                 assert (getattr(again, name) == getattr(plain, name)).all()
-        with pytest.raises(ValueError, match="looked for up to"):
+        with pytest.raises(ValueError, match="the limit of the candidates"):
             press(found, [0.3])
         with pytest.raises(ValueError, match="curvature"):
             press(found, [0.1], curvature="convex")

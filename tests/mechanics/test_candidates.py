@@ -73,7 +73,9 @@ class TestCandidates:
 
     def test_refuse_what_they_were_not_looked_for(self, pair):
         found = candidates(*pair, deepest=0.03)
-        with pytest.raises(ValueError, match=r"approach is 0.04 µm, but candidates were looked for up to 0.03 µm only"):
+        with pytest.raises(
+            ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
+        ):
             press(found, [0.04])
         with pytest.raises(ValueError, match="detection must be that of the candidates, 'gap-minimum', got 'cell'"):
             press(found, [0.01], detection="cell")
@@ -126,7 +128,7 @@ def test_quantities_and_laws_stand_once():
     assert tuple(NAMED) == LawName.__args__
     assert len({law.name for law in LAWS}) == len(LAWS)
     for law in LAWS:
-        with pytest.raises(ValueError, match=f"law {law.name} lacks its effective_modulus"):
+        with pytest.raises(ValueError, match=f"law {law.name} requires the parameter effective_modulus"):
             stiction._core.force_and_area(law.name, {}, overlap=0.1, radius=1.0)
 
 

@@ -414,7 +414,7 @@ class TestInterface:
     @pytest.mark.parametrize(
         ("change", "message"),
         [
-            ({"approach": -0.001}, r"approach is -0.001"),
+            ({"approach": -0.001}, r"approach must be at least 0 and finite, got -0.001"),
             ({"approach": math.nan}, "approach"),
             ({"effective_modulus": 0}, "effective_modulus"),
             ({"effective_modulus": math.inf}, "effective_modulus"),

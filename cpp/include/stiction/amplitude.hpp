@@ -1,4 +1,4 @@
-// The amplitude of a profile: what it is measured by, and profiles scaled to one.
+// Amplitude of a profile: height statistics, amplitude measures, and scaling to a given amplitude.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -10,51 +10,56 @@
 
 namespace stiction {
 
-/// height: highest minus lowest point. ra, rq: mean absolute and root-mean-square deviation from the mean.
+/// Definition of the amplitude. height: highest minus lowest point. ra, rq: mean absolute and root-mean-square
+/// deviation from the mean.
 enum class AmplitudeMeasure { height, ra, rq };
 
-/// By the words of results: "height", "Ra", "Rq". Throws std::invalid_argument for another.
-AmplitudeMeasure amplitude_measure(std::string_view word);
+/// Parse a measure: "height", "Ra" or "Rq". Throws std::invalid_argument for any other name.
+AmplitudeMeasure amplitude_measure(std::string_view name);
 
 /// Mean, lowest and highest point of a profile [µm].
-struct Level {
+struct HeightStatistics {
   double mean;
-  double lowest;
-  double highest;
+  double min;
+  double max;
 };
 
-/// The level of a profile that comes in pieces, from left to right. Sums and extremes are kept for each of some lanes,
-/// so that passes are wide, and the same whatever the pieces: each but the last is a whole number of lanes long.
-class Levelling {
+/// Accumulates the height statistics of a profile that arrives in chunks, from left to right. Each SIMD lane has its
+/// own sum and extremes. The result does not depend on the chunk sizes, provided that each chunk except the last is a
+/// whole number of `lanes` long.
+class HeightAccumulator {
  public:
   static constexpr std::size_t lanes = 32;
 
-  Levelling();
+  HeightAccumulator();
+  /// Add the next chunk of heights [µm].
   void add(Values heights);
-  Level level() const;
+  /// Return the statistics of all heights so far.
+  HeightStatistics statistics() const;
 
  private:
-  std::size_t points_ = 0;
-  std::array<double, lanes> sum_;
-  std::array<double, lanes> lowest_;
-  std::array<double, lanes> highest_;
+  std::size_t count_ = 0;
+  std::array<double, lanes> sums_;
+  std::array<double, lanes> minima_;
+  std::array<double, lanes> maxima_;
 };
 
-/// How heights are scaled: their mean becomes zero, and what is left is multiplied by the factor.
+/// Scaling of heights: scaled = (height - mean) factor.
 struct Scaling {
   double mean;
   double factor;
 };
 
-/// That to a measure of `amplitude` [µm] of heights with this level; none for a flat profile, which has no amplitude.
-std::optional<Scaling> scaling_to(double amplitude, AmplitudeMeasure measure, Values heights, const Level& level);
+/// Return the scaling that gives heights with these statistics the amplitude `amplitude` [µm]; none for a flat profile,
+/// which cannot be scaled.
+std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
+                                    const HeightStatistics& statistics);
 
-/// (height - mean) factor for each, into `scaled` of the same length.
-void scale(Values heights, const Scaling& by, std::span<double> scaled);
+/// Write (height - mean) factor to `scaled`, which has the same length as `heights`.
+void scale(Values heights, const Scaling& scaling, std::span<double> scaled);
 
-/// The same shape about a mean of zero, scaled so that its measure is `amplitude` [µm], into `scaled` of the same
-/// length. Returns whether that is possible: a flat profile has no amplitude. Throws std::invalid_argument for lengths
-/// that differ.
+/// Scale `heights` to zero mean and the amplitude `amplitude` [µm], and write them to `scaled`. Returns false for a
+/// flat profile, which cannot be scaled. Throws std::invalid_argument if the lengths differ.
 bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled);
 
 }  // namespace stiction

@@ -1,26 +1,28 @@
-// Two maps pressed together: contacts are the local minima of the splined gap, each a Hertzian ellipse.
+// Contact of two height maps. Contacts are the local minima of the splined gap; each is a Hertzian ellipse.
 //
 // x runs along the columns of a map and y along its rows; both maps share one grid. The approach [µm] is the
-// displacement of the upper body towards the lower one, measured from the first touch of grid points. At a minimum of
-// the gap both bodies have one slope, so a contact has one normal at every approach; how the normal turns as the bodies
-// sink into each other is of second order in overlap over radius and left out.
+// displacement of the upper surface towards the lower one, measured from first contact of grid points. At a minimum of
+// the gap both surfaces have the same slope, so a contact has the same normal at every approach. The rotation of the
+// normal with increasing overlap is of second order in overlap/radius and is neglected.
 //
-// Of a contact whose ellipse the edge of the map cuts, what lies inside counts: Hertz's pressure integrated over it. So
-// force and area of a contact grow with the approach, and that of a long valley is the part of it that is on the map.
+// If the edge of the map cuts a contact ellipse, only the part inside the map counts: the Hertzian pressure is
+// integrated over it. Force and area of a contact therefore grow with the approach, and a long valley contributes only
+// the part that lies on the map.
 //
-// What round-off would decide is decided by rules that a turned, mirrored, swapped or lifted pair meets alike. In units
-// of the spacing a bend or a slope is none that is below 2^-26 of the gap's range:
-// - A minimum that does not bend upwards in every direction is a level valley or floor, and no contact, for it has no
-//   lowest point. The grid points of a level floor count as minima of the grid without an answer.
-// - A body that does not bend downwards is not hollow: flat in some direction or all, it counts as a summit.
-// - What does not slope along the motion does not oppose it.
+// Rules for cases that round-off would otherwise decide; a rotated, mirrored, swapped or shifted pair gives the same
+// result. Curvatures and slopes are in units of the grid spacing, and count as zero below 2^-26 of the range of the
+// gap:
+// - A minimum that is not curved upwards in every direction is a level valley or plateau. It is not a contact, because
+//   it has no lowest point. The grid points of a level plateau count as grid minima without a spline minimum.
+// - A surface that is not concave counts as a summit, also if it is flat in one direction or in both.
+// - A surface without slope along the motion does not oppose the motion.
 #pragma once
 
 #include "stiction/array.hpp"
-#include "stiction/checkpoint.hpp"
+#include "stiction/asperity_pair.hpp"
+#include "stiction/cancellation.hpp"
 #include "stiction/contact.hpp"
 #include "stiction/ellipse.hpp"
-#include "stiction/encounter.hpp"
 #include "stiction/sums.hpp"
 
 #include <array>
@@ -31,84 +33,85 @@
 
 namespace stiction {
 
-/// Two maps [µm] (rows, columns) on one grid.
+/// Two height maps [µm] (rows, columns) on one grid.
 struct SurfacePair {
   MatrixView upper;
   MatrixView lower;
-  Vector2 spacing;  ///< of columns and of rows, (Δx, Δy) [µm]
+  Vector2 spacing;  ///< (Δx, Δy): distance of columns and of rows [µm]
 };
 
-/// How two bodies with slopes p meet whose gap has the Hessian `xx, xy, yy` [1/µm] there: the relative curvatures are
-/// its eigenvalues over q = sqrt(1 + p²) in the metric I + p pᵀ of the tangent plane.
-struct Meeting {
-  Vector3 normal;  ///< from the lower to the upper body, (-p, 1)/q
+/// Contact normal and relative curvature of two surfaces that share the slope p at a point where their gap has the
+/// Hessian `xx, xy, yy` [1/µm]. The relative curvatures are the eigenvalues of the Hessian over q = sqrt(1 + p²), in
+/// the metric I + p pᵀ of the tangent plane.
+struct ContactGeometry {
+  Vector3 normal;  ///< from the lower to the upper surface, (-p, 1)/q
   Radii radii;     ///< of the relative curvature, both > 0
-  Vector3 along;   ///< unit vector of the tangent plane along which the radius is the larger one
+  Vector3 along;   ///< unit vector in the tangent plane along which the radius is the larger one
 };
 
-/// For a positive definite Hessian.
-Meeting meeting(const Vector2& slope, double xx, double xy, double yy);
+/// Compute the contact geometry for a positive definite Hessian.
+ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy);
 
-/// A minimum of the gap, which touches at approaches above `gap`.
+/// A local minimum of the gap. It is a contact at approaches above `gap`.
 struct ArealCandidate {
-  Index row;         ///< of the cell that owns it: that of its first point
-  Index column;      ///< likewise
-  Vector3 position;  ///< of the lower body there [µm]
-  double gap;        ///< above first touch of grid points [µm]; may be somewhat below 0
-  double room;       ///< overlap [µm] at which its elastic ellipse reaches the edge of the map
+  Index row;         ///< row of the first grid point of the cell that contains it
+  Index column;      ///< column of that grid point
+  Vector3 position;  ///< of the lower surface at the minimum [µm]
+  double gap;  ///< above first contact of grid points [µm]; slightly negative if the spline dips below the grid points
+  double edge_overlap;  ///< overlap [µm] at which the elastic ellipse reaches the edge of the map
   Vector3 normal;
   Radii radii;
-  Vector3 along;    ///< of the larger semi-axis
-  Ellipse ellipse;  ///< elastic
+  Vector3 along;    ///< direction of the larger semi-axis
+  Ellipse ellipse;  ///< of elastic contact
 
   double overlap(double approach) const { return (approach - gap) * normal.z(); }
 };
 
-/// Candidates found once, for any number of presses up to an approach of `deepest`.
+/// Contact candidates of two maps, valid for any number of approaches up to `deepest`.
 struct ArealCandidates {
-  std::vector<ArealCandidate> all;  ///< cell by cell along x and then y
-  std::vector<double> grid_minima;  ///< gaps [µm] of the points of which no neighbour is lower, increasing
-  std::vector<double> unanswered;   ///< of those beside which the spline has no minimum: in none of the four cells
-  double deepest;                   ///< [µm]
-  Vector2 spacing;                  ///< of columns and of rows [µm]
-  Index rows;                       ///< of the maps
-  Index columns;                    ///< likewise
+  std::vector<ArealCandidate> all;  ///< in the order of their cells, row by row
+  std::vector<double> grid_minima;  ///< gaps [µm] at the grid points with no lower neighbour, increasing
+  std::vector<double> unanswered;   ///< subset of grid_minima without a spline minimum in the four adjacent cells
+  double deepest;                   ///< largest approach [µm]
+  Vector2 spacing;                  ///< distance of columns and of rows [µm]
+  Index rows;                       ///< number of rows of the maps
+  Index columns;                    ///< number of columns of the maps
 };
 
-/// Heights that differ by less than this share of the largest are equal: what round-off in heights, in their difference
-/// and in its spline may make of it.
-inline constexpr double round_off_share = 0x1p-46;
+/// Relative tolerance for equal heights: differences below this fraction of the largest height may be round-off of the
+/// heights, of their difference, or of the spline.
+inline constexpr double round_off_fraction = 0x1p-46;
 
-/// Along a valley, a rise from one point to the next below this share of the gap's range is none: where a minimum lies
-/// is then known to some 1e-8 of a spacing at best.
-inline constexpr double level_share = 0x1p-26;
+/// Relative tolerance for level valleys: a rise between neighbouring points below this fraction of the gap's range
+/// counts as zero. A minimum is then located to about 1e-8 of a spacing at best.
+inline constexpr double level_fraction = 0x1p-26;
 
-/// All with a gap of at most `deepest` [µm] >= 0. `convex` asks for both bodies to be summits, `signed_` only for a
-/// minimum of the gap. Maps have equal shapes of at least 4 by 4 finite heights, and their gap is not the same
-/// everywhere. Throws std::invalid_argument.
+/// Find all contact candidates with a gap of at most `deepest` [µm] >= 0. `convex` requires both surfaces to be
+/// summits, `signed_` only a minimum of the gap. The maps must have equal shapes of at least 4 by 4 finite heights, and
+/// must not be parallel. Throws std::invalid_argument.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
-                           const Checkpoint& checkpoint = {});
+                           const CancellationCheck& check_cancellation = {});
 
-/// `Sums`, and what only areas have. Lateral is the horizontal direction 90 degrees to the left of the motion.
+/// Contact sums of a pair of maps. Lateral means the horizontal direction 90 degrees to the left of the motion.
 struct ArealSums : Sums {
-  double lateral_elastic = 0.0;     ///< -Σ F c·n, c being the lateral unit vector [mN]
+  double lateral_elastic = 0.0;     ///< -Σ F c·n [mN], c being the lateral unit vector
   double lateral_frictional = 0.0;  ///< -Σ F c·t [mN] per unit mu0
   double lateral_adhesive = 0.0;    ///< -Σ A c·t [mN] per GPa of tau0
-  double load_overlapping = 0.0;    ///< Σ F n_z of contacts whose ellipse overlaps another one [mN]
-  double load_at_edge = 0.0;        ///< Σ F n_z of contacts whose ellipse the edge of the map cuts [mN]
-  Index grid_minimum_count = 0;     ///< points within the approach of which no neighbour is lower
-  Index unanswered_count = 0;       ///< of those, beside which the spline has no minimum
+  double load_overlapping = 0.0;    ///< Σ F n_z [mN] of contacts whose ellipse overlaps another one
+  double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
+  Index grid_minimum_count = 0;     ///< grid points within the approach that have no lower neighbour
+  Index unanswered_count = 0;       ///< the subset of these points without a spline minimum next to them
 };
 
-/// A member of `ArealSums` that is none of `Sums`.
+/// Name, unit and description of a member that `ArealSums` adds to `Sums`.
 struct ArealQuantity {
   std::string_view name;
   std::string_view unit;
-  std::string_view words;
+  std::string_view description;
   std::variant<Index ArealSums::*, double ArealSums::*> member;
 };
 
-/// All of them.
+/// Descriptions of all members that `ArealSums` adds to `Sums`.
 inline constexpr std::array areal_quantities{
     ArealQuantity{"lateral_elastic", "mN", "lateral load of the elastic forces of sliding contacts",
                   &ArealSums::lateral_elastic},
@@ -116,25 +119,27 @@ inline constexpr std::array areal_quantities{
     ArealQuantity{"lateral_adhesive", "mN/GPa", "lateral load per unit tau0", &ArealSums::lateral_adhesive},
     ArealQuantity{"load_overlapping", "mN", "normal load of contacts whose ellipse overlaps another one",
                   &ArealSums::load_overlapping},
-    ArealQuantity{"load_at_edge", "mN", "normal load of contacts whose ellipse the edge of the map cuts",
+    ArealQuantity{"load_at_edge", "mN", "normal load of contacts whose ellipse is cut by the edge of the map",
                   &ArealSums::load_at_edge},
-    ArealQuantity{"grid_minimum_count", "1", "number of grid points of which no neighbour is lower",
+    ArealQuantity{"grid_minimum_count", "1", "number of grid points without a lower neighbour",
                   &ArealSums::grid_minimum_count},
-    ArealQuantity{"unanswered_count", "1", "number of those beside which the spline has no minimum",
+    ArealQuantity{"unanswered_count", "1", "number of grid minima without a spline minimum next to them",
                   &ArealSums::unanswered_count},
 };
 
-/// Every contact at one approach [µm] >= 0, in the order of the candidates; `index` is row · columns + column.
-std::vector<Contact> contacts(const ArealCandidates& found, double approach, const Law& law, const Vector2& direction);
+/// List the contacts at one approach [µm] >= 0, in the order of the candidates; `index` is row · columns + column.
+std::vector<Contact> contacts(const ArealCandidates& candidates, double approach, const Law& law,
+                              const Vector2& direction);
 
-/// The sums for every direction and, in it, every approach [µm] >= 0 and strictly increasing: (directions, approaches),
-/// row by row. Directions are horizontal unit vectors. HertzSphere is taken on the ellipse, other laws of spheres
-/// on the sphere of the mean radius; HertzCylinder is refused. Throws std::invalid_argument.
-std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const Law& law,
-                             std::span<const Vector2> directions, Sliding sliding, const Checkpoint& checkpoint = {});
+/// Compute the contact sums for every direction and approach, as rows (directions, approaches). Approaches [µm] must be
+/// at least 0 and strictly increasing; directions are horizontal unit vectors. HertzSphere uses the contact ellipse,
+/// and other sphere laws use the sphere of the mean radius. Throws std::invalid_argument, also for HertzCylinder.
+std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const Law& law,
+                             std::span<const Vector2> directions, Sliding sliding,
+                             const CancellationCheck& check_cancellation = {});
 
-/// The same in the one direction of a model, of which it takes the law and the sliding rule as well.
-std::vector<ArealSums> press(const ArealCandidates& found, Values approaches, const ContactModel& model,
-                             const Checkpoint& checkpoint = {});
+/// Compute the contact sums with the direction, the law and the sliding rule of a contact model.
+std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const ContactModel& model,
+                             const CancellationCheck& check_cancellation = {});
 
 }  // namespace stiction

@@ -1,4 +1,5 @@
-// A point of a rough profile as a sphere: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 2 and 3.
+// Asperities of a profile: the osculating sphere at each point. Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 2
+// and 3.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -8,34 +9,35 @@
 
 namespace stiction {
 
-/// Which body a profile bounds: `lower` is solid below it, `upper` solid above it.
+/// Which solid a profile bounds: `lower` is solid below the profile, `upper` solid above it.
 enum class Side { lower, upper };
 
-/// By the words of results: "lower", "upper". Throws std::invalid_argument for another.
-Side side(std::string_view word);
+/// Parse a side: "lower" or "upper". Throws std::invalid_argument for any other name.
+Side side(std::string_view name);
 
 /// The osculating sphere of a profile at one point.
 struct Asperity {
   Vector3 normal;  ///< unit vector out of the solid, (n_x, 0, n_z)
   double radius;   ///< R [µm], positive where the solid is convex; infinite where the curvature is zero
 
-  /// Sphere centre relative to the point on the profile [µm]; not finite where the radius is not.
+  /// Return the sphere centre relative to the point on the profile [µm]; not finite if the radius is infinite.
   Vector3 centre_offset() const { return {-radius * normal.x(), 0.0, -radius * normal.z()}; }
 };
 
-/// slope f' [-], curvature f'' [1/µm]. With q = sqrt(1 + f'²): normal (-f', 0, 1)/q and R = -q³/f'' for the lower body,
-/// both negated for the upper one.
+/// Compute the asperity at a point with slope f' [-] and curvature f'' [1/µm]. With q = sqrt(1 + f'²), the lower
+/// surface has the normal (-f', 0, 1)/q and R = -q³/f''; both are negated for the upper surface.
 Asperity asperity(double slope, double curvature, Side side);
 
-/// The asperity at every point of a profile of heights [µm], spacing [µm] > 0, and the spline it came from.
+/// Asperities at all points of a profile, with the spline derivatives from which they were computed.
 struct Asperities {
   std::vector<double> slope;      ///< f' [-]
   std::vector<double> curvature;  ///< f'' [1/µm]
   std::vector<Vector3> normal;    ///< [-]
   std::vector<double> radius;     ///< R [µm]
-  std::vector<Vector3> centre;    ///< [µm], point j of the profile lying at (j Δx, 0, z_j)
+  std::vector<Vector3> centre;    ///< [µm]; point j of the profile lies at (j Δx, 0, z_j)
 };
 
+/// Compute the asperities of a profile of heights [µm], spacing [µm] > 0.
 Asperities asperities(Values heights, double spacing, Side side);
 
 }  // namespace stiction

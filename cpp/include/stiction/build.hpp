@@ -1,17 +1,18 @@
-// What this library was built with, and what it uses of the machine that it runs on: for reports of problems.
+// Build information for problem reports: compiler, instruction set and GSL version.
 #pragma once
 
 #include <string>
 
 namespace stiction {
 
+/// Build information.
 struct Build {
   std::string compiler;         ///< name and version
-  std::string instruction_set;  ///< of the hot loops, as the loader picked them: "AVX-512", "AVX2, FMA", "SSE2", "NEON"
-  std::string gsl;              ///< version of the GNU Scientific Library that is linked
+  std::string instruction_set;  ///< of the hot loops, selected at load time: "AVX-512", "AVX2, FMA", "SSE2", "NEON"
+  std::string gsl;              ///< version of the linked GNU Scientific Library
 };
 
-/// Answers of builds that differ in these agree to rounding, not to the bit.
+/// Return the build information. Results of builds that differ in it agree to round-off, but not bit by bit.
 Build build();
 
 }  // namespace stiction

@@ -1,11 +1,12 @@
-// Two rough bodies pressed together: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 to 7. Candidates, judged
-// at an approach, are contacts; a law says what each carries; sums of these are what a pair carries.
+// Contact of two rough profiles: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 to 7. The candidates that
+// touch at an approach are the contacts; a contact law gives the force and area of each, and these are summed over the
+// pair.
 #pragma once
 
 #include "stiction/array.hpp"
+#include "stiction/asperity_pair.hpp"
+#include "stiction/cancellation.hpp"
 #include "stiction/candidates.hpp"
-#include "stiction/checkpoint.hpp"
-#include "stiction/encounter.hpp"
 #include "stiction/law.hpp"
 #include "stiction/sums.hpp"
 
@@ -13,44 +14,45 @@
 
 namespace stiction {
 
-/// How two bodies are pressed together.
+/// Contact law, detection method and sliding rule for a pair of surfaces.
 struct ContactModel {
   Law law;
   Detection detection = Detection::cell;
   Curvature curvature = Curvature::convex;
-  Vector2 direction = {1.0, 0.0};  ///< where the upper body is about to move: a horizontal unit vector
+  Vector2 direction = {1.0, 0.0};  ///< motion of the upper surface, a horizontal unit vector
   Sliding sliding = Sliding::opposing;
 };
 
-/// One contact. Positions are in the frame of the lower body.
+/// One contact. Positions are in the frame of the lower surface.
 struct Contact {
-  Index index;      ///< of its candidate
+  Index index;      ///< of the candidate
   Vector3 centre;   ///< [µm]
-  Vector3 normal;   ///< unit vector from the lower to the upper body
-  Vector3 tangent;  ///< unit vector of the friction on the upper body
+  Vector3 normal;   ///< unit vector from the lower to the upper surface
+  Vector3 tangent;  ///< unit vector of the friction force on the upper surface
   Radii radii;      ///< of the relative curvature
-  Vector2 axes;     ///< semi-axes of the patch [µm], the larger first
-  Vector3 along;    ///< unit vector of the larger one, on profiles y
+  Vector2 axes;     ///< semi-axes of the contact patch [µm], the larger first
+  Vector3 along;    ///< unit vector of the larger semi-axis; y on profiles
   double overlap;   ///< [µm]
   double force;     ///< normal force [mN]
   double area;      ///< [µm²]
-  bool opposing;    ///< its normal force opposes the motion
+  bool opposing;    ///< the normal force opposes the motion
 };
 
-/// Every contact at one approach [µm] >= 0, in the order of the grid. Throws std::invalid_argument for what is out of
-/// range, as `for_each_candidate` and `check` do, and where the approach is beyond the candidates' deepest.
+/// List the contacts at one approach [µm] >= 0, in the order of the grid. Throws std::invalid_argument for arguments
+/// out of range, as `for_each_candidate` and `check` do, and for an approach above `deepest` of the candidates.
 std::vector<Contact> contacts(const ProfilePair& pair, double approach, const ContactModel& model,
-                              const Checkpoint& checkpoint = {});
-std::vector<Contact> contacts(const Candidates& found, double approach, const ContactModel& model,
-                              const Checkpoint& checkpoint = {});
+                              const CancellationCheck& check_cancellation = {});
+std::vector<Contact> contacts(const Candidates& candidates, double approach, const ContactModel& model,
+                              const CancellationCheck& check_cancellation = {});
 
-/// The sums at approaches [µm], which are >= 0 and strictly increasing. Otherwise as `contacts`. Candidates know what
-/// they were found by: of a model, they take the law and the direction. A pair may have been screened before.
+/// Compute the contact sums at approaches [µm], which are >= 0 and strictly increasing. Throws as `contacts` does. The
+/// overload for candidates uses only the law, the direction and the sliding rule of the model, because the candidates
+/// fix the rest.
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,
-                        const Checkpoint& checkpoint = {});
-std::vector<Sums> press(const ProfilePair& pair, const Screening& screening, Values approaches,
-                        const ContactModel& model, const Checkpoint& checkpoint = {});
-std::vector<Sums> press(const Candidates& found, Values approaches, const ContactModel& model,
-                        const Checkpoint& checkpoint = {});
+                        const CancellationCheck& check_cancellation = {});
+std::vector<Sums> press(const ProfilePair& pair, const Prefilter& prefilter, Values approaches,
+                        const ContactModel& model, const CancellationCheck& check_cancellation = {});
+std::vector<Sums> press(const Candidates& candidates, Values approaches, const ContactModel& model,
+                        const CancellationCheck& check_cancellation = {});
 
 }  // namespace stiction

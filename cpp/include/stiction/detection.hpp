@@ -1,5 +1,5 @@
-// Where two profiles may touch: passes over their points, wide and cheap, so that few places are left to look at one by
-// one. Heights [µm] of both are finite and equally many.
+// Vectorised passes over two profiles that select the few points at which a contact is possible. Heights [µm] of both
+// profiles are finite and equally many.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -13,41 +13,45 @@
 
 namespace stiction {
 
-/// One pass over a pair: its first touch, and what shows which parts of it ever come near.
-struct Screening {
+/// Results of one pass over a pair: first contact, and the smallest gap of each block, which shows which blocks can
+/// come into contact.
+struct Prefilter {
   static constexpr std::size_t block = 64;
 
-  double gap = std::numeric_limits<double>::infinity();  ///< lowest upper less lower height on the grid [µm]
-  std::vector<double> block_gap;                         ///< the lowest of each `block` points [µm]
-  bool upper_finite = true;                              ///< no height is NaN or infinite
+  double min_gap = std::numeric_limits<double>::infinity();  ///< smallest difference upper - lower on the grid [µm]
+  std::vector<double> block_min_gap;                         ///< smallest difference in each `block` of points [µm]
+  bool upper_finite = true;                                  ///< no height is NaN or infinite
   bool lower_finite = true;
-  double upper_largest = 0.0;  ///< of |height| [µm]
-  double lower_largest = 0.0;
+  double upper_max_abs = 0.0;  ///< largest |height| [µm]
+  double lower_max_abs = 0.0;
 
-  /// The next points of both bodies, a whole number of blocks unless they are the last.
+  /// Add the next points of both profiles, a whole number of blocks except for the last chunk.
   void add(Values upper, Values lower);
 };
 
-Screening screen(Values upper, Values lower);
+/// Run the prefilter on two profiles.
+Prefilter run_prefilter(Values upper, Values lower);
 
-/// Points from `begin` to before `end`.
-struct Stretch {
+/// Range of indices from `begin` to `end`, excluding `end`.
+struct IndexRange {
   std::size_t begin;
   std::size_t end;
 };
 
-/// Stretches of the grid, in its order, that hold all points whose gap above first touch is at most `largest` [µm].
-std::vector<Stretch> stretches_within(Values upper, Values lower, const Screening& screening, double largest);
+/// Return ranges of grid points, in increasing order, that contain all points whose gap above first contact is at most
+/// `max_gap` [µm].
+std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
-/// How far the splined gap may dip below its values on the grid [µm]: 3/8 of its largest second difference, because
-/// |f''| of a natural spline is at most 3 of them per Δx², and a cubic dips below its ends by at most |f''| Δx² / 8.
-double largest_dip(Values upper, Values lower);
+/// Return an upper bound of how far the splined gap dips below its values on the grid [µm]: 3/8 of the largest second
+/// difference. |f''| of a natural spline is at most 3 second differences per Δx², and a cubic dips below its end points
+/// by at most |f''| Δx² / 8.
+double max_dip(Values upper, Values lower);
 
-/// Whether the points of a profile lie on a line, to the round-off of the largest height [µm]: such a body has no
-/// radius.
-bool is_straight(Values heights, double largest);
+/// Return whether the points of a profile lie on a straight line, to within round-off of its largest |height|
+/// `max_abs` [µm].
+bool is_straight(Values heights, double max_abs);
 
-/// Slopes [-] and curvatures [1/µm] of both bodies at consecutive points.
+/// Slopes [-] and curvatures [1/µm] of both profiles at consecutive points.
 struct Derivatives {
   const double* upper_slope;
   const double* upper_curvature;
@@ -55,23 +59,25 @@ struct Derivatives {
   const double* lower_curvature;
 };
 
-/// Marks points at which both bodies are convex and the contact centre passes through the cell between first touch and
-/// the largest approach [µm]; some more, but none fewer. The centre moves one way as the distance of the sphere centres
-/// shrinks, so its two ends tell. `zero` is the gap at first touch [µm].
-void mark_cells(Derivatives at, const double* upper, const double* lower, std::size_t size, double zero, double largest,
-                double half_cell, unsigned char* marks);
+/// Mark the points at which both profiles are convex and the contact centre passes through the cell between first
+/// contact and `max_approach` [µm]. The marks may include other points, but miss none. The centre moves in one
+/// direction as the distance of the sphere centres decreases, so its two end positions decide. `zero` is the gap at
+/// first contact [µm].
+void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
+                double max_approach, double half_cell, unsigned char* marks);
 
-/// Marks intervals [x_i, x_(i+1)) in which the splined gap may have a minimum, by the signs at their ends; derivatives
-/// of one more point than intervals.
-void mark_minima(Derivatives at, std::size_t size, unsigned char* marks);
+/// Mark intervals [x_i, x_(i+1)) in which the splined gap may have a minimum, from the signs of its derivatives at both
+/// ends. The derivatives have one point more than there are intervals.
+void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
-/// The local minimum of the splined gap in an interval [0, spacing) [µm], if there is one, by the slopes [-] and
-/// curvatures [1/µm] of the gap at its ends: the root of the slope, a quadratic there, at which the gap is convex. A
-/// minimum on a point belongs to the interval on its right, and none is at the first point of a profile.
+/// Return the position of the local minimum of the splined gap in an interval [0, spacing) [µm], if there is one, from
+/// the slopes [-] and curvatures [1/µm] of the gap at its ends. It is the root of the slope, a quadratic, at which the
+/// gap is convex. A minimum at a grid point belongs to the interval on its right; the first point of a profile is never
+/// one.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
 
-// ---- The kernel, inline because there are many of it ----------------------------------------------------------------
+// ---- Kernel, inline because it runs for many intervals --------------------------------------------------------------
 
 inline std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                          double spacing, bool at_first_point) {
@@ -85,10 +91,11 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
     return std::nullopt;
   }
   const double root = std::sqrt(discriminant);
-  // The root at which the quadratic rises, in the form that does not cancel.
+  // The root at which the quadratic increases, in the form without cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
-    return std::clamp(t, 0.0, spacing);  // it is there, whatever round-off says
+    // The signs guarantee a root in the interval; only round-off can place it outside.
+    return std::clamp(t, 0.0, spacing);
   }
   return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;
 }

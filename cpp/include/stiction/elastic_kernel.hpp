@@ -1,8 +1,8 @@
-// Displacement of an elastic half-space under pressures on a grid, and what resembles the inverse of that.
+// Elastic half-space on a grid: displacements under pressures, and spectral filters for preconditioning.
 #pragma once
 
 #include "stiction/array.hpp"
-#include "stiction/crew.hpp"
+#include "stiction/thread_pool.hpp"
 
 #include <array>
 #include <cstddef>
@@ -12,22 +12,22 @@
 
 namespace stiction {
 
-/// Points on the surface of a half-space [µm apart]: an area, or a line, which is one row and 1 µm thick.
+/// Grid on the surface of a half-space: an area, or a line, which is a single row of cells of 1 µm width.
 struct Grid {
   std::size_t rows = 1;
   std::size_t columns = 1;
   double spacing_y = 1.0;
   double spacing_x = 1.0;
   bool line = true;
-  bool periodic = false;  ///< whether all is repeated beyond the edges, where else there is nothing
+  bool periodic = false;  ///< periodic continuation; otherwise there is no load outside the grid
 
   std::size_t size() const { return rows * columns; }
 };
 
-/// The least number from `points` on without other prime factors than 2, 3 and 5, of which transforms are fast.
+/// Return the smallest length >= `points` without prime factors other than 2, 3 and 5, for which FFTs are fast.
 std::size_t fast_length(std::size_t points);
 
-/// Memory for one transform after the other of one calculation.
+/// Buffers that successive transforms of one calculation share.
 class Workspace {
  public:
   Workspace();
@@ -37,41 +37,46 @@ class Workspace {
 
  private:
   friend class ElasticKernel;
-  struct Rooms;
-  std::unique_ptr<Rooms> rooms_;
+  struct Buffers;
+  std::unique_ptr<Buffers> buffers_;
 };
 
-/// Displacement [µm] under pressures [GPa] on a grid, of a half-space of modulus E* [GPa] > 0.
+/// Displacement [µm] of a half-space of effective modulus E* [GPa] > 0 under pressures [GPa] on a grid.
 ///
-/// Periodic: 2/(E*|k|) times each wave, 0 for k = 0. Free: that of uniformly loaded cells (Love 1929; Johnson, Contact
-/// Mechanics (1985), eq. 3.25; on a line the logarithm), on a grid of twice the size. What resembles the inverse,
-/// E*|k|/2, is periodic for both: that is half the transform, and ends that feel each other do no harm there.
+/// Periodic grids multiply each Fourier component by 2/(E*|k|), and by 0 for k = 0. Free grids superpose the
+/// displacements of uniformly loaded cells on a grid of twice the size (Love 1929; Johnson, Contact Mechanics (1985),
+/// eq. 3.25; a logarithm on lines). The approximate inverse E*|k|/2 is periodic in both cases: this halves the size of
+/// the transform, and the interaction of opposite edges does no harm in a preconditioner.
 class ElasticKernel {
  public:
-  /// Throws std::invalid_argument where the grid has no points, spacings or a modulus are not above 0.
-  ElasticKernel(const Grid& grid, double effective_modulus, const Crew& crew = Crew());
+  /// Compute the influence coefficients. Throws std::invalid_argument if the grid is empty, or if a spacing or the
+  /// modulus is not positive.
+  ElasticKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool = ThreadPool());
   ~ElasticKernel();
   ElasticKernel(const ElasticKernel&) = delete;
   ElasticKernel& operator=(const ElasticKernel&) = delete;
 
   const Grid& grid() const { return grid_; }
 
-  /// In double precision, to round-off of the largest displacement.
-  void displacement(Values pressure, std::span<double> moved, Workspace& workspace, const Crew& crew = Crew()) const;
+  /// Compute displacements in double precision, to within round-off of the largest displacement.
+  void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
+                    const ThreadPool& pool = ThreadPool()) const;
 
-  /// The same in single precision: of steps, which are small.
-  void displacement(std::span<const float> pressure, std::span<float> moved, Workspace& workspace,
-                    const Crew& crew = Crew()) const;
+  /// Compute displacements in single precision, for the small steps of the solver.
+  void displacement(std::span<const float> pressure, std::span<float> displacements, Workspace& workspace,
+                    const ThreadPool& pool = ThreadPool()) const;
 
-  /// E*|k|/2 times a residual of displacement.
-  void stiffened(std::span<const float> residual, std::span<float> result, Workspace& workspace,
-                 const Crew& crew = Crew()) const;
+  /// Multiply each Fourier component of `values` by the stiffness E*|k|/2.
+  void apply_stiffness(std::span<const float> values, std::span<float> result, Workspace& workspace,
+                       const ThreadPool& pool = ThreadPool()) const;
 
-  /// Displacements under loads of a plate of that stiffness on even springs [GPa/µm]: (E*|k|/2 + springs)⁻¹.
-  void softened(std::span<const float> loads, double springs, std::span<float> result, Workspace& workspace,
-                const Crew& crew = Crew()) const;
+  /// Apply (E*|k|/2 + foundation)⁻¹ to loads: displacements of an elastic half-space on a uniform elastic foundation of
+  /// stiffness `foundation` [GPa/µm] > 0.
+  void apply_foundation_compliance(std::span<const float> loads, double foundation, std::span<float> result,
+                                   Workspace& workspace, const ThreadPool& pool = ThreadPool()) const;
 
-  /// E*|k|/2 of a point on the 3 x 3 points around it, row by row, made so that their sum is small: of areas.
+  /// Return the stiffness operator E*|k|/2 of an area, truncated to 3 x 3 points (row by row). The centre weight is
+  /// chosen so that the sum of the weights is small.
   const std::array<double, 9>& stencil() const { return stencil_; }
 
  private:
@@ -81,7 +86,8 @@ class ElasticKernel {
   std::unique_ptr<Transforms> transforms_;
 };
 
-/// Root-mean-square deviation [µm/GPa] of displacements under an even pressure, which only a free grid has.
-double even_deviation(const Grid& grid, double effective_modulus);
+/// Return the root-mean-square deviation [µm/GPa] of the displacements under uniform pressure on a free grid. It is
+/// zero on a periodic grid.
+double uniform_pressure_deviation(const Grid& grid, double effective_modulus);
 
 }  // namespace stiction

@@ -1,11 +1,12 @@
-// Contact laws: what one asperity contact carries.
+// Contact laws: normal force and area of one asperity contact.
 //
-// A law is one struct: its parameters as members, its name and the list of the parameters, what it carries, and the
-// patch on which it does. It becomes one of the library's by its name in `Law`, below; all else follows from these.
+// A law is one struct with its parameters as members, its name, the list of its parameters, the force and area as a
+// function of overlap and radii, and the semi-axes of the contact patch. Adding the struct to the variant `Law` below
+// makes it available everywhere.
 #pragma once
 
 #include "stiction/array.hpp"
-#include "stiction/encounter.hpp"
+#include "stiction/asperity_pair.hpp"
 
 #include <array>
 #include <cmath>
@@ -18,12 +19,13 @@
 
 namespace stiction {
 
+/// Normal force and area of a contact.
 struct ForceArea {
   double force;  ///< [mN]
   double area;   ///< [µm²]
 };
 
-/// A number that a law has: finite, and between `low` and `high`, at which it may be if `ends` says so.
+/// Parameter of a law: finite, and between `low` and `high`. `inclusive` allows the limits themselves.
 template <class L>
 struct Parameter {
   std::string_view name;
@@ -31,11 +33,11 @@ struct Parameter {
   double L::* member;
   double low = 0.0;
   double high = std::numeric_limits<double>::infinity();
-  bool ends = false;
+  bool inclusive = false;
 };
 
-/// Two elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap.
-/// Hertz 1882; Johnson, Contact Mechanics (1985), eqs. 4.22-4.24. Exact within a << R.
+/// Two elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Hertz 1882; Johnson, Contact Mechanics
+/// (1985), eqs. 4.22-4.24. Exact for a << R.
 struct HertzSphere {
   double effective_modulus;  ///< E* [GPa] > 0
 
@@ -47,9 +49,9 @@ struct HertzSphere {
   Vector2 semi_axes(double overlap, const Radii& radii) const;
 };
 
-/// Two elastic parallel cylinders of a width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2), overlap being that of
-/// the undeformed circles, a²/R. Johnson, Contact Mechanics (1985), eq. 4.45 with 2a the width of contact. Exact within
-/// a << R for the force on a given half-width; the far approach of line contacts has no finite value.
+/// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). The overlap is that of
+/// the undeformed circles, a²/R. Johnson, Contact Mechanics (1985), eq. 4.45 with contact width 2a. The force at a
+/// given half-width is exact for a << R; the approach of distant points in a line contact is unbounded.
 struct HertzCylinder {
   double effective_modulus;  ///< E* [GPa] > 0
   double width;              ///< w [µm] > 0, along the cylinders
@@ -63,14 +65,13 @@ struct HertzCylinder {
   Vector2 semi_axes(double overlap, const Radii& radii) const;
 };
 
-/// A sphere that yields: elastic, perfectly plastic.
-/// Jackson & Green, J. Tribol. 127 (2005) 343, eqs. for the critical interference and for contact above 1.9 times it;
-/// below, Hertz. Fitted to finite elements up to a contact radius of 0.41 R; at the transition the load jumps by less
-/// than 1 %.
+/// A sphere that yields: elastic, perfectly plastic. Jackson & Green, J. Tribol. 127 (2005) 343: the critical
+/// interference, and their fit above 1.9 times it; Hertz below. The fit to finite elements reaches a contact radius of
+/// 0.41 R. The load jumps by less than 1 % at the transition.
 struct JacksonGreen {
   double effective_modulus;  ///< E* [GPa] > 0
-  double yield_strength;     ///< S_y [GPa], of the softer body, above 0 and below E*/10
-  double poisson_ratio;      ///< of that body, from 0 to 0.5
+  double yield_strength;     ///< S_y [GPa] of the softer body, above 0 and below E*/10
+  double poisson_ratio;      ///< of the softer body, from 0 to 0.5
 
   static constexpr std::string_view name = "jackson-green";
   static constexpr auto parameters() {
@@ -80,21 +81,21 @@ struct JacksonGreen {
   }
   ForceArea operator()(double overlap, const Radii& radii) const;
   Vector2 semi_axes(double overlap, const Radii& radii) const;
-  void check() const;  ///< what its parameters must be beside each other
+  void check() const;  ///< check conditions that involve several parameters
 };
 
-/// Every law of the library. A member of one that is called gets an overlap [µm] > 0 and the principal radii [µm] > 0
-/// of two asperities; these three take them for spheres, whose radii are equal.
+/// Every law of the library. The call operator of a law takes an overlap [µm] > 0 and the principal radii [µm] > 0 of
+/// an asperity pair. These three laws treat the pair as spheres of the mean radius.
 using Law = std::variant<HertzSphere, HertzCylinder, JacksonGreen>;
 
-/// A law by its name and all of its parameters by theirs. Throws std::invalid_argument naming what is unknown, missing
-/// or out of its range.
+/// Return a law by name, with all of its parameters by name. Throws std::invalid_argument that names the unknown,
+/// missing or invalid parameter.
 Law law(std::string_view name, const std::map<std::string, double>& parameters);
 
-/// Throws std::invalid_argument naming a parameter that is out of its range.
+/// Check the parameters of a law. Throws std::invalid_argument that names a parameter out of range.
 void check(const Law& law);
 
-// Here, because it is called at every contact and every approach: out of line it costs 6 % of all.
+// Inline, because it is called for every contact and approach: an out-of-line call costs 6 % of the total time.
 inline ForceArea HertzSphere::operator()(double overlap, const Radii& radii) const {
   const double radius = radii.mean();
   return {4.0 / 3.0 * effective_modulus * std::sqrt(radius * overlap) * overlap, std::numbers::pi * radius * overlap};

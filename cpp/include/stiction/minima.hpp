@@ -1,46 +1,46 @@
-// Where two maps come nearest to each other: every local minimum of the spline of the gap between them.
+// Local minima of a bicubic spline, used for the gap between two maps.
 #pragma once
 
 #include "stiction/array.hpp"
 #include "stiction/bicubic.hpp"
-#include "stiction/checkpoint.hpp"
+#include "stiction/cancellation.hpp"
 
 #include <vector>
 
 namespace stiction {
 
-/// A local minimum of a spline, in a cell of its map.
+/// A local minimum of a spline in a cell of its map.
 struct Minimum {
-  Index row;     ///< of the cell's first point
-  Index column;  ///< likewise
-  double u;      ///< where in the cell along x, in spacings, from -1e-6 to below 1 - 1e-6
-  double v;      ///< likewise along y
-  Jet at;        ///< value and derivatives there; first ones are zero to round-off
+  Index row;     ///< of the first grid point of the cell
+  Index column;  ///< of that grid point
+  double u;      ///< position in the cell along x, in spacings, from -1e-6 to below 1 - 1e-6
+  double v;      ///< position along y
+  Jet at;        ///< value and derivatives; the first derivatives are zero to within round-off
 };
 
-/// Cells of a map: `rows` by `columns` of them from the one in `row` and `column` on.
-struct Cells {
+/// Range of cells of a map: `rows` by `columns` cells, starting at (`row`, `column`).
+struct CellRange {
   Index row;
   Index column;
   Index rows;
   Index columns;
 };
 
-/// Every minimum [µm] at most `highest` of the spline with these coefficients (see natural_bicubic) in some cells, cell
-/// by cell along x and then y. Minima on the edge of the map are none, nor is a valley's floor whose curvature is that
-/// of round-off. One within 1e-6 of a side of its cell belongs to the cell of which that is the left or lower side,
-/// which may be a neighbour of those that were asked for.
+/// Find every minimum of at most `max_value` [µm] of the spline with these coefficients (see natural_bicubic) in a
+/// range of cells, in the order of the cells, row by row. Minima on the edge of the map do not count, nor do valleys
+/// whose curvature is round-off. A minimum within 1e-6 of a side belongs to the cell of which that side is the left or
+/// the lower one, which may be a neighbour of the given range.
 ///
-/// Nothing is missed by chance: a cell is divided until signs of its Bernstein coefficients say that there is no
-/// minimum in a part, or that the spline is convex there, so that Newton's method finds the one it can have. What is
-/// not decided in parts of 1/64 of a cell, as where a minimum is about to vanish, is left to Newton's method.
-std::vector<Minimum> minima(const MatrixView& coefficients, const Cells& where, double highest,
-                            const Checkpoint& checkpoint = {});
+/// The search is exhaustive: a cell is subdivided until the signs of its Bernstein coefficients exclude a minimum in a
+/// part, or show that the spline is convex there, so that Newton's method finds the only possible minimum. Parts of
+/// 1/64 of a cell that remain undecided, for example where a minimum is about to vanish, are left to Newton's method.
+std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
+                            const CancellationCheck& check_cancellation = {});
 
-/// The spline of other heights at the place of a minimum: in the cell in which it truly lies.
+/// Evaluate another spline at the position of a minimum, in the cell that contains the position.
 Jet at_minimum(const MatrixView& coefficients, const Minimum& minimum);
 
-/// Whether two minima of one cell are the same to round-off.
-bool is_same(const Minimum& one, const Minimum& other);
+/// Return whether two minima of one cell are equal to within round-off.
+bool is_same(const Minimum& first, const Minimum& second);
 
 }  // namespace stiction

@@ -1,4 +1,4 @@
-// Connected patches of pressures on a grid, and the sums over each of them that friction is made of.
+// Connected contact patches on a grid, and the sums over each patch that determine friction.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -11,36 +11,37 @@
 
 namespace stiction {
 
-/// The points of a grid under pressure, in their order.
+/// The points of a grid under pressure, in increasing order.
 struct Patches {
-  std::vector<std::int64_t> points;  ///< their places on the grid
-  std::vector<double> pressure;      ///< [GPa]
-  std::vector<double> share;         ///< of the point's cell that is in contact
-  std::vector<std::int32_t> patch;   ///< from 1 on, by the first point of each
-  std::int32_t count = 0;            ///< of patches
+  std::vector<std::int64_t> points;      ///< indices on the grid
+  std::vector<double> pressure;          ///< [GPa]
+  std::vector<double> contact_fraction;  ///< fraction of the point's cell that is in contact
+  std::vector<std::int32_t> patch;       ///< patch number from 1, in the order of the first points
+  std::int32_t count = 0;                ///< number of patches
 };
 
-/// Points are connected with all their neighbours, on areas eight, and over the edges where the grid is periodic. A
-/// cell is in contact but for 0.19 of it at each open side on lines and (π - 1 + ln 2)/24 on areas, and not less than
-/// its pressure over the hardness [GPa], which may be infinite; the edge of a grid is no open side. Yastrebov, Anciaux
-/// & Molinari, Tribology International 114 (2017) 161. Throws std::invalid_argument for another number of pressures.
+/// Find the connected patches. A point is connected with all its neighbours (eight on areas), also over the edges of a
+/// periodic grid. Each open side reduces the contact area of a cell by 0.19 of the cell on lines, and on areas by
+/// (π - 1 + ln 2)/24 (Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161), but not below
+/// pressure/hardness [GPa]; the hardness may be infinite. The edge of the grid is not an open side. Throws
+/// std::invalid_argument if the number of pressures is not that of the grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
-/// Of each patch; of each direction and of it.
+/// Sums for each patch and, along directions, as rows (directions, patches).
 struct PatchSums {
   std::vector<double> force;         ///< Σ F n_z [mN]
-  std::vector<double> area;          ///< along the interface [µm²]
+  std::vector<double> area;          ///< along the deformed interface [µm²]
   std::vector<double> leaning;       ///< -Σ F s·n [mN]
   std::vector<double> upward;        ///< Σ F t_z [mN]
   std::vector<double> forward;       ///< -Σ F s·t [mN]
   std::vector<double> upward_area;   ///< Σ A t_z [µm²]
   std::vector<double> forward_area;  ///< -Σ A s·t [µm²]
-  double steepness = 0.0;            ///< root-mean-square slope, weighted with the force
+  double steepness = 0.0;            ///< force-weighted root-mean-square slope
 };
 
-/// Sums over points: forces [mN] and shares of the ground plan [µm²], slopes along y (none on lines) and x of the
-/// deformed interface there, patches from 1 on, and horizontal unit vectors (x, y) of the directions. Throws
-/// std::invalid_argument if lengths differ or a patch is below 1.
+/// Sum over the grid points of each patch. Takes forces [mN], projected contact areas [µm²], slopes of the deformed
+/// interface along y (empty for profiles) and x, patch numbers from 1, and directions as horizontal unit vectors (x,
+/// y). Throws std::invalid_argument if lengths differ or a patch number is below 1.
 PatchSums patch_sums(Values force, Values area, Values slope_y, Values slope_x, std::span<const std::int32_t> patch,
                      std::span<const std::array<double, 2>> directions);
 

@@ -1,4 +1,5 @@
-// Two rough profiles pressed together: load and coefficient of static friction. And two smooth arcs, as Hertz has it.
+// Example program: load and coefficient of static friction of two rough profiles, and Hertzian contact of two smooth
+// arcs.
 #include <stiction/amplitude.hpp>
 #include <stiction/asperity.hpp>
 #include <stiction/contact.hpp>
@@ -13,11 +14,11 @@
 namespace {
 
 constexpr double spacing = 0.001;         // µm
-constexpr stiction::Index points = 4000;  // of a profile, which is 4 µm long
+constexpr stiction::Index points = 4000;  // 4 µm profile length
 const stiction::ContactModel model{stiction::HertzSphere{10.0}};
 
-/// A fractal profile [µm] of total height 0.1 µm and of dimension 1.3 in the paper's measure, H = 4 - 2D.
-std::vector<double> fractal(unsigned seed) {
+/// Return a fractal profile [µm] of total height 0.1 µm and dimension 1.3 as defined in the paper, H = 4 - 2D.
+std::vector<double> fractal_profile(unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> phase(0.0, 2.0 * std::numbers::pi);
   const stiction::Matrix phases = stiction::Matrix::NullaryExpr(40, 16, [&] { return phase(random); });
@@ -29,7 +30,8 @@ std::vector<double> fractal(unsigned seed) {
   return heights;
 }
 
-/// An arc of a circle [µm] about the middle of the profile, `sign` +1 for a bump of the lower body, -1 of the upper.
+/// Return an arc of a circle [µm] around the middle of the profile; `sign` is +1 for a bump of the lower surface and -1
+/// for a bump of the upper one.
 std::vector<double> arc(double radius, double sign) {
   std::vector<double> heights(points);
   for (stiction::Index i = 0; i < points; ++i) {
@@ -44,15 +46,15 @@ std::vector<double> arc(double radius, double sign) {
 int main() {
   const double mu0 = 0.4;
   const std::vector<double> approaches{0.005, 0.010, 0.020};
-  const std::vector<double> above = fractal(3);
-  const std::vector<double> below = fractal(13);
+  const std::vector<double> above = fractal_profile(3);
+  const std::vector<double> below = fractal_profile(13);
   const std::vector<stiction::Sums> sums = stiction::press({above, below, spacing}, approaches, model);
   for (std::size_t k = 0; k < approaches.size(); ++k) {
     std::printf("approach %g um: load %.4g mN, mu_s %.3f\n", approaches[k], stiction::normal_load(sums[k], mu0),
                 stiction::friction_coefficient(sums[k], mu0));
   }
 
-  // Two arcs touch at their apexes, so that the overlap is the approach: F = 4/3 E* R^(1/2) overlap^(3/2).
+  // The arcs touch at their apexes, so the overlap equals the approach: F = 4/3 E* R^(1/2) overlap^(3/2).
   const std::vector<double> upper = arc(3.0, -1.0);
   const std::vector<double> lower = arc(6.0, +1.0);
   const double overlap = 0.002;

@@ -177,7 +177,7 @@ class Attraction:
         if not (state.pressure.all() and (state.pressure < self.bound[0]).all()):
             return None
         grids, gap = self.problem.grids, self.problem.gap
-        unit, moved = grids.linear_answer(np.ones(gap.shape, bool), threads=threads())
+        unit, moved = grids.linear_response(np.ones(gap.shape, bool), threads=threads())
         part = float((state.pressure / unit.ravel()).min())
         pressure = np.maximum(state.pressure - part * unit.ravel(), 0)
         contact = float(pressure.mean())

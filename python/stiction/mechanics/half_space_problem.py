@@ -214,7 +214,7 @@ class Pressed:
     def _answer_of(self, free: NDArray[np.bool_]) -> tuple[Floats, float]:
         """Pressures (GPa) of sum 1 on free points under which these move alike, and by how much (µm)."""
         if not self.problem.turns:
-            return self.problem.grids.linear_answer(self.on_grid(free), threads=threads())
+            return self.problem.grids.linear_response(self.on_grid(free), threads=threads())
         return Answer.of(self.problem, self.on_grid(free)).to_load()
 
     def _stiffness_of(self, free: NDArray[np.bool_]) -> float:

@@ -168,7 +168,7 @@ class HalfSpace:
         self.mean_bound = float(everywhere.mean())
         self.tolerance = number("tolerance", tolerance, above=0, below=1)
         self.everywhere = everywhere
-        compliance = self.grids.linear_answer(everywhere > 0, threads=threads())[1] * self.ratio
+        compliance = self.grids.linear_response(everywhere > 0, threads=threads())[1] * self.ratio
         self.stiffness = (self.cell / compliance if compliance > 0 else np.inf) if self.moves else np.nan
 
     @cached_property

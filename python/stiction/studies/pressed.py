@@ -392,7 +392,7 @@ def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
     for first in range(0, dimensions.size, members):
         family = dimensions[first : first + members]
         uppers, lowers = memory[: family.size], memory[members : members + family.size]
-        columns = _core.press_families(
+        columns = _core.press_profile_batches(
             uppers, fill_profiles(study, uppers, family, repetition, "upper"), lowers,
             fill_profiles(study, lowers, family, repetition, "lower"), spacing=surfaces.spacing, amplitudes=amplitudes,
             measure=surfaces.amplitude_measure, approaches=steps, scratch=memory[-2:],

@@ -1,11 +1,11 @@
-#include "stiction/encounter.hpp"
+#include "stiction/asperity_pair.hpp"
 
 #include <cmath>
 
 namespace stiction {
 
-Radii radii(const Encounter& encounter) {
-  return std::visit([](const auto& one) { return Radii{one.radius, one.radius}; }, encounter);
+Radii radii(const AsperityPair& asperity_pair) {
+  return std::visit([](const auto& pair) { return Radii{pair.radius, pair.radius}; }, asperity_pair);
 }
 
 std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& lower, double gap, Curvature allowed) {
@@ -31,14 +31,13 @@ std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& low
                     lower_is_smaller};
 }
 
-std::optional<SphereOnStraight> sphere_on_straight(const Asperity& sphere, Side side_of_sphere,
-                                                   const Asperity& straight, double gap) {
+std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_side, const Asperity& flat, double gap) {
   if (!(sphere.radius > 0.0) || !std::isfinite(sphere.radius)) {
     return std::nullopt;
   }
-  const bool below = side_of_sphere == Side::lower;
-  return SphereOnStraight{below ? Vector3(-straight.normal) : straight.normal, sphere.centre_offset(), below, gap,
-                          sphere.radius};
+  const bool sphere_is_lower = sphere_side == Side::lower;
+  return SphereOnFlat{sphere_is_lower ? Vector3(-flat.normal) : flat.normal, sphere.centre_offset(), sphere_is_lower,
+                      gap, sphere.radius};
 }
 
 }  // namespace stiction

@@ -1,8 +1,7 @@
-// Ctrl-C ends what the library is doing: Python's signal handlers run between its pieces, in the main thread, where
-// they alone may run.
+// Cancellation of library calls by Ctrl-C. Python runs signal handlers in the main thread only.
 #pragma once
 
-#include "stiction/checkpoint.hpp"
+#include "stiction/cancellation.hpp"
 
 #include <pybind11/pybind11.h>
 
@@ -10,15 +9,16 @@
 
 namespace stiction::python {
 
-/// To be made while the GIL is held. Its calls take it for themselves, at most ten times a second.
-inline Checkpoint until_interrupted() {
+/// Return a check that runs Python's signal handlers, at most ten times a second; an empty check outside the main
+/// thread. Create it while holding the GIL; the check acquires the GIL itself.
+inline CancellationCheck keyboard_interrupt_check() {
   namespace py = pybind11;
   const py::object thread = py::module_::import("threading");
   if (!thread.attr("current_thread")().is(thread.attr("main_thread")())) {
     return {};
   }
   using Clock = std::chrono::steady_clock;
-  return Checkpoint([last = Clock::now()]() mutable {
+  return CancellationCheck([last = Clock::now()]() mutable {
     const Clock::time_point now = Clock::now();
     if (now - last < std::chrono::milliseconds(100)) {
       return;

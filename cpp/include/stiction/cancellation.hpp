@@ -1,0 +1,28 @@
+// Cancellation of long calculations from outside, for example by Ctrl-C.
+#pragma once
+
+#include <functional>
+#include <utility>
+
+namespace stiction {
+
+/// Callback that can cancel a calculation by throwing. The library calls it between steps of a few milliseconds at
+/// most, and passes the exception on to the caller. A default-constructed check never cancels.
+class CancellationCheck {
+ public:
+  CancellationCheck() = default;
+  explicit CancellationCheck(std::function<void()> callback) : callback_(std::move(callback)) {}
+
+  /// Run the callback on every 32nd call, because it takes longer than some of the steps.
+  void operator()() const {
+    if (callback_ && ++calls_ % 32 == 0) {
+      callback_();
+    }
+  }
+
+ private:
+  std::function<void()> callback_;
+  mutable unsigned calls_ = 0;
+};
+
+}  // namespace stiction

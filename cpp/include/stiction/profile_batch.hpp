@@ -1,0 +1,36 @@
+// Contact of many pairs of profiles in one call: the rows of two matrices, for example one set of phases at many
+// fractal dimensions.
+#pragma once
+
+#include "stiction/amplitude.hpp"
+#include "stiction/array.hpp"
+#include "stiction/cancellation.hpp"
+#include "stiction/contact.hpp"
+
+#include <span>
+#include <vector>
+
+namespace stiction {
+
+/// Profiles as rows [µm], and the height statistics of each.
+struct ProfileBatch {
+  Eigen::Ref<Matrix> heights;
+  std::span<const HeightStatistics> statistics;
+};
+
+/// Amplitudes [µm] > 0 to which profiles are scaled by `scale_to_amplitude`, and the measure of amplitude.
+struct Amplitudes {
+  Values values;
+  AmplitudeMeasure measure;
+};
+
+/// Compute the contact sums of each row of `upper` with the same row of `lower`, scaled to each amplitude, for each
+/// model and approach. The result is in the order (row, amplitude, model, approach). The heights are overwritten: the
+/// last amplitude is scaled in place, which halves the memory traffic, and the others in the two rows of `scratch`.
+/// Throws as `press` does, and for mismatched shapes and flat profiles.
+std::vector<Sums> press_profile_batches(ProfileBatch upper, ProfileBatch lower, double spacing,
+                                        const Amplitudes& amplitudes, Values approaches,
+                                        std::span<const ContactModel> models, Eigen::Ref<Matrix> scratch,
+                                        const CancellationCheck& check_cancellation = {});
+
+}  // namespace stiction

@@ -1,0 +1,133 @@
+// Solver for the normal contact of an elastic half-space: projected conjugate gradients.
+#pragma once
+
+#include "stiction/array.hpp"
+#include "stiction/thread_pool.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace stiction {
+
+/// Projected conjugate gradients for  min 1/2 p·Kp + p·g0  subject to  0 <= p <= bound at each point, sum p = total.
+///
+/// K maps pressure [GPa] to displacement [µm]. The caller applies K and a preconditioner M that approximates its
+/// inverse. `potential` is K p + g0, so the gap at approach δ is potential - δ. A point is free if its pressure lies
+/// strictly between the bounds, or if its gap drives its pressure away from the bound. One iteration is
+///
+///     restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
+///     ->  advance(K step)
+///
+/// The inverse of K on the free points is the minimum of r·Mr over all continuations of the residual r to the other
+/// points. On areas, continuation by zero is close to that minimum. On lines with short contacts it is not: there the
+/// residual is interpolated linearly between free points, and M r is collected with the transpose of the interpolation.
+/// This includes the edges of the grid, since M is periodic.
+///
+/// Each step leads from one feasible pressure to another. Only free points change, so that restoring the sum never puts
+/// a small pressure on other points. The scheme is that of Polonsky & Keer, Wear 231 (1999) 206; the energy never
+/// increases.
+class ProjectedCgSolver {
+ public:
+  /// Start from `pressure` >= 0, projected onto the bounds and the sum. `line`: the points form a line, so that
+  /// neighbours in memory are neighbours on the grid. `bound` has one value for all points, which may be infinite, or
+  /// one for each; points with a bound of 0 carry no pressure. Throws std::invalid_argument for 2³¹ points or more,
+  /// negative bounds, and a total that is not positive or not below the sum of the bounds.
+  ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line);
+
+  /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points:
+  /// no point under pressure has a larger gap, and no point below its bound a larger overlap. Returns infinity if
+  /// potentials are not finite. Throws std::logic_error before the first `restart`.
+  double update_free_points(const ThreadPool& pool = ThreadPool());
+
+  /// Return the residual [µm]: at free points the mean potential of the free points minus the potential; elsewhere its
+  /// continuation, which is 0 on areas.
+  std::span<const float> residual(const ThreadPool& pool = ThreadPool());
+
+  /// Return the free points of the last `update_free_points`, in increasing order.
+  std::span<const std::int32_t> free_points() const { return free_points_; }
+
+  /// Return whether the next step is a steepest-descent step, which takes the residual itself instead of M residual and
+  /// is certain to lower the energy.
+  bool is_steepest_descent() const { return steepest_descent_; }
+
+  /// Compute a step of pressure [GPa], 0 at points that are not free. `response` is K times the previous step, or
+  /// empty.
+  std::span<const float> step(std::span<const float> preconditioned, std::span<const float> response,
+                              const ThreadPool& pool = ThreadPool());
+
+  /// Advance along the step by the length that minimises the energy, given `response` = K step. `response` must stay
+  /// valid until the next `update_free_points`. Returns whether the pressure changed.
+  bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
+
+  /// Scale the pressures below their bounds so that the sum is exact to within round-off. The potential must then be
+  /// recomputed.
+  void rescale_to_total();
+
+  /// Set a recomputed potential, and restart from steepest descent.
+  void restart(std::vector<double> potential);
+
+  /// Return Σ pressure potential [GPa µm] after `update_free_points`. Without a gap this is twice the elastic energy
+  /// divided by the area of a cell.
+  double pressure_dot_potential() const;
+
+  double approach() const { return approach_; }
+  Values pressure() const { return pressure_; }
+  /// Move the pressure out of the solver.
+  std::vector<double> take_pressure() { return std::move(pressure_); }
+  /// Move the potential out, so that its memory can be reused; `restart` must set it again before `update_free_points`.
+  std::vector<double> take_potential() { return std::move(potential_); }
+
+ private:
+  static constexpr std::size_t block = 64;  // points processed together
+
+  struct Segment {
+    std::int32_t first;
+    std::int32_t count;
+    std::int32_t offset;  // number of constrained points of the same run before `first`
+  };
+
+  void check(std::span<const float> grid) const;
+  double bound_at(std::size_t i) const { return bounds_.empty() ? uniform_bound_[0] : bounds_[i]; }
+  double approach_from_bounds() const;
+  void add_pending_response(std::size_t first, std::size_t count);
+  void find_free_points(std::size_t first, std::size_t last, std::vector<std::int32_t>& free_points);
+  double max_feasible_fraction() const;
+  bool interpolates() const { return line_ && !steepest_descent_ && !free_points_.empty(); }
+  template <class Visit>
+  void for_each_constrained_run(Visit visit) const;
+  void restrict_to_free_points(std::span<const float> preconditioned);
+
+  std::vector<double> pressure_;
+  std::vector<double> potential_;
+  double total_;
+  std::array<double, block> uniform_bound_{};  // the uniform bound, if there is one
+  std::vector<double> bounds_;                 // one value for each point, or empty
+  bool line_;
+  std::vector<std::int32_t> free_points_;     // points where residual_ may differ from 0
+  std::vector<std::int32_t> stepped_points_;  // points where step_ may differ from 0
+  std::vector<float> residual_;               // on the grid
+  std::vector<float> step_;                   // on the grid
+  std::vector<double> preconditioned_;        // preconditioned residual at free points
+  std::vector<double> target_;                // pressure at free points after a full step
+  std::vector<double> free_bounds_;           // bound at free points
+  std::span<const float> pending_response_;   // K times the last step; the potential lacks pending_fraction_ times this
+  double pending_fraction_ = 0.0;
+  std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task
+  double approach_ = 0.0;
+  double mean_potential_ = 0.0;           // mean potential of free points
+  double step_length_ = 1.0;              // length of the next preconditioned step
+  double descent_length_ = 1.0;           // length of the next steepest-descent step
+  double previous_descent_length_ = 1.0;  // steepest-descent length before the last preconditioned step
+  int failed_steps_ = 0;                  // failed preconditioned steps since the last success
+  int descent_steps_left_ = 0;            // steepest-descent steps still to be done
+  double curvature_ = 0.0;                // step·K step
+  bool conjugate_ = false;
+  bool steepest_descent_ = false;
+  bool clipped_ = false;
+};
+
+}  // namespace stiction

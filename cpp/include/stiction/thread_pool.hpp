@@ -1,0 +1,47 @@
+// Thread pool for the tasks of one calculation. It is used instead of OpenMP because tasks may throw, and because the
+// calling thread checks for cancellation between tasks.
+#pragma once
+
+#include "stiction/cancellation.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace stiction {
+
+/// Pool of `threads` threads, including the caller's; a pool of one starts no thread. Results must not depend on which
+/// thread runs a task, so that they are bit-identical for any number of threads. Only one calculation may use a pool at
+/// a time.
+class ThreadPool {
+ public:
+  explicit ThreadPool(std::size_t threads = 1, CancellationCheck check_cancellation = {});
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  /// Return the number of threads, including the caller's.
+  std::size_t threads() const;
+
+  /// Run `work(task, thread)` for each task, and return when all are done. The calling thread is number 0 and checks
+  /// for cancellation after each of its tasks. Exceptions of a task or of the check are rethrown.
+  void run(std::size_t tasks, const std::function<void(std::size_t, std::size_t)>& work) const;
+
+  /// Run `work(first, last)` on consecutive chunks of at most `chunk` indices.
+  template <class Work>
+  void run_chunks(std::size_t size, std::size_t chunk, const Work& work) const {
+    run((size + chunk - 1) / chunk,
+        [&](std::size_t task, std::size_t) { work(task * chunk, std::min((task + 1) * chunk, size)); });
+  }
+
+  /// Run the cancellation check.
+  void check_cancellation() const { cancellation_check_(); }
+
+ private:
+  struct Workers;
+  CancellationCheck cancellation_check_;
+  std::unique_ptr<Workers> workers_;  // empty if the caller is the only thread
+};
+
+}  // namespace stiction

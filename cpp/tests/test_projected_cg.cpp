@@ -1,0 +1,148 @@
+#include "stiction/projected_cg.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+using stiction::ProjectedCgSolver;
+
+namespace {
+
+constexpr double round_off = 1e-6;  // error of steps in single precision
+const std::vector<double> none{std::numeric_limits<double>::infinity()};
+
+// Independent springs, K p = p / stiffness. The exact preconditioner is the stiffness itself.
+struct Springs {
+  std::vector<double> gap;
+  double stiffness;
+
+  ProjectedCgSolver solve(double total, std::vector<double> bound, bool line) const {
+    ProjectedCgSolver solver(std::vector<double>(gap.size(), 1.0), total, bound, line);
+    const auto recompute_potential = [&] {
+      std::vector<double> potential(gap);
+      for (std::size_t i = 0; i < gap.size(); ++i) {
+        potential[i] += solver.pressure()[i] / stiffness;
+      }
+      solver.restart(potential);
+    };
+    recompute_potential();
+    std::vector<float> response;
+    for (int count = 0; count < 100 && solver.update_free_points() > 1e-9; ++count) {
+      const auto residual = solver.residual();
+      std::vector<float> preconditioned(residual.begin(), residual.end());
+      for (float& value : preconditioned) {
+        value *= static_cast<float>(stiffness);
+      }
+      const auto step = solver.step(preconditioned, response);
+      response.assign(step.begin(), step.end());
+      for (float& value : response) {
+        value /= static_cast<float>(stiffness);
+      }
+      solver.advance(response);
+      solver.rescale_to_total();
+      recompute_potential();
+      response.clear();
+    }
+    return solver;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("ProjectedCgSolver: independent springs under pressure reach the same potential") {
+  // Gaps 0, 1, 2, 9 and stiffness 2 at a load of 10: (δ + δ - 1 + δ - 2) 2 = 10 gives δ = 8/3.
+  for (const bool line : {false, true}) {
+    const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, none, line);
+    const std::array<double, 4> expected{16.0 / 3.0, 10.0 / 3.0, 4.0 / 3.0, 0.0};
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      CHECK(solver.pressure()[i] == doctest::Approx(expected[i]).epsilon(round_off));
+    }
+    CHECK(solver.approach() == doctest::Approx(8.0 / 3.0).epsilon(round_off));
+    // The potential equals the approach at every point under pressure.
+    CHECK(solver.pressure_dot_potential() == doctest::Approx(10.0 * 8.0 / 3.0).epsilon(round_off));
+  }
+}
+
+TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry the rest") {
+  // The first spring carries 4; (δ - 1 + δ - 2) 2 = 6 gives δ = 3.
+  const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, {4.0}, false);
+  const std::array<double, 4> expected{4.0, 4.0, 2.0, 0.0};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    CHECK(solver.pressure()[i] == doctest::Approx(expected[i]).epsilon(round_off));
+  }
+}
+
+TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
+  // The second spring carries nothing and the third 1: (δ + δ - 4) 2 = 9 gives δ = 4.25, and both of them overlap.
+  for (const bool line : {false, true}) {
+    const auto solver = Springs{{0.0, 1.0, 2.0, 4.0}, 2.0}.solve(10.0, {100.0, 0.0, 1.0, 9.0}, line);
+    const std::array<double, 4> expected{8.5, 0.0, 1.0, 0.5};
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      CHECK(solver.pressure()[i] == doctest::Approx(expected[i]).epsilon(round_off));
+    }
+    CHECK(solver.approach() == doctest::Approx(4.25).epsilon(round_off));
+  }
+}
+
+TEST_CASE("ProjectedCgSolver: moves a load that is entirely at the bounds to the right points") {
+  const ProjectedCgSolver start(std::vector<double>{0.0, 1.0, 0.0}, 1.0, std::vector<double>{1.0}, false);
+  ProjectedCgSolver solver = start;
+  solver.restart(std::vector<double>{0.0, 5.0, 2.0});
+  CHECK(solver.update_free_points() ==
+        doctest::Approx(2.5));  // midway between the loaded point and the point that overlaps most
+  CHECK(solver.approach() == doctest::Approx(2.5));
+  solver.restart(std::vector<double>{3.0, 1.0, 2.0});
+  CHECK(solver.update_free_points() == 0.0);
+  CHECK(solver.approach() == 1.0);
+}
+
+TEST_CASE("ProjectedCgSolver: steps that all hit the bounds keep the load") {
+  ProjectedCgSolver solver(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
+  // The gap drives the pressure from one point to the other with little compliance, so that the optimal step length
+  // grows with each step.
+  for (int count = 0; count < 100; ++count) {
+    const bool odd = count % 2 == 1;
+    solver.restart(std::vector<double>{odd ? 1.0 : 0.0, odd ? 0.0 : 1.0, 3.0});
+    solver.update_free_points();
+    const auto step = solver.step(solver.residual(), {});
+    std::vector<float> response(step.begin(), step.end());
+    for (float& value : response) {
+      value *= 1e-6F;
+    }
+    solver.advance(response);
+  }
+  CHECK(std::accumulate(solver.pressure().begin(), solver.pressure().end(), 0.0) ==
+        doctest::Approx(1.5).epsilon(1e-12));
+}
+
+TEST_CASE("ProjectedCgSolver: projects the start onto the bounds and the sum") {
+  const ProjectedCgSolver solver(std::vector<double>{0.0, 5.0, 1.0}, 4.0, std::vector<double>{2.5}, false);
+  const auto pressure = solver.pressure();
+  CHECK(std::accumulate(pressure.begin(), pressure.end(), 0.0) == doctest::Approx(4.0).epsilon(1e-14));
+  CHECK(pressure[0] == 0.0);
+  CHECK(pressure[1] == doctest::Approx(2.5));
+}
+
+TEST_CASE("ProjectedCgSolver: invalid arguments throw") {
+  const std::vector<double> start{1.0, 1.0};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_AS(ProjectedCgSolver({}, 1.0, none, false), std::invalid_argument);
+  CHECK_THROWS_AS(ProjectedCgSolver(start, 0.0, none, false), std::invalid_argument);
+  CHECK_THROWS_AS(ProjectedCgSolver(start, nan, none, false), std::invalid_argument);
+  CHECK_THROWS_AS(ProjectedCgSolver(start, 2.0, std::vector<double>{1.0}, false), std::invalid_argument);
+  CHECK_THROWS_AS(ProjectedCgSolver(start, 2.0, std::vector<double>{1.0, 1.0}, false), std::invalid_argument);
+  CHECK_THROWS_AS(ProjectedCgSolver(start, 2.0, std::vector<double>{}, false), std::invalid_argument);
+  CHECK_THROWS_AS(ProjectedCgSolver(start, 2.0, std::vector<double>{4.0, -1.0}, false), std::invalid_argument);
+  CHECK_THROWS_AS(ProjectedCgSolver(start, 2.0, std::vector<double>{4.0, nan}, false), std::invalid_argument);
+  ProjectedCgSolver solver(start, 1.0, none, false);
+  CHECK_THROWS_AS(solver.update_free_points(), std::logic_error);
+  CHECK_THROWS_AS(solver.restart(std::vector<double>{1.0}), std::invalid_argument);
+  solver.restart(start);
+  solver.update_free_points();
+  CHECK_THROWS_AS(solver.step(std::vector<float>{1.0F}, {}), std::invalid_argument);
+  CHECK_THROWS_AS(solver.advance(std::vector<float>{1.0F}), std::invalid_argument);
+}
