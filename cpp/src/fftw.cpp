@@ -12,17 +12,21 @@
 namespace stiction {
 namespace {
 
-// FFTW's planner, unlike the execution of plans, is not thread-safe.
-std::mutex& planner_mutex() {
+std::mutex& unguarded_planner_mutex() {
   static std::mutex mutex;
   return mutex;
 }
 
+// FFTW's planner, unlike the execution of plans, is not thread-safe.
+std::mutex& planner_mutex() {
 #if defined(__unix__) || defined(__APPLE__)
-// A child process forked while another thread is planning would otherwise inherit a locked mutex without an owner.
-[[maybe_unused]] const int fork_handlers =
-    pthread_atfork([] { planner_mutex().lock(); }, [] { planner_mutex().unlock(); }, [] { planner_mutex().unlock(); });
+  // A child process forked while another thread is planning would otherwise inherit a locked mutex without an owner.
+  [[maybe_unused]] static const int fork_handlers =
+      pthread_atfork([] { unguarded_planner_mutex().lock(); }, [] { unguarded_planner_mutex().unlock(); },
+                     [] { unguarded_planner_mutex().unlock(); });
 #endif
+  return unguarded_planner_mutex();
+}
 
 template <class Real>
 struct FftwFunctions;

@@ -95,11 +95,14 @@ def test_it_is_that_of_the_reading_to_quote():
     ]
     asked = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "offsets": 8}
     both = pair_study(*scans, **asked)
-    asis, without = both.surfaces.cells()["cut_off"].tolist()
-    alone = {cut: computed(pair_study(*scans, cutoff=cut, **asked)) for cut in (asis, without)}
+    quoted, other = both.surfaces.cells()["cut_off"].tolist()
+    assert quoted > other == 0
+    alone = {
+        cutoff: computed(both.with_changes({"surfaces.cut_off": [f"{cutoff!r} um"]})) for cutoff in (quoted, other)
+    }
     found = computed(both)
-    xarray.testing.assert_identical(found, alone[without])
-    assert float(abs(found["displacement"] - alone[asis]["displacement"]).max()) > 0
+    xarray.testing.assert_identical(found, alone[quoted])
+    assert float(abs(found["displacement"] - alone[other]["displacement"]).max()) > 0
 
 
 def test_nothing_holds_bodies_without_friction_and_generated_ones_have_none(study):

@@ -4,8 +4,15 @@ import numpy as np
 import pytest
 from points import measured_study
 from stiction import Profile, Surface, instrument_limit, self_affine
+from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.pair import pair_study
 from stiction.views.inputs import FORM, HIGHEST_MU0, SPIKE, WHOLE_PART, doubts_of_inputs
+
+
+@pytest.fixture(autouse=True)
+def files_without_caveats(monkeypatch):
+    """The files of `measured_study` do not exist; caveats of reading have their own tests."""
+    monkeypatch.setattr(MeasuredFile, "caveats", ())
 
 
 @pytest.fixture(scope="module")

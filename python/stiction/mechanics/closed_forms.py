@@ -465,7 +465,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
     --------
     >>> from stiction import hardness_under_shear
     >>> hardness_under_shear(0.625, mu0=0.2, tau0=[0.05, 0.1, 0.125], alpha=[0, 27, 27]).round(3)
-    array([0.625, 0.091,   nan])
+    array([0.625, 0.094,   nan])
     """
     strength, square = positive(hardness=hardness)[0], friction_parameter("alpha", alpha)
     mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)

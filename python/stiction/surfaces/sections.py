@@ -52,7 +52,7 @@ class SectionError(ValueError):
     """A profile is too short or too coarse for the section length."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SectionFilters:
     """Filters and sections of roughness and waviness parameters, and the reason for them.
 
@@ -70,6 +70,14 @@ class SectionFilters:
         First point of the evaluation length, and the point behind its last.
     reason : str
         How lc and ls were chosen.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import Profile, section_parameters
+    >>> turned = Profile(np.sin(2 * np.pi * np.arange(10000) / 200), spacing=0.5)
+    >>> section_parameters(turned).filters
+    SectionFilters: lc 800 µm, ls 2.5 µm, 5 sections; Sc3 of ISO 21920-3, for Ra 0.6363 µm and RSm 100 µm
     """
 
     lc: float
@@ -79,6 +87,12 @@ class SectionFilters:
     start: int
     stop: int
     reason: str
+
+    def __repr__(self) -> str:
+        """Return cutoffs (µm), number of sections and the reason in one line."""
+        shortest = "no ls" if self.ls is None else f"ls {self.ls:g} µm"
+        kind = ", robust" if self.robust else ""
+        return f"SectionFilters: lc {self.lc:g} µm, {shortest}, {self.sections} sections{kind}; {self.reason}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -91,6 +105,14 @@ class SectionParameters(ParameterSet):
         Cutoffs and evaluation length that the values hold for.
 
     See the table of parameters for names, formulas and units.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stiction import Profile, section_parameters
+    >>> turned = Profile(np.sin(2 * np.pi * np.arange(10000) / 200), spacing=0.5)
+    >>> round(section_parameters(turned).Rz, 2)
+    2.0
     """
 
     filters: SectionFilters = None  # type: ignore[assignment]
@@ -157,7 +179,7 @@ def section_parameters(
     >>> turned = Profile(np.sin(2 * np.pi * np.arange(10000) / 200), spacing=0.5)  # feed 0.1 mm
     >>> found = section_parameters(turned)
     >>> round(found.Ra, 2), round(found.RSm, 1), found.filters.reason
-    (0.63, 100.0, 'Sc3 of ISO 21920-3, for Ra 0.6297 µm and RSm 100 µm')
+    (0.64, 100.0, 'Sc3 of ISO 21920-3, for Ra 0.6363 µm and RSm 100 µm')
     """
     profile = body_of("profile", profile, Profile, spacing=spacing, unit=unit)
     refuse_flat(profile)
