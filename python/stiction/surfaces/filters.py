@@ -69,8 +69,8 @@ def filtered(
     remaining ones: the moments of zeroth and first order are retained, which ISO 16610-28 offers for end effects.
 
     The robust filter is the Gaussian regression filter of second degree of ISO 16610-31 and ISO 16610-71: the local
-    polynomials are fitted with the Gaussian weights times :math:`[1 - (r/c)^2]^2` for residuals |r| < c, where c is
-    4.4478 times the median of |r|, until no point of the mean line moves by more than 1e-4 c.
+    polynomials are fitted with the Gaussian weights times :math:`[1 - (r/c)^2]^2` for residuals of magnitude r below c,
+    where c is 4.4478 times the median of r, until no point of the mean line moves by more than 1e-4 c.
 
     Examples
     --------
