@@ -184,7 +184,7 @@ def test_form_has_a_field_for_each_option_of_a_pair(fresh):
 
 
 def test_table_of_several_columns_is_read_by_the_columns_field(fresh, tmp_path):
-    rows = np.column_stack([np.arange(64), 7.0 * np.ones(64), np.random.default_rng(0).standard_normal(64)])
+    rows = np.column_stack([0.5 * np.arange(64), 7.0 * np.ones(64), np.random.default_rng(0).standard_normal(64)])
     np.savetxt(tmp_path / "three.txt", rows)
     assert "columns" in choose(fresh, "upper", tmp_path / "three.txt")["wrong"]
     fresh.execute_script(
