@@ -80,10 +80,12 @@ def at_least_0(name: str, values: list[Any], given: Any) -> list[Any]:
     return values
 
 
-def load_of(name: str, value: Any) -> tuple[Quantity, bool]:
-    """A load above 0, in mN or in GPa of the slider's area, and whether it is that; a number is mN."""
+def load_of(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
+    """A load above 0, or 0 as well, in mN or in GPa of the slider's area, and whether it is that; a number is mN."""
     reject_decimal_commas(name, value)
     kinds = ("force", "pressure")
+    if isinstance(value, str) and value.strip() == "0":  # needs no unit
+        value = 0.0
     if not isinstance(value, str):
         load, kind = quantity_of(name, value, "force"), "force"
     else:
@@ -96,6 +98,6 @@ def load_of(name: str, value: Any) -> tuple[Quantity, bool]:
                 "got {got}", got=repr(value),
             )  # fmt: skip
         load = quantity_of(name, value, kind)
-    if not load > 0:
+    if not (load > 0 or (or_zero and load >= 0)):
         raise ArgumentError(f"{{{name}}} must be above 0, got {{got}}", got=repr(value))
     return load, kind == "pressure"

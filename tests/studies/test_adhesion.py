@@ -13,6 +13,7 @@ from stiction.studies.members import bodies_of
 from stiction.views.doubts import ADDED, TYPICAL_WORK, added_by_adhesion
 from stiction.views.point import points
 from stiction.views.rows import csv_text, record_text
+from stiction.views.sticking import Sticking
 
 EXACT = 1e-9
 """Relative: the same contacts, solved with others before them, to a tolerance of 1e-6 of the gap."""
@@ -71,8 +72,8 @@ def test_the_coefficient_is_force_over_load_and_rises_at_light_loads(sticky):
 
 def test_rows_text_page_and_figure_have_it(sticky, tmp_path):
     said = repr(sticky)
+    assert said.startswith("Sticks without a load: yes. Pull-off force ")
     for words in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
-        assert words in said
         assert words in csv_text(sticky._asked, sticky.study).splitlines()[0]
     values = json.loads(record_text("pair", sticky._asked, sticky.study))["values"]
     assert {each["unit"] for each in values if each["name"] in HELD} == {"mN", "GPa"}
@@ -92,6 +93,40 @@ def test_rows_text_page_and_figure_have_it(sticky, tmp_path):
     assert float(going["load"][-1]) == float(ways["load"].min())
     assert (np.diff(going["contact_load"]) <= 0).all()
     assert len(sticky.figure("adhesion").axes) == 2
+
+
+def test_pair_without_load_answers_whether_bodies_stick(sticky):
+    free, mixed = (pressed(load=load, **WORK) for load in (0, ["0", "20 MPa"]))
+    (answer,) = free.answers
+    assert answer.unloaded
+    assert answer.load == "no load"
+    assert answer.sticking.sticks == "yes"
+    assert answer.sticking.pull_off == pytest.approx(sticky.answers[0].sticking.pull_off, rel=OF_SOLUTIONS)
+    assert free.dataset["load"].values.max() < 0.01 * float(free.dataset["pull_off"].mean())
+    assert [one.unloaded for one in mixed.answers] == [True, False]
+    assert mixed.answers[1].value == pytest.approx(sticky.answers[1].value, rel=OF_SOLUTIONS)
+    record = json.loads(record_text("pair", free._asked, free.study))["answers"][0]
+    assert record["sticking"]["sticks"] == "yes"
+    assert record["sticking"]["pull_off"]["lower"] < record["sticking"]["pull_off"]["value"]
+    assert record["verdict"] == "Do not quote"
+    assert answer.sticking.text.removesuffix(".") in free.sentence
+    with pytest.raises(ValueError, match="load must be above 0, got 0"):
+        pressed(load=0)
+
+
+@pytest.mark.parametrize(
+    ("pressure", "is_bound", "sticks"),
+    [
+        ((2e-7, 1.5e-7, 2.5e-7), False, "yes"),
+        ((2e-7, 0.5e-7, 3.5e-7), False, "uncertain"),
+        ((2e-8, 1e-8, 3e-8), False, "no"),
+        ((2e-8, 1e-8, 3e-8), True, "uncertain"),
+        ((2e-8, np.nan, np.nan), False, "no"),
+    ],
+)
+def test_sticking_is_judged_by_the_interval_of_the_pull_off_pressure(pressure, is_bound, sticks):
+    one = Sticking(pull_off=(1e-6, 1e-6, 1e-6), pressure=pressure, friction=(1e-6, 1e-6, 1e-6), is_bound=is_bound)
+    assert one.sticks == sticks
 
 
 def test_none_is_as_it_was_and_who_says_so_is_not_doubted(sticky):

@@ -107,6 +107,21 @@ def test_an_estimate_of_cost_does_not_depend_on_how_many_members_there_are(tmp_p
     assert cost_of_member(few) == cost_of_member(many) > 0
 
 
+def test_estimate_of_cost_of_adhesion_rises_with_compliance(tmp_path):
+    spacing = write_maps(tmp_path)
+    costs = [
+        cost_of_member(
+            study_of(tmp_path, spacing=spacing).with_changes(
+                {"contact.mechanics": "half-space", "contact.work_of_adhesion": "50 mJ/m^2",
+                 "contact.effective_modulus": modulus}
+            )
+        )
+        for modulus in ("1 kPa", "1 GPa", "1 TPa")
+    ]  # fmt: skip
+    assert costs[0] > costs[1] > costs[2] > 0
+    assert costs[0] > 50 * costs[2]
+
+
 def test_another_file_of_the_same_name_is_refused(tmp_path):
     study = study_of(tmp_path, spacing=write_maps(tmp_path)).with_known_files()
     bodies_of(study)

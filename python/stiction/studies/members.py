@@ -228,6 +228,12 @@ def points_of_member(study: Study) -> int:
     return POINTS_OF_SCAN[study.is_areal]
 
 
+def first_pair(study: Study) -> Any:
+    """Return both bodies of the first member in the first cell; a `ValueError` if files are gone."""
+    cell = {name: float(values[0]) for name, values in study.surfaces.cells().items()}
+    return bodies_of(study).member(0, cell["cut_off"]).pair if study.is_measured else pair_of(study, 0, **cell)
+
+
 def bodies_of(study: Study) -> Bodies:
     """The measured bodies of a study, which a process reads once, and again when a file has changed."""
     surfaces = study.surfaces

@@ -24,13 +24,14 @@ from stiction._arguments import (
 from stiction._checks import Floats, number, whole_number
 from stiction._errors import ArgumentError
 from stiction._units import Quantity, exactly, quantity, shortened
+from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.mechanics.model import THICKNESS
 from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
 from stiction.studies.interfaces import Interface, credible_interval, interface, interfaces, medians
 from stiction.studies.known import KINDS, NO_NUMBER, Known, read_known
-from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, Body, MeasuredFile
+from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, About, Body, MeasuredFile
 from stiction.studies.members import about
 from stiction.studies.study import SEED, Study
 from stiction.studies.values import validated
@@ -42,6 +43,7 @@ from stiction.surfaces.surface import Surface, body_of
 
 OFFSETS = 64  # positions of one pair of profiles by default: some seconds of computing, and enough for an interval
 LIGHTER = 4  # loads below those asked for of bodies that adhere, over two decades, on which their coefficient rises
+NO_LOAD = 1e-3  # load of bodies that are not loaded over the attraction of one point, which holds them at least
 LAW = "hertz-sphere"  # contact law of asperities by default
 HARDNESS = 2.84  # hardness over yield strength, of the law of Jackson and Green at small contact radii
 MECHANICS = ("half-space", "asperities")
@@ -346,7 +348,22 @@ class Pair:
             float(load) if (factor := area if per_area else strip) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._asked_loads
         }
+        if 0.0 in forces:  # every pull-off force is more than the attraction of one point
+            forces = {force or float(f"{NO_LOAD * self._attraction_of_a_point:.3g}") for force in forces}
         return [quantity(exactly(force, "mN"), "force") for force in sorted(forces)]
+
+    @property
+    def _asks_for_no_load(self) -> bool:
+        return not all(load > 0 for load, _ in self._asked_loads)
+
+    @property
+    def _attraction_of_a_point(self) -> float:
+        """Attraction w/ρ over one cell of the grid, mN."""
+        points = int(np.prod(self._about.attributes["shape"]))
+        steps = np.atleast_1d(np.asarray(self._about.attributes["spacing_um"], float))
+        work, asked = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
+        least = resolved_range(work, float(steps.max()), self.elasticity.effective_modulus)
+        return work / max(asked or ADHESION_RANGE, least) * self._nominal_area / points
 
     @property
     def _width(self) -> float:
@@ -364,7 +381,7 @@ class Pair:
         if not (loads := listed(self.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.load))
         reject_decimal_commas("load", self.load)
-        return [load_of("load", load) for load in loads]
+        return [load_of("load", load, or_zero=bool(self._adhesion.get("work_of_adhesion"))) for load in loads]
 
     # ---- Studies -----------------------------------------------------------------------------------------------------
 
@@ -578,17 +595,22 @@ class Pair:
                     area=self._nominal_area, most=most,
                 )  # fmt: skip
         by_half_space = "half-space" in self.by
+        lighter = LIGHTER if self._adhesion.get("work_of_adhesion") else 1
         return ladder(
             self.loads, press=self.press, mechanics="half-space" if by_half_space else "asperities", most=most,
-            lighter=LIGHTER if self._adhesion.get("work_of_adhesion") else 1,
+            lighter=0 if self._asks_for_no_load else lighter,
         )  # fmt: skip
 
     @cached_property
-    def _nominal_area(self) -> float:
-        """Area of each member, µm²."""
+    def _about(self) -> About:
         placeholder = {"mu0": [0.0], "load": ["1 mN"]}
         data = {"surfaces": self._surfaces(), "ensemble": self._ensemble(), "friction": placeholder}
-        area = about(validated(Study, data, "pair")).nominal_area
+        return about(validated(Study, data, "pair"))
+
+    @property
+    def _nominal_area(self) -> float:
+        """Area of each member, µm²."""
+        area = self._about.nominal_area
         assert area is not None, "measured bodies have one"
         return area
 

@@ -183,7 +183,7 @@ def _compute_into(
         folder = None if here else stack.enter_context(_token(stored.path))
         is_seen = folder is not None and pool.submit(folder.is_seen).result()
         if say is not None:
-            say(_ahead(stored, missing, here or is_seen))
+            say(_ahead(stored, missing, here or is_seen, workers or 1))
         most = MOST_SUBMITTED if is_seen else FEWEST_SUBMITTED
         _compute(missing, pool, most, take, block_task, __version__, stored.study, folder)
 
@@ -238,7 +238,10 @@ def _in_memory(study: Study, executor: Executor | None, progress: bool) -> xarra
     return dataset_of(study, range(missing.total), arrays, about(study))
 
 
-def _ahead(stored: Stored, missing: _Missing, is_seen: bool) -> str:
+LONG_RUN = 600.0  # seconds on all threads above which the estimate names what takes less
+
+
+def _ahead(stored: Stored, missing: _Missing, is_seen: bool, workers: int) -> str:
     """What lies ahead: time, files, and who writes where that is not the workers; how much is free where it matters."""
     study = stored.study
     free = shutil.disk_usage(stored.path).free
@@ -246,9 +249,14 @@ def _ahead(stored: Stored, missing: _Missing, is_seen: bool) -> str:
     size = missing.count * bytes_of_member(study)
     room = f", with {bytes_text(free)} free" if size > free / 2 else ""
     who = "" if is_seen else "; the workers do not see the folder, so this process writes them"
+    seconds = missing.count * cost_of_member(study)
+    elapsed = seconds / min(workers, missing.count)
+    time_text = f"about {duration_text(seconds)} of one core"
+    time_text += f", {duration_text(elapsed)} on {workers} threads" if workers > 1 and elapsed > LONG_REST else ""
+    advice = "; fewer repetitions or smaller scans take less" if elapsed > LONG_RUN else ""
     return (
-        f"computing {missing.count} repetitions: about {duration_text(missing.count * cost_of_member(study))} of one "
-        f"core, {bytes_text(size)} in {files} {'file' if files == 1 else 'files'}{room}{who}"
+        f"computing {missing.count} repetitions: {time_text}, {bytes_text(size)} in {files} "
+        f"{'file' if files == 1 else 'files'}{room}{who}{advice}"
     )
 
 

@@ -32,6 +32,7 @@ from stiction.views.point import (
     adhesion_text,
     by_rule,
     is_capped,
+    is_unloaded,
     law_of,
     load_text,
     materials_text,
@@ -44,6 +45,7 @@ from stiction.views.point import (
 from stiction.views.point import RULES as RULES
 from stiction.views.point import over_text as over_text
 from stiction.views.point import points as points
+from stiction.views.sticking import Sticking, sticking_of
 
 if TYPE_CHECKING:
     import xarray
@@ -105,6 +107,8 @@ class Answer:
     members: float = math.nan  # how many were averaged, and what they are
     averaged: str = ""
     scans: tuple[int, int] = (1, 1)  # places of the upper and of the lower part that were scanned
+    sticking: Sticking | None = None  # of bodies that adhere
+    unloaded: bool = False  # whether the load is negligible beside the pull-off force
 
     @property
     def value(self) -> float:
@@ -156,6 +160,8 @@ class Answer:
     @property
     def sentence(self) -> str:
         """One sentence with its inputs: to quote, or why there is none to quote."""
+        if self.unloaded and self.sticking is not None:
+            return f"{self.sticking.text.removesuffix('.')}, at {self.inputs}; {self.note}."
         if self.verdict == "Do not quote":
             faults = "; ".join(doubt.text for doubt in self.faults)
             return f"There is no coefficient to quote at {self.inputs}: {faults}."
@@ -272,7 +278,7 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
         from_roughness=_from_roughness(point, study, rules[0]),
         waited=_waited(point, rules[0].rule),
         scans=study.surfaces.scan_counts, members=value_of(point, "members"), averaged=_averaged(point, study),
-        assumptions=assumptions_of(study),
+        assumptions=assumptions_of(study), sticking=sticking_of(point, rules[0].rule), unloaded=is_unloaded(point),
     )  # fmt: skip
 
 

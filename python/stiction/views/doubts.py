@@ -16,7 +16,16 @@ from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
 from stiction.studies.hardness import inputs_of, materials_of
 from stiction.views.digits import percent, significant, with_unit
-from stiction.views.point import RuleValue, has_nominal_area, is_capped, modulus_of, pressure_of, range_of, value_of
+from stiction.views.point import (
+    RuleValue,
+    has_nominal_area,
+    is_capped,
+    is_unloaded,
+    modulus_of,
+    pressure_of,
+    range_of,
+    value_of,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -183,8 +192,20 @@ OF_CONTACTS: Checks = (
 )  # fmt: skip
 
 
+NO_COEFFICIENT = Doubt(
+    "the load is less than 1 % of the pull-off force, so that a coefficient has no meaning",
+    "quote the pull-off force and the friction at no load, or give a higher load", "fault",
+)  # fmt: skip
+
+
 def doubts_of(point: xarray.Dataset, study: Study, value: RuleValue, status: str) -> Iterator[Doubt]:
     """What is doubtful of one point, of which this value would be quoted if its status is "ok"."""
+    if is_unloaded(point):
+        yield NO_COEFFICIENT
+        yield from _of_the_adhesion(point, study)
+        yield from _of_the_scans(point, study)
+        yield from doubted(OF_CONTACTS, _numbers(point, study, value))
+        return
     if status != friction.STATUS_OK or math.isnan(value.value):
         text, cure = ADVICE.get(status, ADVICE[""])
         yield Doubt(text, cure, "fault")

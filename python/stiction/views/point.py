@@ -127,9 +127,20 @@ def adhesion_text(point: xarray.Dataset, study: Study) -> str:
     return f"adhesion {work:.3g} mJ/m² over {with_unit(range_of(point, study)[1], 'um')}"
 
 
+NO_LOAD = 0.01
+"""Load over the pull-off force below which bodies are as without a load, and a coefficient has no meaning."""
+
+
+def is_unloaded(point: xarray.Dataset) -> bool:
+    """Return whether the load of a point is negligible beside the pull-off force."""
+    return "pull_off" in point and float(point["load"]) < NO_LOAD * value_of(point, "pull_off")
+
+
 def load_text(point: xarray.Dataset, study: Study) -> str:
     """The load of a point, and over the nominal area: "10 mN (100 MPa)"."""
     load = float(point["load"])
+    if is_unloaded(point):
+        return "no load"
     if not has_nominal_area(point, study):
         return with_unit(load, "mN")
     return f"{with_unit(load, 'mN')} ({with_unit(load / float(point['nominal_area']), 'GPa')})"

@@ -267,6 +267,7 @@ def answer_record(one: Answer) -> dict[str, Any]:
         ],
         "waited": [{name: finite(value) for name, value in vars(each).items()} for each in one.waited],
         "scans": dict(zip(("upper", "lower"), one.scans, strict=True)),
+        "sticking": None if one.sticking is None else one.sticking.record(),
         "verdict": one.verdict,
         "sentence": one.sentence,
         "from_roughness": one.from_roughness, "assumptions": list(one.assumptions), "interval_covers": one.covers,

@@ -149,15 +149,19 @@ def answer_text(
     first = at.sel({name: found[0].at[name] for name in CELLS if name in at.dims})
     point = next(points(first))
     parts = [history_text(at, study)] if verbose else []
-    parts.append(f"{answers_text(found)}\n{doubts_text(found, None if verbose else most)}")
-    is_known = any(math.isfinite(one.value) for one in found)
+    loaded = [one for one in found if not one.unloaded]
+    sticking = found[0].sticking
+    lines = [fitted(sticking.text)] if sticking is not None and sticking.pull_off[0] > 0 else []
+    lines += [answers_text(found)] if loaded else []
+    parts.append("\n".join([*lines, doubts_text(found, None if verbose else most)]))
+    is_known = any(math.isfinite(one.value) or one.unloaded for one in found)
     quantities = quantities_text(first, study, verbose=verbose) if is_known else ""
     details = _details(found[0]) if len(found) == 1 else ""
     if verbose:
         parts += [details, fitted(slopes_text(found[0], point, study)), quantities]
     else:
         parts.append("\n".join(filter(None, (details, quantities))))
-    if is_known:
+    if is_known and loaded:
         parts += [axes_text(point, verbose=verbose), directions_text(point) if verbose else ""]
     return "\n\n".join(part for part in parts if part) + "\n"
 
@@ -221,7 +225,7 @@ def _coordinate(name: str, value: float) -> str:
 
 
 def _details(one: Answer) -> str:
-    lines = [parts_text(one), test_text(one), waited_text(one)]
+    lines = [] if one.unloaded else [parts_text(one), test_text(one), waited_text(one)]
     if one.finer:
         lines.append(f"{one.finer[0].upper()}{one.finer[1:]}.")
     assumed = f" Assumes {', '.join(one.assumptions)}." if one.assumptions else ""
@@ -296,7 +300,8 @@ def doubts_text(found: Sequence[Answer], most: int | None = None) -> str:
         faults = sum(doubt.severity == "fault" for doubt in doubts)
         lines = [_doubt(doubt) for doubt in doubts]
         said = lines if most is None else lines[: max(_within(lines, most), faults, 1)]
-        what = f"; {words}" if len(found) == 1 and (words := budget_text(one)) else ""
+        what = f"; {words}" if len(found) == 1 and not one.unloaded and (words := budget_text(one)) else ""
+        what = what or (" a coefficient" if one.unloaded else "")
         rest = [f"  {len(doubts) - len(said)} more: see the page, at or --json"] if len(doubts) > len(said) else []
         return "\n".join([fitted(f"{one.verdict}{what}", hang="  "), *said, *rest])
     kinds: dict[tuple[str, str], list[Doubt]] = {}
@@ -368,7 +373,8 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
             "mean_pressure": in_words,  # load over area, both of which it has
             "contact_area": fraction and not verbose, "contact_area_fraction": not fraction,
             **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or study.is_gap)),
-            **dict.fromkeys(("pull_off_pressure", *PER_AREA), not fraction),
+            **dict.fromkeys(HELD, not verbose),
+            **dict.fromkeys(PER_AREA, not fraction),
         }.get(name, False)  # fmt: skip
         if name in one and not hidden and one[name].sizes.get("direction", 1) == 1:
             words = words_of(name, study) + (" at least" if name in HELD and pull_off_is_bound(name, one) else "")

@@ -12,7 +12,7 @@ from stiction._checks import Floats
 from stiction._text import printable
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import SIX
-from stiction.mechanics.quantities import DIRECTED, HELD, QUANTITIES
+from stiction.mechanics.quantities import DIRECTED, QUANTITIES
 from stiction.studies.at_load import PER_AREA, at_load
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.maps import MOTIONS
@@ -27,7 +27,7 @@ from stiction.views.doubts import limit_of
 from stiction.views.figures.standard import picture_of, title_of, words_of
 from stiction.views.inputs import doubts_of_study
 from stiction.views.onset import onset_note, onset_text
-from stiction.views.point import adhesion_text, materials_text, over_text, rules_of, value_of, way_text
+from stiction.views.point import materials_text, over_text, rules_of, way_text
 from stiction.views.point import points as points_of
 from stiction.views.report.page import (
     AXES,
@@ -42,7 +42,8 @@ from stiction.views.report.page import (
 )
 from stiction.views.report.pictures import adhesion_panel, onset_panels, positions_panel, touching_panel
 from stiction.views.resolution import waves_text
-from stiction.views.text import budget_text, pull_off_is_bound, waited_text
+from stiction.views.sticking import sticking_of
+from stiction.views.text import budget_text, waited_text
 
 MOST_VALUES = 4_000_000  # numbers of measured bodies in a page
 EVERY_BYTE = 8  # of a double
@@ -136,16 +137,8 @@ def _held(result: xarray.Dataset | Stored, study: Study) -> list[str]:
     """What holds bodies that adhere, at the first mu0 and tau0 by the rule to quote."""
     if not study.contact.adheres:
         return []
-    point = next(points_of(at_asked_loads(result)))
-    point = point.sel(sliding=rules_of(study)[0]) if "sliding" in point.dims else point
-    found = [
-        ("at least " if pull_off_is_bound(name, point) else "")
-        + with_unit(value_of(point, name), QUANTITIES[name].unit)
-        for name in HELD
-    ]
-    return [
-        f"With {adhesion_text(point, study)}: pull-off force {found[0]} ({found[1]}), friction at no load {found[2]}."
-    ]
+    sticking = sticking_of(next(points_of(at_asked_loads(result))), rules_of(study)[0])
+    return [] if sticking is None else [sticking.text]
 
 
 def _head(study: Study, facts: dict[str, Any]) -> list[str]:
