@@ -221,3 +221,18 @@ def test_what_adhesion_would_add_is_found_without_it():
             wrong.append(true)
     assert len(wrong) <= 4
     assert all(ADDED / OF_RULE < each < ADDED * OF_RULE for each in wrong)
+
+
+@pytest.mark.filterwarnings("ignore:the pull-off force is at least")
+def test_complete_contact_is_a_status_in_text_rows_and_json(tmp_path):
+    soft = pressed(effective_modulus="2 MPa", load="1 MPa", adhesion_range="25 nm", **WORK)
+    fraction = soft._asked["contact_area_fraction"]
+    assert float(fraction.max()) == 1
+    assert soft.answers[0].contact_status == "complete"
+    record = json.loads(record_text("pair", soft._asked, soft.study))
+    assert record["answers"][0]["contact_status"] == "complete"
+    (row,) = (each for each in record["values"] if each["name"] == "contact_area_fraction")
+    assert (row["status"], row["value"]) == ("complete", 1.0)
+    assert "rue area A/A0 complete" in " ".join(repr(soft).split())
+    assert soft.table()["contact status"].unique().tolist() == ["complete"]
+    assert not any("101 %" in text for text in (repr(soft), soft.report(tmp_path / "page.html").read_text()))

@@ -110,10 +110,26 @@ def test_the_interval_of_a_sample_covers_the_mean_as_often_as_it_says():
     assert mean.mean() == pytest.approx(5, abs=0.05)
 
 
+def test_interval_of_a_sample_of_both_signs_is_symmetric():
+    mean, lower, upper = of_sample(np.array([-1.0, 2.0, 3.0]))
+    assert upper - mean == pytest.approx(mean - lower)
+    assert lower < 0
+
+
+@pytest.mark.parametrize("count", [4, 8, 16])
+def test_interval_of_exponential_samples_stays_above_zero_and_covers(count):
+    mean, lower, upper = of_sample(np.random.default_rng(3).exponential(size=(count, 20_000)))
+    assert (lower > 0).all()
+    plain = mean + (mean - lower)  # no symmetric interval that stays above 0 is as wide
+    assert (upper > plain).all()
+    assert ((lower <= 1) & (upper >= 1)).mean() > 0.925
+
+
 def test_the_interval_of_a_sample_knows_what_is_missing():
     values = np.array([[1.0, 0.1, np.nan], [2.0, 0.0, 1.0], [3.0, 5.0, np.nan], [np.nan, 0.0, 2.0]])
     mean, lower, upper = of_sample(values)
     assert mean == pytest.approx([2.0, 1.275, 1.5])
-    assert upper[0] == pytest.approx(2 + 4.302652730 / 3**0.5)  # t of 2
-    assert lower[0] == lower[1] == 0  # nothing is below
+    half_width = 4.302652730 / 3**0.5  # t of 2
+    assert (lower[0], upper[0]) == pytest.approx((2 * np.exp(-half_width / 2), 2 * np.exp(half_width / 2)))
+    assert 0 < lower[1] < mean[1] < upper[1]
     assert np.isnan([lower[2], upper[2]]).all()

@@ -43,7 +43,12 @@ if TYPE_CHECKING:
 
 STATISTIC = ["mean", "lower", "upper"]
 SPREAD = (0.1, 0.9)  # quantiles of single members that are reported as spread_low and spread_high
-_NOT_ONE = ("contact_area_fraction",)  # fractions that may come out above 1, which a reader must see
+NO_LOAD = 0.01
+"""Load over the pull-off force below which bodies are as without a load, and a coefficient has no meaning."""
+
+
+COMPLETE, ABOVE_NOMINAL = "complete", "above-nominal"
+"""Statuses of contacts whose true area is at least the nominal one: on slopes, or a sum of asperities that overlap."""
 
 
 def at_load(
@@ -114,6 +119,15 @@ def at_load(
         rest = [str(dim) for dim in here.dims if dim not in (*CELLS, "load")]
         point["reading_difference"] = abs(there / here - 1).max(rest).variable
     return point.assign_attrs(reading=reading)
+
+
+def is_unloaded(result: Result) -> bool:
+    """Return whether all loads of a result's study are negligible beside the mean pull-off force."""
+    study = study_of_result(result)
+    if not (study.contact.adheres and study.friction.load):
+        return False
+    pull_off = [float(np.nanmean(piece["pull_off"].values)) for piece in pieces(result, ["pull_off"])]
+    return float(study.friction.load[-1]) < NO_LOAD * max(pull_off)
 
 
 # ---- Directions ------------------------------------------------------------------------------------------------------
@@ -225,8 +239,14 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
             own = [dim for dim in values.dims if dim != "repetition"]
             found = order.mean(values.transpose("repetition", *own).values)
             if "share" in str(name) or "fraction" in str(name):
-                found = np.where(found > 1, np.maximum(1.0, found[..., :1]), found) if name not in _NOT_ONE else found
+                is_area = name == "contact_area_fraction"
+                found = found if is_area else np.where(found > 1, np.maximum(1.0, found[..., :1]), found)
             variables[str(name)] = ((*own, "statistic"), found, values.attrs)
+    if "contact_area_fraction" in variables:
+        own_dims, fraction, words = variables["contact_area_fraction"]
+        status, fraction = _contact_status(fraction, by_half_space=study.by_half_space)
+        variables["contact_area_fraction"] = (own_dims, fraction, words)
+        variables["contact_status"] = (own_dims[:-1], status, {"long_name": "status of the true contact area"})
     coefficient = there["friction_coefficient"].transpose("repetition", *dims).values
     at = dims.index("direction") + 1
     status = there["status"].transpose("repetition", *dims).values
@@ -262,6 +282,14 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
     }  # fmt: skip
     return xarray.Dataset(variables, coordinates | {"statistic": STATISTIC}, members.attrs)
+
+
+def _contact_status(fraction: Floats, *, by_half_space: bool) -> tuple[NDArray[Any], Floats]:
+    """Return the status of area fractions (..., 3), and the fractions: 1 of complete contact, NaN above nominal."""
+    above = fraction[..., 0] > 1
+    status = np.where(above, COMPLETE if by_half_space else ABOVE_NOMINAL, friction.STATUS_OK)
+    limited = np.minimum(fraction, 1.0) if by_half_space else np.where(above[..., np.newaxis], np.nan, fraction)
+    return status, limited
 
 
 @dataclass(frozen=True, eq=False)
@@ -302,12 +330,12 @@ class OverMembers:
 
 
 def _ends_of(values: Floats, found: intervals.OfScans | None) -> tuple[float, float, float]:
-    """Mean, lower and upper end, which is not below 0 where no value is."""
+    """Mean, lower and upper end, which are above 0 where no value is negative."""
     if found is None:
         known = values[np.isfinite(values)]
         return float(known.mean()) if known.size else np.nan, np.nan, np.nan
-    least = -np.inf if np.nanmin(values) < 0 else 0.0
-    return found.mean, max(found.mean - found.half_width, least), found.mean + found.half_width
+    ends = intervals.ends_of_mean(found.mean, found.half_width, np.nanmin(values) < 0)
+    return found.mean, float(ends[0]), float(ends[1])
 
 
 # ---- What each member has --------------------------------------------------------------------------------------------

@@ -148,7 +148,8 @@ class _Point:
             limits = self.mu0, self.tau0 / float(hardness), contacts
             self.finest = friction_bracket(value, *limits)
             self.bracket = friction_bracket(value, *limits, upper)
-        error, members = (upper - lower) / (2 * ENDS * value), int(point["ok"].min())
+        width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
+        error, members = width / (2 * ENDS), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
         # Relative standard deviation of one member in one direction, from the mean.
         self.scatter = spread / (DECILES * value) * math.sqrt(1 + 1 / max(members, 1))

@@ -11,13 +11,14 @@ from typing import Any
 from stiction._core import __version__
 from stiction._files import check_replaceable, replaced_file
 from stiction._text import duration_text
+from stiction.studies.at_load import is_unloaded
 from stiction.studies.contact_picture import FILE as PICTURE
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.hardness import FILE as HARDNESS
-from stiction.studies.hardness import areas_over_hardness, hardness_beside
+from stiction.studies.hardness import areas_over_hardness, count_solutions, hardness_beside
 from stiction.studies.onset import FILE as ONSET
 from stiction.studies.onset import TABLE, TABLE_MARK, backbone, onset_beside, onset_of_result
-from stiction.studies.pressed import cost_of_member
+from stiction.studies.pressed import cost_of_member, cost_of_solution
 from stiction.studies.resolution import FOLDER, resolution_study
 from stiction.studies.runner import fill, filled, prepared
 from stiction.studies.store import BLOCKS, SEAL, STUDY, Stored, StoreError, export, open_stored
@@ -63,7 +64,11 @@ def complete(
     if part is not None:
         said(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
         return stored
-    if measured and hardness_beside(stored) is None:  # a few members at other hardnesses, where it is a range
+    if measured and hardness_beside(stored) is None and not is_unloaded(stored):
+        # A few members at other hardnesses and moduli, where these are ranges.
+        seconds = count_solutions(stored.study) * cost_of_solution(stored.study) if stored.study.by_half_space else 0.0
+        if seconds > LONG:
+            say(f"at other hardnesses and moduli: about {duration_text(seconds)} of one core")
         _put_beside(stored, HARDNESS, lambda: areas_over_hardness(stored.study, executor))
     if before < total and (before or not measured):
         said(f"wrote {folder}" + (f" ({before} of its {total} repetitions were there already)" if before else ""))
@@ -92,7 +97,7 @@ def fill_beside(
     if not stored.study.is_measured:
         return
     try:
-        over = resolution_study(stored.study)
+        over = None if is_unloaded(stored) else resolution_study(stored.study)
         if over is not None:
             folder = stored.path / FOLDER
             there = open_stored(folder) if (folder / STUDY).exists() else None

@@ -159,8 +159,7 @@ def areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | No
     if not hardnesses.size:
         return None
     loads = np.array([float(load) for load in study.friction.load])
-    few = LARGE if points_of_member(study) >= LARGE_POINTS else MEMBERS
-    members = min(few if study.is_areal else LINES, study.ensemble.repetitions)
+    members = _members(study)
     tasks = list(product(range(members), moduli.tolist(), hardnesses.tolist()))
     found = np.array(list(executor.map(partial(_areas_of_member, study, loads), tasks)))
     areas = found.reshape(members, moduli.size, hardnesses.size, loads.size)
@@ -173,6 +172,17 @@ def areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | No
         },
         {"title": "true area over hardness and E*"},
     )  # fmt: skip
+
+
+def count_solutions(study: Study) -> int:
+    """Return how many solutions at other hardnesses and moduli `areas_over_hardness` takes, over all loads."""
+    hardnesses, moduli = bodies_wanted(study)
+    return hardnesses.size * moduli.size * _members(study) * len(study.friction.load) if hardnesses.size else 0
+
+
+def _members(study: Study) -> int:
+    few = LARGE if points_of_member(study) >= LARGE_POINTS else MEMBERS
+    return min(few if study.is_areal else LINES, study.ensemble.repetitions)
 
 
 def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:

@@ -234,7 +234,10 @@ def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
 
 
 def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Mean, lower and upper end of values (r, ...) over the first axis, without NaN, by Student's t."""
+    """Mean, lower and upper end of values (r, ...) over the first axis, without NaN, by Student's t.
+
+    Student's t is of the logarithm of the mean where no value is negative, so that the interval stays above 0.
+    """
     known = np.isfinite(values)
     there, count = np.where(known, values, 0.0), known.sum(axis=0)
     mean = there.sum(axis=0) / np.maximum(count, 1)
@@ -243,8 +246,17 @@ def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
     quantile = student_quantile(np.maximum(count - 1, 1))
     half_width = np.where(count >= FEWEST_OF_SAMPLE, quantile * error, np.nan)
     mean = np.where(count > 0, mean, np.nan)
-    lower = np.maximum(mean - half_width, np.where((there < 0).any(axis=0), -np.inf, 0.0))
-    return mean, np.asarray(lower), np.asarray(mean + half_width)
+    return mean, *ends_of_mean(mean, half_width, (there < 0).any(axis=0))
+
+
+def ends_of_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
+    """Lower and upper end of a mean by half the width of its normal interval, on a logarithmic scale unless signed."""
+    mean, half_width = np.asarray(mean, float), np.asarray(half_width, float)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        factor = np.exp(half_width / mean)
+        lower, upper = mean / factor, mean * factor
+    by_logarithm = ~np.asarray(is_signed) & (mean > 0)
+    return np.where(by_logarithm, lower, mean - half_width), np.where(by_logarithm, upper, mean + half_width)
 
 
 # ---- Over neighbours -------------------------------------------------------------------------------------------------

@@ -313,19 +313,31 @@ def cost_of_member(study: Study) -> float:
     cells = math.prod(values.size for values in study.surfaces.cells().values())
     loads = study.contact.steps().size
     points, areal = points_of_member(study), study.is_areal
+    if study.by_half_space and study.contact.adheres:
+        softest = PULL_OFF_ITERATIONS[areal] / MAX_PULL_OFF_ITERATIONS
+        pull_off = PULL_OFF_ITERATIONS[areal] / max(_relative_stiffness(study), softest)
+        return cells * ((loads + 1) * cost_of_solution(study) + pull_off * _cost_of_iteration(study))
     if study.by_half_space:
-        if study.contact.adheres:
-            seconds, power = ITERATION[areal]
-            softest = PULL_OFF_ITERATIONS[areal] / MAX_PULL_OFF_ITERATIONS
-            pull_off = PULL_OFF_ITERATIONS[areal] / max(_relative_stiffness(study), softest)
-            iterations = ITERATIONS_PER_LOAD * (loads + 1) + pull_off
-            return cells * (COSTS["half-space"] * loads + iterations * seconds * math.pow(points, power))
-        seconds, power = SOLUTION[areal]
-        return cells * loads * (COSTS["half-space" if areal else "half-plane"] + seconds * math.pow(points, power))
+        return cells * loads * cost_of_solution(study)
     if study.is_measured:
         return cells * (COSTS["area"] * loads + COSTS["point"] * points if areal else COSTS["line"] * loads)
     onsets = cells * loads * COSTS["onset"] if study.contact.onset else 0.0
     return cells * points * COSTS["asperities" if study.is_areal else "profile"] + onsets + 1e-4
+
+
+def cost_of_solution(study: Study) -> float:
+    """Return a rough estimate of the seconds of one core of one load of a half-space."""
+    areal = study.is_areal
+    besides = COSTS["half-space" if areal else "half-plane"]
+    if study.contact.adheres:
+        return besides + ITERATIONS_PER_LOAD * _cost_of_iteration(study)
+    seconds, power = SOLUTION[areal]
+    return besides + seconds * math.pow(points_of_member(study), power)
+
+
+def _cost_of_iteration(study: Study) -> float:
+    seconds, power = ITERATION[study.is_areal]
+    return seconds * math.pow(points_of_member(study), power)
 
 
 @functools.lru_cache(maxsize=16)

@@ -31,6 +31,7 @@ from stiction.views.point import (
     RuleValue,
     adhesion_text,
     by_rule,
+    contact_status_of,
     is_capped,
     is_unloaded,
     law_of,
@@ -108,6 +109,7 @@ class Answer:
     averaged: str = ""
     scans: tuple[int, int] = (1, 1)  # places of the upper and of the lower part that were scanned
     sticking: Sticking | None = None  # of bodies that adhere
+    contact_status: str = "ok"  # of the true area: "ok", "complete" or "above-nominal"
     unloaded: bool = False  # whether the load is negligible beside the pull-off force
 
     @property
@@ -278,7 +280,8 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
         from_roughness=_from_roughness(point, study, rules[0]),
         waited=_waited(point, rules[0].rule),
         scans=study.surfaces.scan_counts, members=value_of(point, "members"), averaged=_averaged(point, study),
-        assumptions=assumptions_of(study), sticking=sticking_of(point, rules[0].rule), unloaded=is_unloaded(point),
+        assumptions=assumptions_of(study), sticking=sticking_of(point, rules[0].rule),
+        contact_status=contact_status_of(point, study), unloaded=is_unloaded(point),
     )  # fmt: skip
 
 

@@ -14,10 +14,12 @@ from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
+from stiction.studies.at_load import ABOVE_NOMINAL, COMPLETE
 from stiction.studies.hardness import inputs_of, materials_of
 from stiction.views.digits import percent, significant, with_unit
 from stiction.views.point import (
     RuleValue,
+    contact_status_of,
     has_nominal_area,
     is_capped,
     is_unloaded,
@@ -392,12 +394,13 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
 
 
 def _of_the_area(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
-    fraction = value_of(point, "contact_area_fraction")
-    if fraction > 1 and study.by_half_space:
+    status = contact_status_of(point, study)
+    if status == COMPLETE:
         cure = "adhesion closes the gap: take stiffer or rougher bodies" if study.contact.adheres else "give less load"
         yield Doubt("contact is complete: the true area is the nominal one", cure, "fault")
-    elif fraction > 1:
-        yield Doubt(f"a true area of {percent(fraction)} cannot be", "give less load", "fault")
+    elif status == ABOVE_NOMINAL:
+        text = "the areas of the asperities add up to more than the nominal area"
+        yield Doubt(text, "give less load, or press by the half-space", "fault")
 
 
 def _area_fraction(point: xarray.Dataset, study: Study) -> float:

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
+from stiction.studies.at_load import ABOVE_NOMINAL, COMPLETE, NO_LOAD
 from stiction.views.digits import with_unit
 
 if TYPE_CHECKING:
@@ -70,6 +72,14 @@ def value_of(point: xarray.Dataset, name: str) -> float:
     return float(known.mean()) if known.size else math.nan
 
 
+def contact_status_of(point: xarray.Dataset, study: Study) -> str:
+    """Return the status of the true area at a point: "ok", "complete", or "above-nominal" of asperities."""
+    if "contact_status" in point:
+        return str(point["contact_status"].values)
+    above = value_of(point, "contact_area_fraction") > 1
+    return (COMPLETE if study.by_half_space else ABOVE_NOMINAL) if above else STATUS_OK
+
+
 def pressure_of(point: xarray.Dataset) -> float:
     """Mean pressure in contact (GPa)."""
     if "mean_pressure" in point:
@@ -125,10 +135,6 @@ def adhesion_text(point: xarray.Dataset, study: Study) -> str:
     """The work of adhesion of a study and its range: "adhesion 50 mJ/m² over 0.5 nm"."""
     work = 1e6 * float(study.contact.work_of_adhesion or 0.0)
     return f"adhesion {work:.3g} mJ/m² over {with_unit(range_of(point, study)[1], 'um')}"
-
-
-NO_LOAD = 0.01
-"""Load over the pull-off force below which bodies are as without a load, and a coefficient has no meaning."""
 
 
 def is_unloaded(point: xarray.Dataset) -> bool:

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction.mechanics.brackets import friction_stretch, interface_stretch
+from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
 from stiction.studies.resolution import Seen, seen
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import spectrum_of
 from stiction.views.digits import finite, percent, quoted, with_unit
-from stiction.views.point import modulus_of, points, pressure_of, rules_of, value_of
+from stiction.views.point import contact_status_of, modulus_of, points, pressure_of, rules_of, value_of
 
 if TYPE_CHECKING:
     import xarray
@@ -48,11 +49,11 @@ def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
     rows = [["waves below", "h'", "A/A0", "mean pressure", *(f"μ_s {RULE_TITLES[rule]}" for rule in rules)]]
     for point in points(at):
         friction = point["friction_all_round"]
-        cut_off = float(point["cut_off"])
+        cut_off, status = float(point["cut_off"]), contact_status_of(point, study)
         rows.append([
             with_unit(cut_off, "um") if cut_off else "none off",
             quoted(value_of(point, "rms_gradient")),
-            percent(value_of(point, "contact_area_fraction")),
+            percent(value_of(point, "contact_area_fraction")) if status == STATUS_OK else status,
             with_unit(pressure_of(point), "GPa"),
             *(f"{float(friction.sel(sliding=rule, statistic='mean')):.3f}" for rule in rules),
         ])  # fmt: skip

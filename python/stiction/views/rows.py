@@ -101,7 +101,9 @@ def _rows_of(at: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["value"] = along(table).astype(float)
     own_unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
     columns["unit"] = str(table.attrs.get("units", own_unit)).replace("um^2", "um2") or "1"
-    if "status" in at and set(at["status"].dims) <= set(dims):
+    if name == "contact_area_fraction" and "contact_status" in at:
+        columns["status"] = along(at.variables["contact_status"])
+    elif "status" in at and set(at["status"].dims) <= set(dims):
         columns["status"] = along(at.variables["status"])
     else:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
@@ -189,6 +191,7 @@ def _verdicts(found: Sequence[Answer], keys: Sequence[str]) -> pandas.DataFrame:
                 math.nan if one.from_roughness is None or not first else one.from_roughness for one, _, first in rules
             ],
             "assumptions": ["; ".join(one.assumptions) for one, *_ in rules],
+            "contact status": [one.contact_status for one, *_ in rules],
             "verdict": [one.verdict for one, *_ in rules],
             "doubts": ["; ".join(f"{doubt.text}: {doubt.cure}" for doubt in one.doubts) for one, *_ in rules],
         }
@@ -267,6 +270,7 @@ def answer_record(one: Answer) -> dict[str, Any]:
         ],
         "waited": [{name: finite(value) for name, value in vars(each).items()} for each in one.waited],
         "scans": dict(zip(("upper", "lower"), one.scans, strict=True)),
+        "contact_status": one.contact_status,
         "sticking": None if one.sticking is None else one.sticking.record(),
         "verdict": one.verdict,
         "sentence": one.sentence,

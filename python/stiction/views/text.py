@@ -27,6 +27,7 @@ from stiction.views.point import (
     RULES,
     STATISTICS,
     by_rule,
+    contact_status_of,
     has_nominal_area,
     is_capped,
     load_text,
@@ -379,6 +380,8 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
         if name in one and not hidden and one[name].sizes.get("direction", 1) == 1:
             words = words_of(name, study) + (" at least" if name in HELD and pull_off_is_bound(name, one) else "")
             rows += _row(name, words, [point[name] for point in loads])
+            if name == "contact_area_fraction" and rows:
+                rows[-1] = _with_statuses(rows[-1], [contact_status_of(point, study) for point in loads])
     for name, below in _QUANTILES if verbose else ():
         if name in one:
             words = f"{QUANTITIES[name].short}, {100 * below:.0f} % are below"
@@ -428,6 +431,13 @@ def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list
         factor, shown = next((factor, name) for least, factor, name in scales if largest >= least)
     cells = [_cell(table, factor) for table in tables]
     return [] if set(cells) == {"none"} else [[words, shown, *cells]]
+
+
+def _with_statuses(row: list[str], statuses: Sequence[str]) -> list[str]:
+    """Return a row of area fractions with the status in place of a value where it is not ok."""
+    name, unit, *cells = row
+    cells = [cell if each == friction.STATUS_OK else each for cell, each in zip(cells, statuses, strict=True)]
+    return [name, unit if set(cells) - set(statuses) else "", *cells]
 
 
 def _largest(table: xarray.DataArray) -> float:

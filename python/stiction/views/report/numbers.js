@@ -450,7 +450,7 @@ function intervalOf({facts, members}, values) {
   return [mean, Math.max(lower, Math.min(...all)), Math.min(upper, Math.max(...all))];
 }
 
-/** Mean of a sample, without what is not finite, and its interval by Student's t; as `intervals.of_sample`. */
+/** Mean of a sample, without what is not finite, and its interval by Student's t, of the logarithm unless signed; as `intervals.of_sample`. */
 function ofSample(values, facts) {
   const known = values.filter(Number.isFinite);
   const count = known.length;
@@ -458,8 +458,9 @@ function ofSample(values, facts) {
   if (count < facts.fewest) return [mean, NaN, NaN];
   const squares = sumOf(known.map((value) => (value - mean) ** 2));
   const half = studentQuantile(facts, count - 1) * Math.sqrt(squares / (count - 1) / count);
-  const least = known.some((value) => value < 0) ? -Infinity : 0;
-  return [mean, Math.max(mean - half, least), mean + half];
+  if (!(mean > 0) || known.some((value) => value < 0)) return [mean, mean - half, mean + half];
+  const factor = Math.exp(half / mean);
+  return [mean, mean / factor, mean * factor];
 }
 
 const CORRELATIONS = Array.from({length: 20}, (_, i) => 0.05 * i);
