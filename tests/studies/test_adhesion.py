@@ -225,7 +225,7 @@ def test_what_adhesion_would_add_is_found_without_it():
 
 @pytest.mark.filterwarnings("ignore:the pull-off force is at least")
 def test_complete_contact_is_a_status_in_text_rows_and_json(tmp_path):
-    soft = pressed(effective_modulus="2 MPa", load="1 MPa", adhesion_range="25 nm", **WORK)
+    soft = pressed(effective_modulus="2 MPa", load="1 MPa", tau0="0.1 MPa", adhesion_range="25 nm", **WORK)
     fraction = soft._asked["contact_area_fraction"]
     assert float(fraction.max()) == 1
     assert soft.answers[0].contact_status == "complete"

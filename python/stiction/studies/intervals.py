@@ -80,7 +80,8 @@ class Crossing:
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
         # At a step itself the step before it does not matter, even where it is missing.
-        there = np.where(fraction == 1, after, before + fraction * (after - before))
+        with np.errstate(invalid="ignore"):  # of infinite values, as the stiffness of complete contact is
+            there = np.where(fraction == 1, after, before + fraction * (after - before))
         if sums and self.scale is not None:
             there = there * self.scale[1]
         return np.where(reached, there, np.nan)
