@@ -13,6 +13,7 @@ from stiction.cli.application import command, tell
 from stiction.cli.options import Json, Verbose, option
 from stiction.cli.showing import opened
 from stiction.mechanics.model import THICKNESS
+from stiction.mechanics.quantities import UNCERTAINTY
 
 if TYPE_CHECKING:
     import xarray
@@ -30,9 +31,6 @@ Hurst = Annotated[float | None, option("--hurst H", "Of self-affine surfaces: th
 Amplitude = Annotated[str | None, option("--amplitude LENGTH", "Of a study: the nearest that it has.", "its first")]
 Mu0 = Annotated[str | None, option("--mu0 NUMBERS", 'Molecular friction coefficients, "0.3,0.4".', "its own")]
 Tau0 = Annotated[str | None, option("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "its own")]
-OF_MEANS = ("friction_known", "friction_next_test", "friction_if_known", "width_if_known", "friction_waited")
-"""What is known of the mean of all directions, and of none alone."""
-
 Direction = Annotated[
     float | None, option("--direction DEGREES", "Where the upper body is about to move.", "the mean of all")
 ]
@@ -135,4 +133,4 @@ def _towards(found: xarray.Dataset, direction: float) -> xarray.Dataset:
     one = found.drop_vars(["friction_all_round", "friction_by_axis"], errors="ignore")
     if "direction" not in one.dims:
         return one
-    return one.drop_vars([name for name in OF_MEANS if name in one]).sel(direction=direction % 360)
+    return one.drop_vars([name for name in UNCERTAINTY if name in one]).sel(direction=direction % 360)

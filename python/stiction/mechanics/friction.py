@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array, number
 from stiction._drawing import draw_area, draw_friction
 from stiction._shown import Readable, Shown, axes_for
-from stiction.mechanics.quantities import SUMS
+from stiction.mechanics.quantities import QUANTITIES, SUMS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -133,15 +133,9 @@ class SurfaceValidity(Validity):
 
 
 RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
-    "relative_overlap": ("overlap_load", ("normal_elastic",)),
-    "share_beyond_hertz": ("load_beyond_hertz", ("normal_elastic",)),
-    "share_below_grid": ("load_below_grid", ("normal_elastic",)),
-    "share_crossed": ("crossed_count", ("crossed_count", "contact_count")),
-    "share_overlapping": ("load_overlapping", ("normal_elastic",)),
-    "share_at_edge": ("load_at_edge", ("normal_elastic",)),
-    "share_unanswered": ("unanswered_count", ("grid_minimum_count",)),
+    name: (each.numerator, each.denominator) for name, each in QUANTITIES.items() if each.kind == "validity"
 }
-"""Sum that is the numerator of each figure of validity, and those of its denominator."""
+"""Sum that is the numerator of each figure of validity, and the sums of its denominator."""
 
 
 def ratio_of(name: str, sums: Any) -> Floats:

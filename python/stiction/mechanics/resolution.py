@@ -34,7 +34,10 @@ _RULES: tuple[Sliding, ...] = ("all", "opposing")  # all contacts first, because
 _AROUND = (0.0, 90.0, 180.0, 270.0)
 _AT_HARDNESS = "wavelength at which the elastic mean pressure reaches the hardness"
 KAPPA = 2.2  # A E* h'/F at light load: 2.1 to 2.4 on Gaussian areas
-_NUMBERS = ("contact_area", "contact_count", "load_share_at_hardness", "error")  # numbers of a curve beside its sums
+_NUMBERS = ("contact_area", "contact_count", "load_share_at_hardness", "error")  # numbers of a curve
+_NAMES = {
+    "load_share_at_hardness": "load_fraction_at_hardness"
+}  # variables of the result that have another name beside its sums
 
 
 def resolution(
@@ -272,7 +275,6 @@ def _over_cut_offs(
     with np.errstate(divide="ignore", invalid="ignore"):
         over |= {"contact_area_fraction": area / pair.nominal_area, "mean_pressure": loads / area}
         kappa = area * modulus * gradient[:, np.newaxis] / loads
-    over["load_fraction_at_hardness"] = over.pop("load_share_at_hardness")
     grid = ("cut_off", "normal_load")
     variables: dict[str, Any] = {
         "shortest_wavelength": (
@@ -280,8 +282,7 @@ def _over_cut_offs(
         ),
         "rms_gradient": ("cut_off", gradient, attributes_of("rms_gradient")),
         "kappa": (grid, kappa, _said("1", "A E* h'/F")),
-        **{name: (grid, each, attributes_of(name.replace("fraction_at", "share_at"))) for name, each in over.items()
-           if name not in SIX},
+        **{_NAMES.get(name, name): (grid, each, attributes_of(name)) for name, each in over.items() if name not in SIX},
         **{name: (("sliding", *grid), np.moveaxis(over[name], 1, 0), attributes_of(name)) for name in SIX},
     }  # fmt: skip
     return xr.Dataset(

@@ -20,9 +20,19 @@ from stiction._checks import Floats, choice, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import RATIOS, SIX, STATUS_DTYPE, STATUSES, load_of, loads_of, ratio_of
-from stiction.mechanics.quantities import DISTRIBUTIONS, ONSET, UNLOADED, VALIDITY, attributes_of
+from stiction.mechanics.quantities import (
+    DISTRIBUTIONS,
+    GAP,
+    ONSET,
+    PER_AREA,
+    QUANTITIES,
+    RATIO_PARTS,
+    READ_AT_LOAD,
+    UNLOADED,
+    VALIDITY,
+    attributes_of,
+)
 from stiction.studies import intervals
-from stiction.studies.contact_statistics import STATISTICS
 from stiction.studies.intervals import Crossing
 from stiction.studies.maps import (
     CELLS,
@@ -238,15 +248,14 @@ def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
         if values.dtype.kind == "f" and "repetition" in values.dims:
             own = [dim for dim in values.dims if dim != "repetition"]
             found = order.mean(values.transpose("repetition", *own).values)
-            if "share" in str(name) or "fraction" in str(name):
-                is_area = name == "contact_area_fraction"
-                found = found if is_area else np.where(found > 1, np.maximum(1.0, found[..., :1]), found)
+            limit = QUANTITIES[str(name)].bounds[1]
+            found = np.where(found > limit, np.maximum(limit, found[..., :1]), found)
             variables[str(name)] = ((*own, "statistic"), found, values.attrs)
     if "contact_area_fraction" in variables:
         own_dims, fraction, words = variables["contact_area_fraction"]
         status, fraction = _contact_status(fraction, by_half_space=study.by_half_space)
         variables["contact_area_fraction"] = (own_dims, fraction, words)
-        variables["contact_status"] = (own_dims[:-1], status, {"long_name": "status of the true contact area"})
+        variables["contact_status"] = (own_dims[:-1], status, attributes_of("contact_status"))
     coefficient = there["friction_coefficient"].transpose("repetition", *dims).values
     at = dims.index("direction") + 1
     status = there["status"].transpose("repetition", *dims).values
@@ -342,16 +351,6 @@ def _ends_of(values: Floats, found: intervals.OfScans | None) -> tuple[float, fl
 
 Reading = Literal["mean", "elastic", "normal"]
 Kind = Literal["shifts", "surrogates"]
-_OF_STEPS = ("contact_count", "contact_area", "normal_elastic", "contact_load", "approach")
-_VALIDITY_LOADS = ("overlap_load", "load_beyond_hertz", "load_below_grid", "crossed_count", "load_overlapping")
-
-_PROPORTIONAL = (
-    "tangential_stiffness", "contact_count", "contact_area", "normal_elastic", "contact_load", *_VALIDITY_LOADS,
-)  # fmt: skip
-"""What grows about as the load does."""
-
-PER_AREA = {"stiffness_per_area": "normal_stiffness", "unloading_stiffness_per_area": "unloading_stiffness"}
-"""Stiffnesses over the nominal area, and what they are of."""
 
 
 def member_values(
@@ -480,15 +479,15 @@ def piece_at(
         with np.errstate(divide="ignore", invalid="ignore"):
             opposing = both[0] / both[1]  # of the sum of F |t·s|, which is the load but for squares of slopes
         variables["share_opposing"] = ((*lead, "direction", "load"), opposing, attributes_of("share_opposing"))
-    for name in (*_OF_STEPS, *ONSET, *STATISTICS, "load_share_at_hardness", "area_share_at_hardness", *_VALIDITY_LOADS):
+    for name in READ_AT_LOAD:
         if name in there and step in there[name].dims:
-            read = off.at(_over(there[name], (*lead, step)), sums=name in _PROPORTIONAL)
+            read = off.at(_over(there[name], (*lead, step)), sums=QUANTITIES[name].proportional)
             variables[name] = ((*lead, "load"), read, there[name].attrs)
     for name in DISTRIBUTIONS:
         if name in there:
             read = off.at(_over(there[name], (*lead, "fraction_below", step)), sums=False)
             variables[name] = ((*lead, "fraction_below", "load"), read, there[name].attrs)
-    for name in ("rms_gradient", "rms_slope", "pull_off"):
+    for name in (*GAP, "pull_off"):
         if name in there:
             variables[name] = there[name]
     if "pull_off" in there:
@@ -539,17 +538,17 @@ def _with_derived(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any
         area = float(nominal_area)
         found["contact_area_fraction"] = variables["contact_area"][1] / area
         found["nominal_pressure"] = np.broadcast_to(elastic, elastic.shape) / area
-        for name, of in PER_AREA.items():
-            if of in variables:
-                found[name] = 1e3 * variables[of][1] / area  # of mN/µm³
+        for name in PER_AREA:
+            if (stiffness := QUANTITIES[name].numerator) in variables:
+                found[name] = 1e3 * variables[stiffness][1] / area  # of mN/µm³
     with np.errstate(divide="ignore", invalid="ignore"):
         carried = variables["contact_load"][1] if "contact_load" in variables else elastic
         found["mean_pressure"] = carried / variables["contact_area"][1]
     sums = {name: each[1] for name, each in variables.items() if isinstance(each, tuple)}
-    for name in ("share_beyond_hertz", "share_below_grid", "relative_overlap", "share_overlapping", "share_crossed"):
-        if RATIOS[name][0] in sums:
+    for name, (numerator, _) in RATIOS.items():
+        if numerator in sums and name not in sums:
             found[name] = ratio_of(name, sums)
-    kept = {name: each for name, each in variables.items() if name not in (*_VALIDITY_LOADS, "normal_elastic")}
+    kept = {name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in RATIO_PARTS}
     return kept | {name: (dims, values, attributes_of(name)) for name, values in found.items()}
 
 

@@ -108,16 +108,7 @@ OF_CONTACTS: dict[str, Callable[[Table], float]] = {
     "share_at_edge": lambda table: table.force[table.at_edge].sum() / table.force.sum(),
     "fraction_on_small": lambda table: table.force[table.cells <= SMALL].sum() / table.force.sum(),
 }
-"""Numbers of the contacts of a member at a load, with words in `QUANTITIES`. What is here is a variable of every result
-of measured bodies, and a row of its verbose table, of its CSV and of its JSON."""
-
-FRACTIONS: tuple[str, ...] = (*OF_CONTACTS, "share_on_steepest_upper", "share_on_steepest_lower")
-"""Statistics of contacts."""
-
-STATISTICS: tuple[str, ...] = (
-    "normal_stiffness", "unloading_stiffness", "closure", "closure_stiffness", "error", *FRACTIONS,
-)  # fmt: skip
-"""What a result of measured bodies holds of each member at each load, besides its sums."""
+"""Formulas of the statistics of the contacts of a member at a load, by their names in `QUANTITIES`."""
 
 
 def patches_of(pressed: Pressed) -> Table:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
-from stiction.mechanics.quantities import ONSET, QUANTITIES, SUMS, VALIDITY, attributes_of
+from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.executors import given_or_threads
 from stiction.studies.store import Stored, pieces
@@ -33,17 +33,13 @@ CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of results t
 MOTIONS = ("sliding", "direction")  # dimensions of results for several sliding rules and directions
 _LOADS = ("contact_count", *friction.SIX[:3])
 
-_NEEDED = {
-    "friction_coefficient": ("contact_count", *friction.SIX),
-    "contact_area": (*_LOADS, "contact_area"),
-    "normal_stiffness": _LOADS,
-    **{name: (*_LOADS, name) for name in (*ONSET, "contact_load")},
-    "contact_count": _LOADS,
-}
-"""Sums that a quantity is made of."""
+_NEEDED = {"friction_coefficient": ("contact_count", *friction.SIX), "normal_stiffness": _LOADS}
+"""Sums that a quantity consists of; any other quantity is stored itself."""
 
-_AS_THEY_ARE = ("tangential_stiffness", "contact_load", "contact_count")  # in the place of the area
-_WEIGHED = ONSET[1:]  # what each member has its own of, so that their mean weighs them by load
+
+def _needed(what: str) -> tuple[str, ...]:
+    """Return the variables of a result from which a quantity is computed."""
+    return _NEEDED.get(what, tuple(dict.fromkeys((*_LOADS, what))))
 
 
 def friction_map(
@@ -195,7 +191,7 @@ def ensemble_map(
     missing += [name for name in CELLS if name in dataset.dims and not dataset.sizes[name]]
     if missing or not cells_of(dataset):
         raise ValueError(f"the dataset has nothing along {(missing or ['fractal_dimension'])[0]!r}")
-    for name in _NEEDED[what]:
+    for name in _needed(what):
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
     asked = _Asked(dataset if change is None else change(dataset), what, load_values, *material)
@@ -234,7 +230,7 @@ class _Asked:
 
     def names(self) -> tuple[str, ...]:
         """Variables that are read."""
-        own = _NEEDED[self.what]
+        own = _needed(self.what)
         if self.what == "normal_stiffness" and self.step == "load":
             own = (*own, "approach")  # of each pair
         return (*own, *(name for name in SUMS if self.judged and name not in own))
@@ -271,7 +267,7 @@ class _Asked:
                 there = {name: each.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1))) for name in SUMS}
                 for name, figure in vars(Validity.of(Sums(**there))).items():
                     validity[name][cell] = _by_load(np.where(each.crossing.reached, figure, np.nan), self.shape)
-        if self.what in ("friction_coefficient", *_WEIGHED):
+        if self.what == "friction_coefficient" or QUANTITIES[self.what].weighted:
             for array in (mean, lower, upper):
                 array /= self.loads[:, np.newaxis, np.newaxis]
         coordinates: dict[str, Any] = {name: self.head[name].variable for name in self.dims}
@@ -279,7 +275,7 @@ class _Asked:
         coordinates |= {name: (name, each, attributes_of(name)) for name, each in asked}
         dims = tuple(coordinates)
         of_one = [motion for motion in MOTIONS if motion in self.head.coords]
-        unit, words = QUANTITIES[self.what][:2]
+        unit, words = QUANTITIES[self.what].unit, QUANTITIES[self.what].words
         variables: dict[str, Any] = {
             self.what: (dims, mean, {"units": unit, "long_name": words}),
             "lower": (dims, lower, {"units": unit, "long_name": f"lower end of the 95 % interval of the {words}"}),
@@ -310,10 +306,10 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
 
     columns = {name: values_of(name) for name in SUMS}
     sums = Sums.of(columns)
-    if what in _AS_THEY_ARE:
-        return sums, Sums.of(columns | {"contact_area": values_of(what)})
-    if what in _WEIGHED:
+    if QUANTITIES[what].weighted:
         return sums, Sums.of(columns | {name: columns[name] * values_of(what) for name in _LOADS[1:]})
+    if what not in _NEEDED:
+        return sums, Sums.of(columns | {"contact_area": values_of(what)})
     if what != "normal_stiffness":
         return sums, sums
 
@@ -325,7 +321,7 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
 
 
 def _values(sums: Sums, what: str, mu0: Floats, tau0: Floats) -> Floats:
-    if what in ("contact_area", *_AS_THEY_ARE):
+    if not (what in _NEEDED or QUANTITIES[what].weighted):
         return sums.contact_area
     return friction.load_of("tangential" if what == "friction_coefficient" else "normal", sums, mu0, tau0)
 

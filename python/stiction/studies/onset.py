@@ -107,9 +107,7 @@ def _over_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str
     variables: dict[str, Any] = {}
     for name in (*_CURVES, *_NUMBERS):
         dims = ("fraction", "statistic") if name in _CURVES else ("statistic",)
-        values = members.mean(np.array([each[name] for each in found]))
-        if name.startswith("slipped"):
-            values = np.where(np.isnan(values), values, np.clip(values, 0.0, 1.0))
+        values = np.clip(members.mean(np.array([each[name] for each in found])), *QUANTITIES[name].bounds)
         variables[name] = (dims, values, attributes_of(name))
     variables["tangential_load"][2]["long_name"] = "tangential load"  # of the whole way to sliding
     coordinates: dict[str, Any] = {

@@ -26,11 +26,10 @@ from stiction.mechanics.quantities import (
     ADHESION,
     AREAL_SUMS,
     DIRECTED,
-    DISTRIBUTIONS,
     GAP,
     HALF_SPACE_SUMS,
     ONSET,
-    PULL_OFF,
+    QUANTITIES,
     SUMS,
     UNLOADED,
 )
@@ -97,16 +96,11 @@ def pressed_to_loads(
 
 def _nothing(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
     """An array of what has no answer."""
-    shape: tuple[int, ...] = (loads,)
-    if name in UNLOADED or name in PULL_OFF:
-        shape = motions if name in UNLOADED else ()
-    elif name in DIRECTED:
-        shape = (*motions, loads)
-    elif name in DISTRIBUTIONS:
-        shape = (loads, len(QUANTILES))
+    sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(QUANTILES)}
+    shape = tuple(sizes[each] for each in QUANTITIES[name].along)
     if name == "status":
         return np.full(shape, STATUSES.index("not-solved"))
-    return np.zeros(shape, np.int64) if name.endswith("_count") else np.full(shape, np.nan)
+    return np.zeros(shape, np.int64) if QUANTITIES[name].dtype is int else np.full(shape, np.nan)
 
 
 def _ways(contact: Contact) -> list[Shear]:
@@ -155,7 +149,7 @@ def _by_half_space(
             values["pull_off"][...], values["pull_off_is_bound"][...] = held.pull_off_bound
         curves = [] if held is None else by_motion(held)
         for name in UNLOADED if curves else ():
-            values[name][...] = of_motions(curves, name.replace("unloaded", "tangential"))[..., 0]
+            values[name][...] = of_motions(curves, QUANTITIES[name].numerator)[..., 0]
 
 
 def _by_asperities(contact: Asperities, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
@@ -188,7 +182,7 @@ def _by_asperities(contact: Asperities, upper: Any, lower: Any, values: Arrays, 
         jump, rise = normal[at] - normal[before], contact.steps()[ok] - normal[before]
         share = np.clip(np.divide(rise, jump, out=np.ones(ok.size), where=jump > 0), 0, 1)
         there = sums[..., before] + share * (sums[..., at] - sums[..., before])
-        return np.asarray(np.rint(there) if name.endswith("_count") else there)
+        return np.asarray(np.rint(there) if QUANTITIES[name].dtype is int else there)
 
     names = [name for name in (*SUMS, *AREAL_SUMS) if name in values]
     for rule, sliding in enumerate(contact.rules()):

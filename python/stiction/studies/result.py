@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from stiction._checks import number
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUSES
-from stiction.mechanics.quantities import DIRECTED, DISTRIBUTIONS, GAP, PULL_OFF, UNLOADED, attributes_of
-from stiction.studies.contact_statistics import QUANTILES, STATISTICS
+from stiction.mechanics.quantities import DISTRIBUTIONS, GAP, QUANTITIES, STATISTICS, attributes_of
+from stiction.studies.contact_statistics import QUANTILES
 from stiction.studies.measured_surfaces import About
 from stiction.studies.study import Study
 
@@ -81,7 +81,7 @@ def variables_of(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | N
     found = {}
     for name in names_of(study):
         dims = _dims(study, name)
-        dtype = np.dtype(np.int64 if name.endswith("_count") or name == "status" else np.float64)
+        dtype = np.dtype(QUANTITIES[name].dtype)
         attributes: dict[str, Any] = dict(attributes_of(name))
         if name == "status":
             attributes |= {"flag_values": np.arange(len(STATUSES)), "flag_meanings": " ".join(STATUSES)}
@@ -103,20 +103,13 @@ def names_of(study: Study) -> tuple[str, ...]:
     """Names of the variables of a result: the study's sums, and of measured bodies the statistics of contacts."""
     if not study.is_measured:
         return study.sums()
-    return tuple(dict.fromkeys((*study.sums(), *STATISTICS, *DISTRIBUTIONS, *GAP, "status")))
+    return tuple(dict.fromkeys((*study.sums(), *STATISTICS, *DISTRIBUTIONS, *GAP)))
 
 
 def _dims(study: Study, name: str) -> tuple[str, ...]:
-    members = (*study.surfaces.cells(), "repetition")
-    if name in ("rms_gradient", *PULL_OFF):
-        return members
-    if name in UNLOADED:
-        return (*members, *study.motions())
-    if name == "rms_slope":
-        return (*members, *(motion for motion in study.motions() if motion == "direction"))
-    if name in DISTRIBUTIONS:
-        return (*members, study.step, "fraction_below")
-    return (*members, *(study.motions() if name in DIRECTED else ()), study.step)
+    """Return the dimensions of a stored variable; of one sliding rule or direction there is no dimension."""
+    dims = {"step": study.step, "fraction_below": "fraction_below"} | {motion: motion for motion in study.motions()}
+    return (*study.surfaces.cells(), "repetition", *(dims[each] for each in QUANTITIES[name].along if each in dims))
 
 
 def stacked(study: Study, members: Sequence[Arrays]) -> Arrays:

@@ -28,7 +28,7 @@ from stiction.mechanics.model import (
     shows_model,
     warn_of_one_body,
 )
-from stiction.mechanics.quantities import AREAL_SUMS, AREAL_VALIDITY, SUMS, VALIDITY, attributes_of
+from stiction.mechanics.quantities import AREAL_SUMS, AREAL_VALIDITY, QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.at_load import OverMembers, by_slopes, piece_at
 from stiction.studies.contact_tables import COMPASS, entry_of
@@ -61,7 +61,7 @@ Mechanics = Literal["half-space", "asperities"]
 SHEARS: tuple[Shear, ...] = get_args(Shear)
 DIRECTIONS = (0.0, 90.0, 180.0, 270.0)  # degrees, of surfaces, if none are asked for
 
-QUANTITIES = (
+_OF_PROFILES = (
     "friction_coefficient", "tangential_load", "contact_area", "contact_count", "normal_stiffness", "approach",
     "share_opposing", *VALIDITY,
 )  # fmt: skip
@@ -221,7 +221,7 @@ def _on_lines(upper: Any, lower: Any, offsets: ArrayLike, contact: Any, mechanic
             positions=tuple(places.tolist()),
         ),
         {"line": len(uppers), "offset": places.size},
-        QUANTITIES,
+        _OF_PROFILES,
         {
             "shear": ("shear", list(SHEARS), {"long_name": "where the upper body is about to move"}),
             "line": ("line", np.arange(len(uppers)), attributes_of("line")),
@@ -448,7 +448,7 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     lines, offsets, *_ = ok.shape
     members = OverMembers(np.arange(lines * offsets), np.repeat(np.arange(lines), offsets))
     means: dict[str, Any] = {}
-    for name in QUANTITIES:
+    for name in _OF_PROFILES:
         known = np.where(ok, data[name].values, np.nan).reshape(-1, *ok.shape[2:])
         means[name] = ((*over, "statistic"), members.mean(known), dict(data[name].attrs))
     counts = {
@@ -684,8 +684,7 @@ def pressed_maps_mean(result: xarray.Dataset, *, surrogates: bool | None = None)
             continue
         first = values.transpose("repetition", ...)
         statistics = np.stack(intervals.of_sample(first.values), axis=-1)
-        if str(name).startswith(("share_", "fraction_")):
-            statistics = np.minimum(statistics, 1.0)
+        statistics = np.minimum(statistics, QUANTITIES[str(name)].bounds[1])
         variables[str(name)] = ((*first.dims[1:], "statistic"), statistics, values.attrs)
     ok = (result["status"] == friction.STATUS_OK).sum("repetition")
     coordinates = {name: each for name, each in result.coords.items() if "repetition" not in each.dims}

@@ -18,7 +18,7 @@ import numpy as np
 
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.quantities import HELD, QUANTITIES, column_of
+from stiction.mechanics.quantities import QUANTITIES, column_of, shown_in
 from stiction.views.answer import Answer, Doubt, answers
 from stiction.views.digits import duration, finite
 from stiction.views.onset import onset_record, words_of
@@ -44,12 +44,6 @@ _FRICTION = {
 """Coefficients that are rows of the CSV, and what the motion of each is called."""
 
 _MOTIONS = {"axis": "along {:g}".format, "direction": "{:g}".format}
-
-_DIRECTED = (
-    *_FRICTION, "status", "ok", "spread_low", "spread_high", "gentle_friction", "friction_known", "friction_next_test",
-    "friction_if_known", "width_if_known", "friction_waited",
-)  # fmt: skip
-"""Variables that belong to a sliding rule."""
 
 
 # ---- The frame -------------------------------------------------------------------------------------------------------
@@ -107,10 +101,11 @@ def _rows_of(at: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["status"] = along(at.variables["status"])
     else:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
+    directed = name in QUANTITIES and QUANTITIES[name].directed
     for each in PLACE:
         # Of one sliding rule or direction the coordinate is single: a column all the same.
         single = each in at.coords and not at.coords[each].ndim
-        if each in dims or (single and (name in _DIRECTED or each not in ("sliding", "direction"))):
+        if each in dims or (single and (directed or each not in ("sliding", "direction"))):
             columns[each] = along(at.variables[each])
     return pandas.DataFrame(columns)
 
@@ -160,13 +155,8 @@ def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) 
 
 
 def _of_loads(at: xarray.Dataset) -> list[str]:
-    """Quantities that a load has one of; not those of each of several directions."""
-    return [
-        str(name) for name, table in at.data_vars.items()
-        if name in QUANTITIES and name not in _DIRECTED and table.dtype.kind in "if"
-        and ("load" in table.dims or name in (*HELD, "share_of_pull_off_bounds")) and "fraction_below" not in table.dims
-        and table.sizes.get("direction", 1) == 1
-    ]  # fmt: skip
+    """Return the quantities of the columns of a CSV file, without those that depend on one of several directions."""
+    return [name for name in shown_in("csv") if name in at and at[name].sizes.get("direction", 1) == 1]
 
 
 def _verdicts(found: Sequence[Answer], keys: Sequence[str]) -> pandas.DataFrame:

@@ -57,8 +57,6 @@ SLIP_MAP = "YlOrRd"  # colours of the tangential load at which a point slips: li
 RULE_WORDS = {"all": "all contacts rub", "opposing": "only climbing contacts rub"}
 """What a legend says of a sliding rule."""
 
-SYMBOLS = {"friction_coefficient": r"\mu_s", "contact_area": "A", "load": "F_N", "fractal_dimension": "D"}
-
 _LABELS = {
     "contact_area_fraction": "true contact area $A/A_0$ (%)",
     "nominal_pressure": "nominal pressure $F_N/A_0$ (MPa)",
@@ -89,7 +87,7 @@ def label(name: str) -> str:
         return _LABELS[name]
     quantity = QUANTITIES[name]
     unit = {"1": "", "um": " (µm)", "um^2": " (µm²)"}.get(quantity.unit, f" ({quantity.unit})")
-    return f"{quantity.words} ${SYMBOLS[name]}${unit}"
+    return f"{quantity.words} ${quantity.symbol}${unit}"
 
 
 def dimension_colours(dimensions: ArrayLike) -> Floats:

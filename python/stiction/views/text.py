@@ -13,10 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import HELD, ONSET, QUANTITIES
-from stiction.studies.at_load import PER_AREA
+from stiction.mechanics.quantities import HELD, PER_AREA, QUANTITIES, shown_in
 from stiction.studies.budget import FINER, LOWER_PIECE, POSITIONS, UPPER_PIECE
-from stiction.studies.contact_statistics import FRACTIONS
 from stiction.studies.resolution import seen
 from stiction.views.answer import ORIGIN, Answer, Doubt, answers, headlines, slopes_text
 from stiction.views.digits import duration, from_to, prefix, quoted, significant, with_interval, with_unit
@@ -338,19 +336,6 @@ def _doubt(doubt: Doubt, more: str = "") -> str:
 
 # ---- Quantities ------------------------------------------------------------------------------------------------------
 
-_SHOWN = (
-    "contact_area_fraction", "contact_area", "contact_count", "mean_pressure", "normal_stiffness", "closure",
-    "closure_stiffness", "contact_load", *HELD, *ONSET,
-)  # fmt: skip
-"""Quantities that every table has, where a result has them."""
-
-_MORE = (
-    "approach", *PER_AREA, "share_opposing", *FRACTIONS, "load_share_at_hardness", "area_share_at_hardness",
-    "relative_overlap", "share_beyond_hertz", "share_below_grid", "share_crossed", "share_overlapping",
-    "share_unanswered", "error",
-)  # fmt: skip
-"""Those that a verbose one has besides."""
-
 _QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))
 _SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
     "um^2": ((1e5, 1e-6, "mm²"), (0.0, 1.0, "µm²")),
@@ -369,7 +354,7 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
     fraction = "contact_area_fraction" in one and has_nominal_area(loads[0], study)
     rows: list[list[str]] = []
     in_words = len(loads) == 1 and study.is_measured and not verbose
-    for name in (*_SHOWN, *(_MORE if verbose else ())):
+    for name in (*shown_in("table"), *(shown_in("verbose") if verbose else ())):
         hidden = {
             "mean_pressure": in_words,  # load over area, both of which it has
             "contact_area": fraction and not verbose, "contact_area_fraction": not fraction,
@@ -414,7 +399,8 @@ HEAD_WIDTH = 20  # columns of the words above a column of numbers
 
 def pull_off_is_bound(name: str, at: xarray.Dataset) -> bool:
     """Return whether a quantity is a pull-off force or pressure to which members contribute lower bounds."""
-    return name.startswith("pull_off") and float(at["share_of_pull_off_bounds"].sel(statistic="mean").max()) > 0
+    fraction = QUANTITIES[name].bound_fraction
+    return bool(fraction) and float(at[fraction].sel(statistic="mean").max()) > 0
 
 
 def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list[str]]:
@@ -425,9 +411,8 @@ def _row(name: str, words: str, tables: Sequence[xarray.DataArray]) -> list[list
         core, shown = prefix(max(values, default=1.0), unit)
         factor = 1 / core
     else:
-        is_fraction = name == "contact_area_fraction" or "share" in name or name.startswith("fraction")
         largest = max((value for value in map(_largest, tables) if math.isfinite(value)), default=0.0)
-        scales = ((0.0, 100.0, "%"),) if is_fraction else _SCALES.get(unit, ((0.0, 1.0, ""),))
+        scales = ((0.0, 100.0, "%"),) if QUANTITIES[name].percent else _SCALES.get(unit, ((0.0, 1.0, ""),))
         factor, shown = next((factor, name) for least, factor, name in scales if largest >= least)
     cells = [_cell(table, factor) for table in tables]
     return [] if set(cells) == {"none"} else [[words, shown, *cells]]

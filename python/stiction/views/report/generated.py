@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.friction import RATIOS, SIX
-from stiction.mechanics.quantities import AREAL_VALIDITY, DIRECTED, ONSET, QUANTITIES, VALIDITY
+from stiction.mechanics.quantities import AREAL_VALIDITY, AT_HARDNESS, DIRECTED, ONSET, QUANTITIES, VALIDITY
 from stiction.studies.at_load import reached_loads
 from stiction.studies.maps import MOTIONS, head_of, solved_pieces
 from stiction.studies.store import Stored
@@ -33,9 +33,7 @@ MOST_SUMS = 12_000_000
 
 PER_MEMBER = 7  # sums of each member at each step
 MOST_OVERLAP = 0.1  # mean of overlap / radius above which the page warns; of the fractions it is `HALF`
-DRAWN = ("share_beyond_hertz", "share_below_grid")  # figures of validity that hatch the map and dot the curves
 CELLS = ("fractal_dimension", "amplitude")
-AT_HARDNESS = ("load_share_at_hardness", "area_share_at_hardness")
 
 PAGE_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = RATIOS | {name: (name, ()) for name in AT_HARDNESS}
 """Numerator of each figure of a page, and sums that are its denominator."""
@@ -174,10 +172,10 @@ def _validity(means: dict[str, NDArray[Any]]) -> dict[str, dict[str, Any]]:
         of, over = PAGE_RATIOS[name]
         if not {of, *over} <= means.keys() or (not over and not means[of].any()):
             continue
-        words = QUANTITIES[name].short
+        quantity = QUANTITIES[name]
         figures[name] = {
-            "words": words[0].upper() + words[1:], "isShare": "share" in name,
-            "limit": HALF if "share" in name else MOST_OVERLAP, "isDrawn": name in DRAWN, "of": of,
+            "words": quantity.short[0].upper() + quantity.short[1:], "isShare": quantity.percent,
+            "limit": HALF if quantity.percent else MOST_OVERLAP, "isDrawn": "hatch" in quantity.shown, "of": of,
             "over": over,
         }  # fmt: skip
     return figures

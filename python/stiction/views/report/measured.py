@@ -12,8 +12,8 @@ from stiction._checks import Floats
 from stiction._text import printable
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import SIX
-from stiction.mechanics.quantities import DIRECTED, QUANTITIES
-from stiction.studies.at_load import PER_AREA, at_load
+from stiction.mechanics.quantities import DIRECTED, QUANTITIES, shown_in
+from stiction.studies.at_load import at_load
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.maps import MOTIONS
 from stiction.studies.onset import onset_beside
@@ -47,13 +47,6 @@ from stiction.views.text import budget_text, waited_text
 
 MOST_VALUES = 4_000_000  # numbers of measured bodies in a page
 EVERY_BYTE = 8  # of a double
-
-_OF_LOAD = (
-    "contact_area_fraction", "contact_area", "contact_count", "contact_load", "mean_pressure", "normal_stiffness",
-    *PER_AREA, "approach", "closure", "closure_stiffness", "share_on_largest", "share_at_edge", "fraction_on_small",
-    "load_share_at_hardness", "share_beyond_hertz", "share_below_grid", "share_overlapping",
-)  # fmt: skip
-"""Quantities that the page has at each load beside friction."""
 
 _UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # names of units that have no prefixes
 
@@ -171,12 +164,12 @@ def _quantities(result: xarray.Dataset | Stored, facts: dict[str, Any]) -> list[
     kinds: list[Any] = ["shifts", "surrogates"] if len(facts["kinds"]) > 1 else [None]
     tables = [at_load(result, facts["steps"], mu0=[0.0], tau0=[0.0], of=kind) for kind in kinds]
     found = []
-    for name in (name for name in _OF_LOAD if name in tables[0]):
+    for name in (name for name in shown_in("report") if name in tables[0]):
         means = [table[name].transpose("cut_off", "load", "statistic").values for table in tables]
         if not np.isfinite(means[0]).any() or (name == "load_share_at_hardness" and not np.nan_to_num(means[0]).any()):
             continue
         quantity = QUANTITIES[name]
-        unit = "%" if "share" in name or "fraction" in name else _UNITS.get(quantity.unit, quantity.unit)
+        unit = "%" if quantity.percent else _UNITS.get(quantity.unit, quantity.unit)
         words = quantity.short[0].upper() + quantity.short[1:]
         limit, values = limit_of(name), [listed(each) for each in means]
         found.append({"name": name, "words": words, "unit": unit, "limit": limit, "means": values})

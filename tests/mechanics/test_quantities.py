@@ -1,0 +1,206 @@
+"""Completeness of the table of quantities, against results of all kinds."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import stiction
+from stiction import Profile, Study, Surface, pair, pressed_maps, resolution, run, traverse
+from stiction.mechanics.friction import RATIOS, SIX, Sums, SurfaceValidity, Validity
+from stiction.mechanics.quantities import (
+    ADHESION,
+    AREAL_VALIDITY,
+    HALF_SPACE_SUMS,
+    QUANTITIES,
+    SUMS,
+    UNLOADED,
+    VALIDITY,
+    shown_in,
+)
+from stiction.studies.at_load import at_load
+from stiction.studies.contact_statistics import OF_CONTACTS
+from stiction.studies.study import study_of
+from stiction.views.rows import table_of
+
+LOADS = ["20 MPa", "40 MPa"]
+COMMON = {"effective_modulus": "10 GPa", "mu0": 0.2, "tau0": "50 MPa", "onset": 1, "load": LOADS}
+LAYOUT = {"statistic", "offset", "shear"}  # dimensions that are no quantities
+
+
+def heights(shape, seed, rms=0.1):
+    waves = np.fft.rfftn(np.random.default_rng(seed).standard_normal(shape))
+    steps = np.meshgrid(*(np.fft.fftfreq(n) for n in shape[:-1]), np.fft.rfftfreq(shape[-1]), indexing="ij")
+    distance = np.sqrt(sum(np.square(step) for step in steps))
+    smooth = np.fft.irfftn(np.where(distance < 0.15, waves, 0.0), s=shape, axes=range(len(shape)))
+    return rms * smooth / smooth.std()
+
+
+def lines():
+    return tuple(Profile(heights((400,), seed), spacing=0.5) for seed in (1, 2))
+
+
+def maps():
+    return tuple(Surface(heights((40, 40), seed), spacing=0.5) for seed in (3, 4))
+
+
+def generated(name, **changes):
+    small = {"ensemble.repetitions": 2, "surfaces.fractal_dimension": [1.2, 1.4]}
+    return Study.named(name).with_changes(small | changes)
+
+
+@pytest.fixture(scope="module")
+def results():
+    """Datasets that store the members of studies of all kinds."""
+    areal = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
+    half_space = {"shifts": 3, "mechanics": "half-space", "direction": [0, 180]}
+    found = {
+        "generated": run(generated("quick", **{"surfaces.points": 2000})),
+        "generated areas": run(generated("figure6-areal", **areal)),
+        "generated half-planes": run(generated("figure6-half-plane", **{"surfaces.points": 512})),
+        "generated onset": run(generated("presliding", **{"surfaces.points": 2000})),
+        "lines": pair(*lines(), **COMMON, mechanics="asperities", offsets=4).dataset,
+        "half-planes": pair(*lines(), **COMMON, mechanics="half-space", offsets=4, hardness="1 GPa").dataset,
+        "areas": pair(*maps(), **COMMON, mechanics="asperities", shifts=3, direction=[0, 180]).dataset,
+        "half-spaces": pair(*maps(), **COMMON | {"onset": 0}, **half_space).dataset,
+        "adhesion": pair(
+            *maps(), **COMMON | {"onset": 0}, **half_space, work_of_adhesion="50 mJ/m^2", adhesion_range="20 nm"
+        ).dataset,
+    }
+    return {name: dataset for name, dataset in found.items() if dataset is not None}
+
+
+@pytest.fixture(scope="module")
+def at_loads(results):
+    """The same results at loads."""
+    return {name: at_load(each, loads(each)) for name, each in results.items()}
+
+
+def loads(dataset):
+    if "load" in dataset.coords:
+        return np.unique(dataset["load"].values)[:2]
+    elastic = dataset["normal_elastic"].mean("repetition")
+    return [float(elastic.max()) / 4]
+
+
+def variables_of(datasets):
+    for title, dataset in datasets.items():
+        for name, each in (*dataset.data_vars.items(), *dataset.coords.items()):
+            yield title, str(name), each
+
+
+def dims_of(name, dataset):
+    """Dimensions of a variable behind cells and members, as the table has them."""
+    others = {"fractal_dimension", "amplitude", "cut_off", "repetition", "statistic"}
+    step = {"approach": "step", "load": "step"}
+    return {step.get(str(dim), str(dim)) for dim in dataset[name].dims} - others
+
+
+def test_quantities_contain_every_variable_of_results_with_its_unit(results, at_loads):
+    for title, name, each in variables_of(results | {f"{key} at a load": one for key, one in at_loads.items()}):
+        if name not in LAYOUT:
+            assert name in QUANTITIES, f"{name} of {title}"
+            assert each.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
+
+
+def test_stored_variables_have_the_dimensions_and_dtypes_of_the_table(results):
+    for title, dataset in results.items():
+        for name in map(str, dataset.data_vars):
+            quantity = QUANTITIES[name]
+            along = {each for each in quantity.along if each not in ("sliding", "direction") or each in dataset.dims}
+            assert dims_of(name, dataset) == along, f"{name} of {title}"
+            assert dataset[name].dtype == np.dtype(quantity.dtype), f"{name} of {title}"
+            assert quantity.stored, f"{name} of {title}"
+
+
+def test_variables_at_a_load_have_the_dimensions_of_the_table(at_loads):
+    for title, dataset in at_loads.items():
+        for name in map(str, dataset.data_vars):
+            if name == "status":  # of the coefficient, instead of the contact
+                assert dims_of(name, dataset) == dims_of("friction_coefficient", dataset)
+            else:
+                # The mean load of an ensemble, and so everything, depends on the rule, mu0 and tau0.
+                more = {"sliding", "mu0", "tau0"} if dataset.attrs["reading"] == "mean" else set()
+                missing = {"sliding", "direction"} - set(dataset.dims)
+                assert dims_of(name, dataset) - more == {*QUANTITIES[name].along} - more - missing, f"{name} of {title}"
+
+
+def test_intervals_at_a_load_are_within_the_bounds_of_the_table(at_loads):
+    for title, name, each in variables_of(at_loads):
+        if name in QUANTITIES and "statistic" in each.dims and each.dtype.kind == "f":
+            ends, mean = each.sel(statistic=["lower", "upper"]), each.sel(statistic="mean")
+            low, high = QUANTITIES[name].bounds
+            assert not (ends < min(low, float(mean.min()))).any(), f"{name} of {title}"
+            assert not (ends > max(high, float(mean.max()))).any(), f"{name} of {title}"
+
+
+def test_functions_on_bodies_in_memory_return_quantities_of_the_table():
+    options = {"mu0": 0.2, "effective_modulus": 10.0}
+    longer = Profile(heights((600,), 5), spacing=0.5)
+    found = {
+        "traverse": traverse(lines()[0], longer, [1e-3], offsets=[0.0, 5.0], **options),
+        "pressed_maps": pressed_maps(*maps(), [1.0], shifts=2, mechanics="asperities", **options),
+    }
+    for title, name, each in variables_of(found):
+        if name not in LAYOUT:
+            assert name in QUANTITIES, f"{name} of {title}"
+            assert each.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
+
+
+def test_resolution_uses_units_of_the_table():
+    found = resolution(*maps(), [1.0], mu0=0.2, effective_modulus=10.0, hardness=1.0)
+    shared = {*map(str, found.data_vars)} & {*QUANTITIES}
+    assert {"contact_area", "contact_count", "mean_pressure", "error", *SIX} <= shared
+    for name in shared:
+        assert found[name].attrs["units"] == QUANTITIES[name].unit
+
+
+def test_table_of_quantities_agrees_with_the_core_and_the_classes_of_sums():
+    assert set(SIX) < set(SUMS)
+    assert {*SUMS} == {*Sums.__dataclass_fields__}
+    assert {*VALIDITY} == {*Validity.__dataclass_fields__}
+    assert {*VALIDITY, *AREAL_VALIDITY} == {*SurfaceValidity.__dataclass_fields__} == {*RATIOS}
+    assert {*OF_CONTACTS} <= {name for name, each in QUANTITIES.items() if "measured" in each.stored}
+    assert ADHESION[0] == "contact_load"
+    assert not {*HALF_SPACE_SUMS} & {*ADHESION}
+    assert [QUANTITIES[name].numerator for name in UNLOADED] == list(SIX[3:])
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_entry_of_a_quantity_is_consistent(name):
+    quantity = QUANTITIES[name]
+    assert quantity.words
+    assert len(quantity.short) <= len(quantity.words)
+    for part in filter(None, (quantity.numerator, *quantity.denominator, quantity.bound_fraction)):
+        assert part in QUANTITIES
+    if quantity.percent:
+        assert quantity.unit == "1"
+    if quantity.kind in ("ratio", "validity") and quantity.denominator:
+        assert quantity.numerator
+    if math.isfinite(quantity.bounds[1]):
+        assert quantity.unit == "1"
+    assert len(set(quantity.along)) == len(quantity.along)
+
+
+def test_csv_columns_are_the_quantities_shown_in_csv_in_their_order(at_loads):
+    at = at_loads["half-planes"]
+    columns = list(table_of(at, study_of(at)).columns)
+    shown = [name for name in shown_in("csv") if name in at and "direction" not in at[name].dims]
+    places = [
+        next(i for i, column in enumerate(columns) if column.startswith(QUANTITIES[name].short)) for name in shown
+    ]
+    assert places == sorted(places)
+
+
+def test_no_module_reads_a_property_from_the_spelling_of_a_quantity():
+    parts = "share|fraction|count|load|area|pull_off|slipped|stiffness|unloaded|friction|pressure"
+    tests = "startswith|endswith|replace|removeprefix|removesuffix"
+    pattern = re.compile(rf"""["']_?({parts})\w*["'] in (str\()?name\b|\bname\)?\.({tests})\(\(?["']_?({parts})""")
+    root = Path(stiction.__file__).parent
+    files = [
+        path for folder in ("mechanics", "studies", "views", "cli", "app") for path in (root / folder).rglob("*.py")
+    ]
+    assert len(files) > 100
+    found = {path.name for path in files if pattern.search(path.read_text(encoding="utf-8"))}
+    assert found == set()
