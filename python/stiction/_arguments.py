@@ -9,7 +9,7 @@ import numpy as np
 
 from stiction._checks import number
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, exactly, quantity, units_of
+from stiction._units import Quantity, exactly, quantity, shortened, units_of
 
 _CORE = {"length": "um", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m^2"}
 """Unit of a plain number of each kind."""
@@ -71,6 +71,22 @@ def numbers_of(name: str, value: Any, *, whole: bool = False) -> list[float]:
         raise ArgumentError(
             f'{{{name}}} must be a number or several, as in "0.3,0.4", got {{got}}', got=repr(value)
         ) from None
+
+
+MAX_NUMBER = 1e6
+"""Largest coefficient, percentage and end of a range that is no slip."""
+
+
+def coefficients_of(name: str, value: Any) -> list[float]:
+    """Return one or several numbers from 0 to `MAX_NUMBER`."""
+    numbers = numbers_of(name, value)
+    if any(each < 0 for each in numbers):
+        raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(value))
+    if not all(0 <= each <= MAX_NUMBER for each in numbers):
+        raise ArgumentError(
+            f"{{{name}}} must be finite and from 0 to {MAX_NUMBER:g}, got {{got}}", got=shortened(value)
+        )
+    return numbers
 
 
 def at_least_0(name: str, values: list[Any], given: Any) -> list[Any]:

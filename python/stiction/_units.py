@@ -19,7 +19,7 @@ _UNITS = {
 }
 """Factors to µm, GPa, mN, s and mN/µm; both Unicode spellings of micro."""
 
-_SANE = {
+MAGNITUDES = {
     "length": (1e-6, 1e6), "pressure": (1e-9, 1e4), "force": (1e-12, 1e12), "time": (1e-3, 1e10),
     "work of adhesion": (1e-9, 1),
 }  # fmt: skip
@@ -28,6 +28,10 @@ _SANE = {
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9][0-9_]{0,20}\.?[0-9]{0,20}|\.[0-9]{1,20})(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*"
 )
+
+
+_TOO_LONG = re.compile(r"\s*[+-]?(?:[0-9._]+(?:[eE][+-]?[0-9]+)?|inf|nan)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*")
+"""A number with a unit whose number has more digits, or a larger exponent, than any quantity."""
 
 
 def units_of(kind: str) -> tuple[str, ...]:
@@ -64,6 +68,10 @@ def quantity(text: object, kind: str) -> Quantity:
             f'needs a {kind} with its unit, as in "1 {next(iter(units))}" ({allowed}), got {shortened(text)}'
         )
     match = _QUANTITY.fullmatch(text)
+    lowest, highest = MAGNITUDES[kind]
+    core = next(name for name, factor in units.items() if factor == "1")
+    if match is None and (other := _TOO_LONG.fullmatch(text)) is not None and other[1] in units:
+        raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {shortened(text)}")
     if match is None:
         raise ValueError(f'must be "number unit" with a unit of {kind} ({allowed}), got {shortened(text)}')
     digits, unit = match.groups()
@@ -73,9 +81,7 @@ def quantity(text: object, kind: str) -> Quantity:
         raise ValueError(f"has the unit {unit!r}, which is not one of {kind} ({allowed}), in {shortened(text)}{hint}")
     # In decimal, so that "100 nm" and "0.1 um" are the same number.
     value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
-    lowest, highest = _SANE[kind]
     if value != 0 and not lowest <= abs(value) <= highest:
-        core = next(name for name, factor in units.items() if factor == "1")
         raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {shortened(text)}")
     return Quantity(value, f"{digits} {unit}")
 

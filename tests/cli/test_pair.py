@@ -233,6 +233,14 @@ def test_materials_have_names(where):
         study_of(where, *MAPS, *given, "--hardness", "1 GPa")
 
 
+def test_smallest_load_is_pressed_without_lower_ones(where):
+    steps = study_of(
+        where, *PROFILES, "--mu0", "0.3", "--effective-modulus", "10 GPa", "--load", "1e-12 mN"
+    ).contact.steps()
+    assert steps[0] == pytest.approx(1e-12)
+    assert steps.size > 1
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -245,6 +253,13 @@ def test_materials_have_names(where):
         ([*PROFILES, "--unit", "um", "--unit", "um", "--unit", "um"], ["--unit", "got 3"]),
         ([*PROFILES, "--missing", "guess"], ["--missing"]),
         ([*PROFILES, "--load", "-1 mN"], ["--load"]),
+        ([*PROFILES, "--load", "0"], ["--load must be above 0"]),
+        ([*PROFILES, "--load", "1e300 mN"], ["--load must be from 1e-12 to 1e+12 mN, got '1e300 mN'"]),
+        ([*PROFILES, "--load", ",".join(f"{load} mN" for load in range(1, 102))], ["--load must have at most 100"]),
+        ([*PROFILES, "--mu0", "inf"], ["--mu0 must be finite and from 0 to 1e+06, got 'inf'"]),
+        ([*PROFILES, "--mu0", "1e300"], ["--mu0 must be finite and from 0 to 1e+06, got '1e300'"]),
+        ([*PROFILES, "--tau0", "inf MPa"], ["--tau0 must be from 1e-09 to 10000 GPa, got 'inf MPa'"]),
+        ([*PROFILES, "--cutoff", "1e300 um"], ["--cutoff must be from 1e-06 to 1e+06 um"]),
         ([*PROFILES, "--output", "out.pdf"], ["out.pdf"]),
         ([*PROFILES, "--output", "file"], ["file"]),
         ([*PROFILES, "--output", "file/deeper"], ["file/deeper"]),
@@ -264,7 +279,10 @@ def test_materials_have_names(where):
         ([*PROFILES, "--mu0", "-1"], ["--mu0 must be at least 0"]),
         ([*MAPS, "--hardness", "150 HB"], ["--hardness", "'HB'"]),
         ([*MAPS, "--load", "1 GPa", "--hardness", "0.5 GPa"], ["--load must be below the hardness, 0.5 GPa"]),
-        ([*PROFILES, "--mu0", ",".join(f"{index / 1000}" for index in range(101))], ["friction.mu0"]),
+        (
+            [*PROFILES, "--mu0", ",".join(f"{index / 1000}" for index in range(101))],
+            ["--mu0 must have at most 100 values, got 101"],
+        ),
         ([*PROFILES, "--travel", "19 um"], ["travel"]),
         ([*PROFILES, "--offsets", "0"], ["--offsets"]),
         ([*PROFILES, "--level", "plane"], ["level"]),

@@ -174,7 +174,7 @@ def test_generated_bodies_adhere_too(surfaces):
         ({"work_of_adhesion": "-1 mJ/m^2"}, "work_of_adhesion must be at least 0"),
         ({"adhesion_range": "1 nm"}, "adhesion_range is for work_of_adhesion"),
         (WORK | {"mechanics": "asperities"}, "work_of_adhesion is for mechanics half-space alone"),
-        (WORK | {"hardness": "90 MPa"}, "hardness: must be above work_of_adhesion over adhesion_range, 0.1 GPa"),
+        (WORK | {"hardness": "90 MPa"}, "hardness must be above work_of_adhesion over adhesion_range, 0.1 GPa"),
     ],
 )
 def test_refusals_say_what_is_wrong(changes, words):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stiction._arguments import at_least_0, load_of, numbers_of, quantities_of, quantity_of
+from stiction._arguments import at_least_0, coefficients_of, load_of, quantities_of, quantity_of
 from stiction._errors import ArgumentError
 from stiction.cli.application import command, tell
 from stiction.cli.options import Json, Verbose, option
@@ -67,7 +67,7 @@ def at(
     from stiction.views.inputs import doubts_of_study
 
     stored = opened(directory)
-    rubbing = None if mu0 is None else at_least_0("mu0", numbers_of("mu0", mu0), mu0)
+    rubbing = None if mu0 is None else coefficients_of("mu0", mu0)
     strengths = None
     if tau0 is not None:
         strengths = at_least_0("tau0", quantities_of("tau0", tau0, "pressure"), tau0)

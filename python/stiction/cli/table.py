@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-from stiction._arguments import listed, load_of, numbers_of, quantities_of, quantity_of
+from stiction._arguments import coefficients_of, listed, load_of, numbers_of, quantities_of, quantity_of
 from stiction.cli.application import command, tell
 from stiction.cli.options import ELASTICITY, option, with_options
 from stiction.cli.running import Scheduler, Workers
@@ -60,7 +60,7 @@ def table_command(
     if len(lengths) != 2:
         raise ValueError(f'--wavelengths needs two lengths, as in "0.3 um,2.5 um", got {wavelengths!r}')
     shortest, longest = map(float, lengths)
-    materials: dict[str, Any] = {"mu0": numbers_of("mu0", mu0), "tau0": quantities_of("tau0", tau0, "pressure")}
+    materials: dict[str, Any] = {"mu0": coefficients_of("mu0", mu0), "tau0": quantities_of("tau0", tau0, "pressure")}
     study = table_study(
         hurst_exponents=numbers_of("hurst", hurst), rms=quantities_of("rms", rms, "length"),
         pressures=[_pressure(each) for each in listed(load)], effective_modulus=modulus,

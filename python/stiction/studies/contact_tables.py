@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, PlainSerializer, PlainValidator, create_model, model_validator
 
 from stiction._checks import Floats, float_array
-from stiction._units import exact, quantity, shortened
+from stiction._units import MAGNITUDES, exact, quantity, shortened
 from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
 from stiction.mechanics.law import LAWS, NAMED, HertzCylinder, Law, LawName, law_of
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
@@ -389,4 +389,6 @@ def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None =
     # Those that are asked for stay to the bit, the others are written in few digits.
     asked = set(given.tolist())
     short = np.array([load if load in asked else float(f"{load:.6g}") for load in around.tolist()])
+    lowest, highest = MAGNITUDES["force"]
+    short = short[(lowest <= short) & (short <= highest)]
     return short if most is None else short[short < most]

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, ValidationInfo, field_validator
 
+from stiction._arguments import MAX_NUMBER
 from stiction._checks import Floats, read_only
 from stiction._units import exactly, quantity, shortened
 from stiction.studies.values import Table, as_tuple
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
 ENDS = 1.959963984540054  # standard deviations from the middle of a normal distribution to the ends of its 95 %
 DRAWS = 2**14  # samples of the inputs: equal inputs have budget fractions that differ by less than 0.01
-MAX_NUMBER = 1e6  # largest number, percentage, and end of a range in core units
 MIN_DEVIATION = 1e-9  # smallest standard uncertainty over the value
 NO_NUMBER = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
 """Part of a text that is more than a number with a unit."""

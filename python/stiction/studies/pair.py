@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -14,6 +15,7 @@ import numpy as np
 
 from stiction._arguments import (
     at_least_0,
+    coefficients_of,
     listed,
     load_of,
     numbers_of,
@@ -34,7 +36,7 @@ from stiction.studies.known import KINDS, NO_NUMBER, Known, read_known
 from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, About, Body, MeasuredFile
 from stiction.studies.members import about
 from stiction.studies.study import SEED, Study
-from stiction.studies.values import validated
+from stiction.studies.values import StudyError, validated
 from stiction.surfaces.joined import JoinedSpectrum
 from stiction.surfaces.pairing import LINES, SIDES
 from stiction.surfaces.profile import Profile
@@ -419,7 +421,7 @@ class Pair:
 
     def _study(self, contact: dict[str, Any]) -> Study:
         strengths = at_least_0("tau0", quantities_of("tau0", self._middle("tau0"), "pressure"), self.tau0)
-        coefficients = at_least_0("mu0", numbers_of("mu0", self._middle("mu0")), self.mu0)
+        coefficients = coefficients_of("mu0", self._middle("mu0"))
         friction = {"mu0": sorted(set(coefficients)), "tau0": _rising(strengths), "load": self.loads}
         if self.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
@@ -429,7 +431,7 @@ class Pair:
             "surfaces": self._surfaces(), "contact": contact, "friction": friction, "ensemble": self._ensemble(),
             "known": self._known_table,
         }  # fmt: skip
-        return validated(Study, data, "pair").with_known_files()
+        return _study_of(data).with_known_files()
 
     def _surfaces(self) -> dict[str, Any]:
         press, level = self.press, self.level
@@ -605,7 +607,7 @@ class Pair:
     def _about(self) -> About:
         placeholder = {"mu0": [0.0], "load": ["1 mN"]}
         data = {"surfaces": self._surfaces(), "ensemble": self._ensemble(), "friction": placeholder}
-        return about(validated(Study, data, "pair"))
+        return about(_study_of(data))
 
     @property
     def _nominal_area(self) -> float:
@@ -613,6 +615,24 @@ class Pair:
         area = self._about.nominal_area
         assert area is not None, "measured bodies have one"
         return area
+
+
+def _study_of(data: dict[str, Any]) -> Study:
+    """Return a study of tables; a fault at a key that an argument sets is an `ArgumentError` of the argument."""
+    try:
+        return validated(Study, data, "pair")
+    except StudyError as error:
+        match = _AT_KEY.match(str(error))
+        if match is None or (name := _ARGUMENT_OF_KEY.get(match["key"], match["key"])) not in ARGUMENTS:
+            raise
+        raise ArgumentError(f"{{{name}}} {{why}}", why=match["why"]) from None
+
+
+_AT_KEY = re.compile(r"pair: (?:contact|friction|ensemble|known)\.(?P<key>\w+)(?:\[\d+\])?: (?P<why>.+)")
+"""A line of a fault of a study, without where in a list it is."""
+
+_ARGUMENT_OF_KEY = {"repetitions": "shifts", "materials": "upper_material", "poisson_ratio": "poisson"}
+"""Arguments that have other names than the keys that they set."""
 
 
 def pair_study(upper: Any = None, lower: Any = None, **asked: Any) -> Study:

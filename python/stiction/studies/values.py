@@ -25,6 +25,7 @@ from pydantic import (
 )
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from stiction._arguments import MAX_NUMBER
 from stiction._checks import Floats
 from stiction._text import LONGEST_WORD, named, printable
 from stiction._units import Quantity, quantity, shortened
@@ -76,7 +77,7 @@ WorkOfAdhesion = Annotated[Quantity, PlainValidator(_reader("work of adhesion", 
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Side = Annotated[int, Field(ge=FEWEST_POINTS, le=MOST_POINTS)]
 Dimension = Annotated[float, Field(ge=1, lt=2)]
-Coefficient = Annotated[float, Field(ge=0)]
+Coefficient = Annotated[float, Field(ge=0, le=MAX_NUMBER)]
 
 
 def _different(values: tuple[float, ...]) -> tuple[float, ...]:
@@ -327,6 +328,19 @@ def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
         raise StudyError("\n".join(lines)) from None
 
 
+_WORDS = {
+    "finite_number": "must be a finite number", "float_type": "must be a number", "int_type": "must be a whole number",
+    "bool_type": "must be true or false", "string_type": "must be text", "literal_error": "must be {expected}",
+    "greater_than": "must be above {gt:g}", "greater_than_equal": "must be at least {ge:g}",
+    "less_than": "must be below {lt:g}", "less_than_equal": "must be at most {le:g}",
+    "too_short": "must have at least {min_length} values, got {actual_length}",
+    "too_long": "must have at most {max_length} values, got {actual_length}",
+    "string_too_short": "must have at least {min_length} characters",
+    "string_too_long": "must have at most {max_length} characters",
+}  # fmt: skip
+"""Messages of the kinds of faults that pydantic finds."""
+
+
 def _fault(kind: type[Table], fault: ErrorDetails) -> str:
     location = [part for part in fault["loc"] if part not in (RANGE, LIST)]
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).removeprefix(".")
@@ -342,6 +356,8 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> str:
         message = "must be a list"
     if fault["type"] == "string_unicode":
         message = "must be text in UTF-8, as the study that keeps it is (rename a file that is not)"
+    if (words := _WORDS.get(fault["type"])) is not None:
+        message = words.format_map(fault.get("ctx", {}))
     if fault["type"] not in ("value_error", "missing", "range_or_list", "key", "too_short", "too_long"):
         message = f"{message[0].lower()}{message[1:]}, got {shortened(fault['input'])}"
     return f"{key}: {message}" if key else message

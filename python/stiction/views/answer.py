@@ -94,6 +94,7 @@ class Answer:
     inputs: str  # load, materials and resolution, in words
     note: str  # what was averaged, and which reading of the load it is
     assumptions: tuple[str, ...] = ()  # how the scans stand for surfaces, and the contact model
+    assumed: tuple[str, ...] = ()  # all that the sentence names: these, mu0 and tau0, the contact model and filters
     doubts: tuple[Doubt, ...] = ()  # faults first
     at: dict[str, Any] = field(default_factory=dict)  # the cell, Hurst exponent, load (mN), mu0 and tau0 (GPa)
     # With a hardness, and a value to quote: between mu0 + tau0/H and the upper end of the interval at this scan, with
@@ -163,7 +164,8 @@ class Answer:
     def sentence(self) -> str:
         """One sentence with its inputs: to quote, or why there is none to quote."""
         if self.unloaded and self.sticking is not None:
-            return f"{self.sticking.text.removesuffix('.')}, at {self.inputs}; {self.note}."
+            parts = [f"{self.sticking.text.removesuffix('.')}, at {self.inputs}", self.note]
+            return "; ".join([*parts, f"assumed: {', '.join(self.assumed)}"]) + "."
         if self.verdict == "Do not quote":
             faults = "; ".join(doubt.text for doubt in self.faults)
             return f"There is no coefficient to quote at {self.inputs}: {faults}."
@@ -171,7 +173,7 @@ class Answer:
         words = f"μ_s = {quoted(first.value, first.lower, first.upper)} {RULES[first.rule]}"
         words += "".join(f", {quoted(one.value, one.lower, one.upper)} {RULES[one.rule]}" for one in others)
         parts = [f"{words}, at {self.inputs}", self.note]
-        parts += [f"assuming {', '.join(self.assumptions)}"] if self.assumptions else []
+        parts += [f"assumed: {', '.join(self.assumed)}"] if self.assumed else []
         parts += filter(None, [self.covers, self.roughness, self.finer])
         return "; ".join(parts) + "."
 
@@ -280,7 +282,7 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
         from_roughness=_from_roughness(point, study, rules[0]),
         waited=_waited(point, rules[0].rule),
         scans=study.surfaces.scan_counts, members=value_of(point, "members"), averaged=_averaged(point, study),
-        assumptions=assumptions_of(study), sticking=sticking_of(point, rules[0].rule),
+        assumptions=assumptions_of(study), assumed=_assumed(point, study), sticking=sticking_of(point, rules[0].rule),
         contact_status=contact_status_of(point, study), unloaded=is_unloaded(point),
     )  # fmt: skip
 
@@ -484,6 +486,19 @@ def assumptions_of(study: Study) -> tuple[str, ...]:
     words += [] if study.by_half_space else ["contacts that do not interact"]
     words += [] if contact.hardness is not None or "jackson" in law_of(study) else ["elastic contact"]
     words += ["no adhesion"] if contact.work_of_adhesion is None else []
+    return tuple(words)
+
+
+def _assumed(point: xarray.Dataset, study: Study) -> tuple[str, ...]:
+    """Return all that the sentence for a report names as assumed."""
+    if not study.is_measured:
+        return ()
+    words = [] if study.known.interface is not None else ["μ0 and τ0 as given"]
+    if study.by_half_space:
+        words.append("contact of half-spaces" if study.contact.hardness is None else "contact of yielding half-spaces")
+    words += assumptions_of(study)
+    cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
+    words.append(f"scans filtered at {with_unit(cut_off, 'um')}" if cut_off > 0 else "scans not filtered")
     return tuple(words)
 
 
