@@ -7,13 +7,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 from stiction import (
     Surface,
+    flipped,
     levelled,
     pressed_maps,
     pressed_maps_mean,
     self_affine_surface,
     surface_parameters,
     surrogate,
-    turned_over,
 )
 from stiction.studies.traverse import overlap_area
 from stiction.views.style import STYLE
@@ -37,7 +37,7 @@ figure, axes = plt.subplots(1, 2, figsize=(6.0, 2.8), layout="constrained")
 for name, body, colour in (("worn", worn, "0.0"), ("surrogate", made, "0.55")):
     axes[0].hist(1000 * body.heights.ravel(), 80, histtype="step", density=True, color=colour, label=name)
     found = surface_parameters(body)
-    maps = pressed_maps(turned_over(body), body, load, **MATERIAL)
+    maps = pressed_maps(flipped(body), body, load, **MATERIAL)
     mean = pressed_maps_mean(maps)
     area = 100 * mean["contact_area_fraction"].values
     axes[1].fill_between([3, 10, 30], area[:, 1], area[:, 2], color=colour, alpha=0.2, linewidth=0)

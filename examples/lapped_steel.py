@@ -5,7 +5,7 @@ import matplotlib
 matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from stiction import effective_modulus, self_affine, traverse, traverse_mean, turned_over
+from stiction import effective_modulus, flipped, self_affine, traverse, traverse_mean
 from stiction.views.style import STYLE, label
 
 plt.rcParams.update(STYLE)
@@ -25,7 +25,7 @@ for rms, grey in ((0.02, "0.0"), (0.05, "0.35"), (0.1, "0.6")):  # µm
         ]
         for side in ("upper", "lower")
     }  # fmt: skip
-    uppers = [turned_over(face) for face in faces["upper"]]
+    uppers = [flipped(face) for face in faces["upper"]]
     mean = traverse_mean(traverse(uppers, faces["lower"], LOADS, mu0=0.15, tau0=0.2, effective_modulus=STEEL))
     friction = mean["friction_coefficient"].sel(shear="+x")
     middle, lower, upper = (friction.sel(statistic=each).values for each in ("mean", "lower", "upper"))

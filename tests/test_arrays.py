@@ -10,8 +10,8 @@ import stiction
 from stiction import (
     Profile,
     Surface,
+    estimate_hurst_exponent,
     half_space,
-    hurst_exponent_of,
     levelled,
     pair,
     power_spectrum,
@@ -42,7 +42,7 @@ def test_array_with_spacing_and_unit_is_that_surface(spacing):
     (lambda z, **of: surface_spectrum(z, **of).density, MAPS[0]),
     (lambda z, **of: levelled(z, "mean", **of).heights, LINE),
     (lambda z, **of: levelled(z, "plane", **of).heights, MAPS[0]),
-    (lambda z, **of: hurst_exponent_of(z, **of).value, MAPS[0]),
+    (lambda z, **of: estimate_hurst_exponent(z, **of).value, MAPS[0]),
     (lambda z, **of: scale_dependent_roughness(z, **of).gradient, MAPS[0]),
 ])  # fmt: skip
 def test_functions_of_one_body_accept_arrays(function, of):

@@ -17,6 +17,7 @@ from stiction import (
     Surface,
     candidates,
     contacts,
+    flipped,
     half_space,
     pair,
     power_spectrum,
@@ -28,7 +29,6 @@ from stiction import (
     self_affine_surface,
     surface_parameters,
     surface_spectrum,
-    turned_over,
     write_surface,
 )
 from stiction.mechanics.quantities import QUANTITIES
@@ -195,7 +195,7 @@ def test_what_cannot_be_drawn_says_why():
 
 
 def test_a_body_goes_through_xarray_without_loss(lower):
-    turned = turned_over(lower)
+    turned = flipped(lower)
     for body in (turned, turned.row(3)):
         array = body.to_xarray()
         assert array.attrs["units"] == array["x"].attrs["units"] == "um"
@@ -382,7 +382,7 @@ def test_one_body_is_told(scan, lower):
         (lambda: half_space(scan, scan, "1 mN", effective_modulus=10.0), "face the same way"),
         (lambda: half_space(lower, lower, "1 mN"), "fit into each other everywhere"),
         (lambda: half_space(mirrored, scan, "1 mN", effective_modulus=10.0), "is the mirror image of lower"),
-        (lambda: press(turned_over(lower), lower, "5 nm"), "slopes along y cancel"),
+        (lambda: press(flipped(lower), lower, "5 nm"), "slopes along y cancel"),
         (lambda: pressed_maps(scan, scan, "1 mN", **maps), "face the same way"),
     ):
         with pytest.warns(UserWarning, match=words):
@@ -392,8 +392,8 @@ def test_one_body_is_told(scan, lower):
 def test_two_bodies_are_not_told(scan, upper, lower):
     with warnings.catch_warnings(action="error"):
         press(upper, lower, "5 nm")
-        press(turned_over(scan), upper, "5 nm", effective_modulus=10.0)
-        pressed_maps(turned_over(scan), scan, "1 mN", mu0=0.3, effective_modulus=10.0, shifts=2, mechanics="asperities")
+        press(flipped(scan), upper, "5 nm", effective_modulus=10.0)
+        pressed_maps(flipped(scan), scan, "1 mN", mu0=0.3, effective_modulus=10.0, shifts=2, mechanics="asperities")
 
 
 def test_what_was_told_is_so(lower):
@@ -512,7 +512,7 @@ def test_bad_input_is_one_sentence(upper, lower, changed, words):
 
 def test_a_body_that_is_turned_over_already_is_told(upper, lower):
     with pytest.warns(UserWarning, match="first was turned over, and pair turns the first body over itself"):
-        pair(turned_over(upper), lower, mechanics="asperities", **ASKED)
+        pair(flipped(upper), lower, mechanics="asperities", **ASKED)
 
 
 def test_another_result_is_replaced_only_if_asked(by_function, where, tmp_path):

@@ -22,6 +22,7 @@ from stiction import (
     Profile,
     Surface,
     approach_at_load,
+    flipped,
     gentle_friction,
     half_space,
     levelled,
@@ -31,7 +32,6 @@ from stiction import (
     read_surface,
     self_affine,
     self_affine_surface,
-    turned_over,
     weierstrass_mandelbrot,
     weierstrass_mandelbrot_surface,
 )
@@ -170,7 +170,7 @@ def measured_areas(case: dict) -> list[Pair]:
         Surface(surface.heights[row : row + half[0], column : column + half[1]], spacing=surface.spacing)
         for row, column in corners
     ]
-    return [(turned_over(one), other) for one, other in permutations(pieces, 2)]
+    return [(flipped(one), other) for one, other in permutations(pieces, 2)]
 
 
 def measured_lines(case: dict) -> list[Pair]:
@@ -178,7 +178,7 @@ def measured_lines(case: dict) -> list[Pair]:
     line = levelled(read_profile(DATA / case["file"]), "line")
     length = len(line) // 4
     pieces = [Profile(line.heights[k * length : (k + 1) * length], spacing=line.spacing) for k in range(4)]
-    return [(turned_over(one), other) for one, other in permutations(pieces, 2)]
+    return [(flipped(one), other) for one, other in permutations(pieces, 2)]
 
 
 # ---- Measuring -------------------------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from stiction import half_space, levelled, pair, read_profile, turned_over
+from stiction import flipped, half_space, levelled, pair, read_profile
 from stiction.views.answer import answers, headlines
 from stiction.views.asked import at_asked_loads
 from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, RULES, STYLE, UPPER, label, save_picture
@@ -53,7 +53,7 @@ def friction_against_load():
 def faces():
     """The two faces at one position under the load that is asked for: where they stand, and their contact."""
     upper, lower = (levelled(read_profile(SCANS / f"lapped_{side}.csv"), "line") for side in ("upper", "lower"))
-    curve = half_space(turned_over(upper), lower, [ASKED], effective_modulus=78.7, hardness=0.625, boundary="free")
+    curve = half_space(flipped(upper), lower, [ASKED], effective_modulus=78.7, hardness=0.625, boundary="free")
     return lower.x, lower.heights, curve.contact(0)
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import tamaas
-from stiction import approach_at_load, half_space, paired_lines, press, self_affine_surface, traverse, turned_over
+from stiction import approach_at_load, flipped, half_space, paired_lines, press, self_affine_surface, traverse
 from stiction._core import patches_of
 
 OUT = Path(__file__).parent.parent / "generated/lines_or_areas.md"
@@ -39,7 +39,7 @@ def answers(upper, lower):
     share = patches_of(np.ascontiguousarray(model.traction), periodic=True, hardness=np.inf)[2]
     found["tamaas, points under pressure"] = share.size / model.traction.size, np.nan
     found["tamaas, less what edges add"] = share.sum() / model.traction.size, np.nan
-    uppers, lowers = paired_lines(turned_over(upper), lower, lines=LINES)
+    uppers, lowers = paired_lines(flipped(upper), lower, lines=LINES)
     length = uppers[0].extent
     for name, law, curvature in (
         ("32 lines: spheres on a strip 1 µm thick", "hertz-sphere", "convex"),

@@ -76,8 +76,8 @@ from stiction.surfaces.fractal import (
     weierstrass_mandelbrot_moments as weierstrass_mandelbrot_moments,
     weierstrass_mandelbrot_surface as weierstrass_mandelbrot_surface,
 )
-from stiction.surfaces.hurst import HurstEstimate as HurstEstimate, hurst_exponent_of as hurst_exponent_of
-from stiction.surfaces.joined import JoinedSpectrum as JoinedSpectrum, joined_spectrum as joined_spectrum
+from stiction.surfaces.hurst import HurstEstimate as HurstEstimate, estimate_hurst_exponent as estimate_hurst_exponent
+from stiction.surfaces.joined_spectrum import JoinedSpectrum as JoinedSpectrum, joined_spectrum as joined_spectrum
 from stiction.surfaces.lines import (
     LineRoughness as LineRoughness,
     line_roughness as line_roughness,
@@ -97,10 +97,13 @@ from stiction.surfaces.preparation import (
     levelled as levelled,
     on_common_grid as on_common_grid,
     rotated as rotated,
-    turned_over as turned_over,
+    flipped as flipped,
 )
 from stiction.surfaces.profile import Profile as Profile
-from stiction.surfaces.repeated import Repeated as Repeated, repeated as repeated
+from stiction.surfaces.repeated_scans import (
+    RepeatedScans as RepeatedScans,
+    compare_repeated_scans as compare_repeated_scans,
+)
 from stiction.surfaces.material_ratio import bearing_curve as bearing_curve, material_ratio as material_ratio
 from stiction.surfaces.roughness import (
     RoughnessParameters as RoughnessParameters,

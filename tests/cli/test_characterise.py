@@ -11,12 +11,12 @@ from matplotlib.image import imread
 from stiction import (
     Profile,
     Surface,
+    compare_repeated_scans,
     cut_off,
     joined_spectrum,
     levelled,
     random_phases,
     read_profile,
-    repeated,
     self_affine,
     self_affine_surface,
     weierstrass_mandelbrot_surface,
@@ -291,7 +291,7 @@ def test_two_scans_of_one_place_give_their_mean_and_the_noise(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {
         "a.csv", "b.csv", "repeated.npy", "noise.csv", "noise.png",
     }  # fmt: skip
-    found = repeated(*(levelled(read_profile(tmp_path / name), "line") for name in ("a.csv", "b.csv")))
+    found = compare_repeated_scans(*(levelled(read_profile(tmp_path / name), "line") for name in ("a.csv", "b.csv")))
     assert found.shift[0] == pytest.approx(0.25, abs=0.003)
     assert f"begins at x = {1000 * found.shift[0]:.3g} nm of the first." in " ".join(done.stdout.split())
     assert np.array_equal(read_profile(tmp_path / "repeated.npy").heights, found.scan.heights)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from measured_studies import study_of, write_maps, write_profiles
-from stiction import Profile, approach_at_load, half_space, levelled, press, turned_over
+from stiction import Profile, approach_at_load, flipped, half_space, levelled, press
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import pressed
 from stiction.studies.members import about, bodies_of
@@ -50,7 +50,7 @@ def test_lines_are_those_of_pressing_by_hand(tmp_path, mechanics):
     values, member = member_sums(study, 3), bodies_of(study).member(3, 0.0)
     whole = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
     above, below = (levelled(each, "line") for each in whole)
-    slider = levelled(Profile(turned_over(above).heights[:600], spacing=0.02), "line")
+    slider = levelled(Profile(flipped(above).heights[:600], spacing=0.02), "line")
     first = round(member.x / 0.02)
     assert 0 < first <= 600
     beneath = Profile(below.heights[first : first + 600], spacing=0.02)

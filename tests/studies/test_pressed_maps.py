@@ -22,7 +22,7 @@ from stiction.mechanics.patches import slopes
 from stiction.studies.at_load import member_values
 from stiction.studies.contact_statistics import QUANTILES
 from stiction.studies.pair import pair_study
-from stiction.surfaces.pairing import FEWEST_POINTS, MapPairs
+from stiction.surfaces.pairing import MIN_PIECE_POINTS, MapPairs
 
 ANGLES = (0.0, 30.0, 90.0, 180.0)
 MATERIAL = {"mu0": [0.3, 0.4], "tau0": [0.0, 0.05]}
@@ -218,6 +218,6 @@ def test_bad_input(changes, words):
 
 
 def test_small_maps_are_refused():
-    small = Surface(np.zeros((FEWEST_POINTS, 30)), spacing=1.0)
+    small = Surface(np.zeros((MIN_PIECE_POINTS, 30)), spacing=1.0)
     with pytest.raises(ValueError, match="at least 16 rows and columns must lie above each other"):
         pressed_maps(small, small, [0.1], mu0=0.3)

@@ -7,6 +7,7 @@ from stiction import (
     approach_at_load,
     contacts,
     cropped,
+    flipped,
     half_space,
     levelled,
     nondimensional,
@@ -16,7 +17,6 @@ from stiction import (
     surrogate,
     traverse,
     traverse_mean,
-    turned_over,
 )
 from stiction.studies import intervals
 
@@ -35,7 +35,7 @@ def scan(side="lower", *, points=3000, repetition=0, spacing=0.01):
 
 @pytest.fixture(scope="module")
 def pair():
-    return cropped(turned_over(scan("upper")), 0, 20), scan("lower")
+    return cropped(flipped(scan("upper")), 0, 20), scan("lower")
 
 
 @pytest.fixture(scope="module")
@@ -213,7 +213,7 @@ def test_two_profiles_are_a_slider_of_half_the_length_and_a_track():
     (slider,), (track,) = paired_lines(upper, lower)
     whole = levelled(upper, "line")
     np.testing.assert_array_equal(track.heights, levelled(lower, "line").heights)
-    np.testing.assert_allclose(slider.heights, levelled(turned_over(cropped(whole, 0, 15)), "line").heights, atol=1e-15)
+    np.testing.assert_allclose(slider.heights, levelled(flipped(cropped(whole, 0, 15)), "line").heights, atol=1e-15)
     assert slider.history[-2:] == ("cropped to 0 to 15 µm", "levelled by a line")
     (short,), (track,) = paired_lines(cropped(upper, 0, 5), lower)
     assert (len(short), len(track)) == (500, 3000)
@@ -356,7 +356,7 @@ SAME = 1e-12  # relative: the same solution, summed in the same order
 
 @pytest.fixture(scope="module")
 def small_pair():
-    return cropped(turned_over(scan("upper", points=600)), 0, 2), scan("lower", points=600)
+    return cropped(flipped(scan("upper", points=600)), 0, 2), scan("lower", points=600)
 
 
 @pytest.mark.parametrize("sliding", ["opposing", "all"])

@@ -10,7 +10,7 @@ from rough_bodies import rough, self_affine_map, wave
 from stiction import (
     Profile,
     Surface,
-    hurst_exponent_of,
+    estimate_hurst_exponent,
     levelled,
     power_spectrum,
     random_phases,
@@ -39,7 +39,7 @@ class TestOfAProfile:
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.CASES)):
             profile = rough(11, repetition=case, hurst_exponent=hurst, points=4096, periodic=periodic, **band)
             limits = band.get("shortest_wavelength", 0.02), band.get("longest_wavelength", profile.extent)
-            found = hurst_exponent_of(profile, band=limits if given else None, periodic=periodic)
+            found = estimate_hurst_exponent(profile, band=limits if given else None, periodic=periodic)
             misses += not found.lower <= hurst <= found.upper
             errors.append((found.value - hurst) / ((found.upper - found.lower) / 3.92))
             assert found.lower < found.value < found.upper
@@ -49,7 +49,7 @@ class TestOfAProfile:
 
     def test_of_an_exact_power_law_is_exact(self):
         profile = rough(hurst_exponent=0.6, periodic=True, amplitudes="fixed")
-        found = hurst_exponent_of(profile, periodic=True)
+        found = estimate_hurst_exponent(profile, periodic=True)
         assert found.value == pytest.approx(0.6, abs=1e-9)
         assert found.fractal_dimension_classical == pytest.approx(1.4, abs=1e-9)
         assert found.fractal_dimension_paper == pytest.approx(1.7, abs=1e-9)
@@ -59,7 +59,7 @@ class TestOfAProfile:
 
     def test_band_ends_at_roll_off_and_cut_off(self):
         profile = rough(points=60_000, longest_wavelength=10.0, shortest_wavelength=0.1)
-        found = hurst_exponent_of(profile)
+        found = estimate_hurst_exponent(profile)
         # A bin (a fifth) is left off where the pieces meet, and the pieces meet at an edge of a bin.
         assert 0.1 <= found.shortest_wavelength < 0.1 * 1.5
         assert 10.0 / 2 < found.longest_wavelength < 10.0 * 1.5
@@ -68,7 +68,7 @@ class TestOfAProfile:
     def test_noise_of_the_instrument_is_left_out(self):
         profile = rough(points=8192)
         noise = rough(9, points=8192, hurst_exponent=1e-9, longest_wavelength=0.021, rms=0.01)  # flat
-        found = hurst_exponent_of(Profile(profile.heights + noise.heights, spacing=0.01))
+        found = estimate_hurst_exponent(Profile(profile.heights + noise.heights, spacing=0.01))
         assert found.shortest_wavelength > 0.04
         assert found.lower < 0.8 < found.upper
 
@@ -79,7 +79,7 @@ class TestOfAProfile:
             options = {"points": 4096, "repetition": repetition, "longest_wavelength": 10.0}
             noise = np.random.default_rng(repetition).normal(size=4096) * 0.01
             noisy = Profile(rough(hurst_exponent=0.3, **options).heights + noise, spacing=0.01)
-            estimate = hurst_exponent_of(noisy)
+            estimate = estimate_hurst_exponent(noisy)
             found.append(estimate)
             held += estimate.lower < 0.3 < estimate.upper
         assert np.median([estimate.shortest_wavelength for estimate in found]) > 0.05
@@ -88,34 +88,34 @@ class TestOfAProfile:
 
     def test_levelling_scale_and_direction_do_not_matter(self):
         profile = rough(points=4096)
-        one = hurst_exponent_of(profile)
+        one = estimate_hurst_exponent(profile)
         for heights, spacing in (
             (profile.heights + 5 * profile.x - 20, 0.01),
             (profile.heights * 1e-3, 0.01),
             (profile.heights, 7.0),
         ):
-            other = hurst_exponent_of(Profile(heights, spacing=spacing))
+            other = estimate_hurst_exponent(Profile(heights, spacing=spacing))
             assert other.value == pytest.approx(one.value, abs=1e-9)
             assert other.longest_wavelength / spacing == pytest.approx(one.longest_wavelength / 0.01)
         # Reversing moves the window by one point.
-        reversed_one = hurst_exponent_of(Profile(profile.heights[::-1], spacing=0.01))
+        reversed_one = estimate_hurst_exponent(Profile(profile.heights[::-1], spacing=0.01))
         assert reversed_one.value == pytest.approx(one.value, abs=0.2 * (one.upper - one.lower))
 
     def test_given_band_is_kept_to(self):
-        found = hurst_exponent_of(rough(), band=(0.05, 2.0))
+        found = estimate_hurst_exponent(rough(), band=(0.05, 2.0))
         assert 0.05 <= found.shortest_wavelength < found.longest_wavelength <= 2.0 * (1 + 1e-9)
 
     def test_of_eq_1_in_its_band(self):
         for dimension in (1.2, 1.6):
             profile = weierstrass_mandelbrot(random_phases(1), dimension, points=50_000)
-            found = hurst_exponent_of(profile, band=(0.005, 0.9))
+            found = estimate_hurst_exponent(profile, band=(0.005, 0.9))
             assert found.lower < 4 - 2 * dimension < found.upper
             assert found.dispersion > 1  # a spectrum of lines
 
     def test_finds_the_band_of_eq_1_in_which_its_lines_are_dense(self):
         # At the longest wavelengths; below some 0.04 µm the harmonics of the 40 directions stand apart.
         profile = weierstrass_mandelbrot(random_phases(1), 1.4, points=150_000)
-        found = hurst_exponent_of(profile)
+        found = estimate_hurst_exponent(profile)
         assert found.longest_wavelength > 0.5
         assert found.lower < 1.2 < found.upper
 
@@ -130,13 +130,13 @@ class TestOfAProfile:
     )
     def test_bad_arguments_are_named(self, bad, match):
         with pytest.raises(ValueError, match=match):
-            hurst_exponent_of(rough(), **bad)
+            estimate_hurst_exponent(rough(), **bad)
 
     def test_without_a_self_affine_band_it_says_so(self):
         white = rough(hurst_exponent=1e-9, longest_wavelength=0.021)
         for profile in (white, wave(16), Profile([0.0, 1.0, 0.0, 0.0], spacing=1.0)):
             with pytest.raises(ValueError, match="no self-affine band"):
-                hurst_exponent_of(profile)
+                estimate_hurst_exponent(profile)
         for heights, match in (
             ([1.0] * 100, "flat"),
             (np.arange(100.0), "straight line"),
@@ -144,16 +144,16 @@ class TestOfAProfile:
             ([0.0, 1e60] * 50, "height"),
         ):
             with pytest.raises(ValueError, match=match):
-                hurst_exponent_of(Profile(heights, spacing=1.0))
+                estimate_hurst_exponent(Profile(heights, spacing=1.0))
 
     def test_of_a_zigzag_is_refused(self):
         # All of it is at the Nyquist wave number, which is not fitted.
         with pytest.raises(ValueError, match="no self-affine band"):
-            hurst_exponent_of(Profile([0.0, 1.0] * 50, spacing=1.0), periodic=True)
+            estimate_hurst_exponent(Profile([0.0, 1.0] * 50, spacing=1.0), periodic=True)
 
 
 def test_says_where_the_interval_says_little():
-    sure = hurst_exponent_of(rough(points=4096))
+    sure = estimate_hurst_exponent(rough(points=4096))
     assert sure.caution is None
     assert sure.interval_classical == (2 - sure.upper, 2 - sure.lower)
     assert sure.interval_paper[0] < sure.fractal_dimension_paper < sure.interval_paper[1]
@@ -188,17 +188,17 @@ class TestOfASurface:
         misses = 0
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.CASES)):
             surface = self_affine_map(case, hurst, longest=longest, whole=2)
-            found = hurst_exponent_of(surface, band=(1.0, min(longest, 30.0)) if given else None)
+            found = estimate_hurst_exponent(surface, band=(1.0, min(longest, 30.0)) if given else None)
             misses += not found.lower <= hurst <= found.upper
         assert misses <= self.MOST_MISSES
 
     def test_band_of_a_surface_is_kept_to_and_scale_and_tilt_do_not_matter(self):
         surface = self_affine_map(5, 0.7, whole=2)
-        one = hurst_exponent_of(surface, band=(1.5, 15.0))
+        one = estimate_hurst_exponent(surface, band=(1.5, 15.0))
         assert one.dimensions == 2
         assert 1.5 <= one.shortest_wavelength < one.longest_wavelength <= 15 * (1 + 1e-9)
         tilted = surface.heights * 1e-4 + 0.3 * surface.x + 0.1 * surface.y[:, np.newaxis] + 7
-        other = hurst_exponent_of(Surface(tilted, spacing=0.5), band=(1.5, 15.0))
+        other = estimate_hurst_exponent(Surface(tilted, spacing=0.5), band=(1.5, 15.0))
         assert other.value == pytest.approx(one.value, abs=1e-9)
         # The line goes through the radial spectrum.
         radial = surface_spectrum(levelled(surface, "plane")).radial(20)
@@ -212,6 +212,6 @@ class TestOfASurface:
             (Surface(np.arange(90.0).reshape(9, 10), spacing=1.0), "a plane has no roughness"),
         ):
             with pytest.raises(ValueError, match=said):
-                hurst_exponent_of(surface)
+                estimate_hurst_exponent(surface)
         with pytest.raises(ValueError, match="at least 8 harmonics"):
-            hurst_exponent_of(self_affine_map(5, 0.7), band=(1.01, 1.01001))
+            estimate_hurst_exponent(self_affine_map(5, 0.7), band=(1.01, 1.01001))

@@ -5,7 +5,7 @@ import pytest
 from stiction import (
     Profile,
     Surface,
-    hurst_exponent_of,
+    estimate_hurst_exponent,
     levelled,
     line_roughness,
     power_spectrum,
@@ -13,7 +13,7 @@ from stiction import (
     self_affine,
 )
 from stiction.surfaces import lines
-from stiction.surfaces.lines import MOST_FITTED, lines_along_both
+from stiction.surfaces.lines import MAX_FITTED_LINES, lines_along_both
 
 ROUND_OFF = 1e-12
 
@@ -40,7 +40,7 @@ def test_is_that_of_the_lines_one_by_one():
     slopes = np.diff([row.heights for row in rows], axis=1) / 0.02
     assert found.Pdq_neighbours == pytest.approx(np.sqrt(np.mean(slopes**2)), rel=ROUND_OFF)
     assert np.allclose(found.spectrum.density, np.mean([power_spectrum(row).density for row in rows], axis=0))
-    assert found.hurst_exponents == pytest.approx([hurst_exponent_of(row, band=(0.1, 2.0)).value for row in rows])
+    assert found.hurst_exponents == pytest.approx([estimate_hurst_exponent(row, band=(0.1, 2.0)).value for row in rows])
 
 
 def test_columns_are_the_rows_of_the_surface_on_its_side():
@@ -64,8 +64,8 @@ def test_levelling_does_not_matter():
 
 def test_lines_of_one_hurst_exponent_are_fitted_in_the_band_that_they_share():
     hurst = 0.6
-    found = line_roughness(stack(hurst, lines=MOST_FITTED + 9, longest_wavelength=4.0), "x")
-    assert found.fitted == MOST_FITTED == found.hurst_exponents.size
+    found = line_roughness(stack(hurst, lines=MAX_FITTED_LINES + 9, longest_wavelength=4.0), "x")
+    assert found.fitted == MAX_FITTED_LINES == found.hurst_exponents.size
     assert found.with_band > 0.9 * found.fitted
     shortest, longest = found.band
     assert shortest < 0.1
@@ -125,7 +125,7 @@ def two_scales(seed=1, points=160):
 
 
 def test_lines_along_both_axes_share_a_band(monkeypatch):
-    monkeypatch.setattr(lines, "MOST_FITTED", 24)
+    monkeypatch.setattr(lines, "MAX_FITTED_LINES", 24)
     surface = two_scales()
     along_x, along_y = lines_along_both(surface)
     assert along_x.band == along_y.band

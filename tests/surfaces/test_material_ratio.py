@@ -8,7 +8,7 @@ from reference import roughness as slow
 from rough_bodies import rough, self_affine_map
 from scipy.stats import norm
 from stiction import Surface, material_ratio, roughness_parameters, section_parameters, surface_parameters
-from stiction.surfaces.material_ratio import core, heights_at, volumes
+from stiction.surfaces.material_ratio import core_parameters, heights_at, volumes
 from stiction.surfaces.parameters import PARAMETERS, PROFILE_PARAMETERS, SURFACE_PARAMETERS
 
 
@@ -29,7 +29,7 @@ def test_heights_and_ratios_equal_their_definitions(heights):
 
 
 def test_core_equals_its_definition(heights):
-    found, expected = core(heights), slow.stratified(heights.ravel().tolist())
+    found, expected = core_parameters(heights), slow.stratified(heights.ravel().tolist())
     assert found == pytest.approx([expected[name] for name in ("k", "pk", "vk", "mrk1", "mrk2")], rel=1e-9)
 
 

@@ -579,7 +579,7 @@ def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
         with (tmp_path / name).open("wb") as file:
             file.truncate(size)  # of holes
         assert f"has {size} bytes" in refusal(tmp_path / name)
-    monkeypatch.setattr(npy_files, "MOST_POINTS", 8)
+    monkeypatch.setattr(npy_files, "MAX_POINTS", 8)
     (tmp_path / "b.npy").write_bytes(npy(np.zeros(9)))
     assert "holds 9 points; at most 8" in refusal(tmp_path / "b.npy")
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from stiction import Surface, self_affine, self_affine_surface, turned_over
-from stiction.surfaces.pairing import IsotropicPairs, LinePairs, MapPairs, spread
+from stiction import Surface, flipped, self_affine, self_affine_surface
+from stiction.surfaces.pairing import IsotropicPairs, LinePairs, MapPairs, quasi_random_point
 
 
 def surface(shape=(64, 64), spacing=0.1, side="lower", seed=3):
@@ -12,7 +12,7 @@ def surface(shape=(64, 64), spacing=0.1, side="lower", seed=3):
 
 @pytest.mark.parametrize("dimensions", [1, 2, 4])
 def test_points_are_evenly_spread_however_many_are_taken(dimensions):
-    points = np.array([spread(index, dimensions) for index in range(256)])
+    points = np.array([quasi_random_point(index, dimensions) for index in range(256)])
     assert ((points >= 0) & (points < 1)).all()
     for count in (128, 256):
         for axis in range(dimensions):
@@ -45,7 +45,7 @@ class TestLines:
 class TestMaps:
     def test_a_map_never_lies_on_itself(self):
         body = surface()
-        pairs = MapPairs(turned_over(body), body)
+        pairs = MapPairs(flipped(body), body)
         moved = np.array([pairs.moved(index) for index in range(30)])
         assert (moved[:, 0] >= 6.4 / 8 - 1e-9).all()
         assert (np.abs(moved) <= 6.4 / 4 + 1e-9).all()

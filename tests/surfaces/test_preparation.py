@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from stiction import Profile, Surface, contacts, cropped, levelled, on_common_grid, turned_over
+from stiction import Profile, Surface, contacts, cropped, flipped, levelled, on_common_grid
 
 ROUND_OFF = 1e-13  # of sums over a hundred numbers of order one
 SPLINE_ORDER = 3.7  # four in the interior, less a margin: the natural ends spoil it near the ends only
@@ -93,12 +93,12 @@ def test_pieces_that_are_not_there_are_refused(start, stop, match):
 
 def test_two_scans_of_the_same_peak_touch_at_their_peaks():
     peak = Profile(-np.square(np.linspace(-1, 1, 101)), spacing=0.02)
-    touching = contacts(turned_over(peak), peak, 1e-4, detection="gap-minimum")
+    touching = contacts(flipped(peak), peak, 1e-4, detection="gap-minimum")
     assert touching.index.tolist() in (
         [49],
         [50],
     )  # the minimum is at point 50, the end of one interval and start of one
-    assert turned_over(turned_over(peak)).heights.tolist() == peak.heights.tolist()
+    assert flipped(flipped(peak)).heights.tolist() == peak.heights.tolist()
 
 
 # ---- A common grid --------------------------------------------------------------------------------------------------

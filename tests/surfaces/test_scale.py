@@ -11,7 +11,7 @@ from stiction import (
     Profile,
     Surface,
     cut_off,
-    hurst_exponent_of,
+    estimate_hurst_exponent,
     instrument_limit,
     read_profile,
     read_surface,
@@ -21,7 +21,7 @@ from stiction import (
     spectral_moments,
     surface_spectrum,
 )
-from stiction.surfaces.scale import interval_lines
+from stiction.surfaces.scale import interval_power_laws
 
 ROUND_OFF = 1e-9
 BINS = 0.03  # of a slope between two bins, 48 to a decade
@@ -103,8 +103,8 @@ def test_is_continued_by_the_power_law(hurst, areal):
         coarse = Profile(np.fft.irfft(np.fft.rfft(fine.heights)[: 2**11 + 1], 2**12) / 8, spacing=0.08)
     truth = scale_dependent_roughness(fine, periodic=True)
     seen = scale_dependent_roughness(coarse, periodic=True)
-    estimate = hurst_exponent_of(coarse, periodic=True)
-    lines = [seen.continued([0.02, 0.04, 0.1], line) for line in interval_lines(estimate)]
+    estimate = estimate_hurst_exponent(coarse, periodic=True)
+    lines = [seen.continued([0.02, 0.04, 0.1], line) for line in interval_power_laws(estimate)]
     wanted = truth.gradient_at([0.02, 0.04, 0.1])
     assert lines[0] == pytest.approx(wanted, rel=0.15)
     assert (lines[2] <= lines[0]).all()
@@ -117,7 +117,7 @@ def test_is_continued_by_the_power_law(hurst, areal):
 
 
 def test_the_line_through_an_exponent_of_one_is_the_limit_of_its_neighbours():
-    estimate = replace(hurst_exponent_of(rough(points=4096)), value=1.0)
+    estimate = replace(estimate_hurst_exponent(rough(points=4096)), value=1.0)
     seen = scale_dependent_roughness(rough(points=4096))
     near = replace(estimate, value=1 + 1e-9)
     assert seen.continued(1e-4, estimate) == pytest.approx(seen.continued(1e-4, near), rel=1e-6)
@@ -176,7 +176,7 @@ class TestInstrument:
         assert math.isnan(found.noise_x)  # the fast axis
         assert found.noise_y == pytest.approx(6.37 * surface.spacing[0], rel=0.01)
         assert found.noise == found.wavelength == 0.125
-        assert found.slope_share == pytest.approx(0.227, abs=0.001)
+        assert found.slope_fraction == pytest.approx(0.227, abs=0.001)
         assert instrument_limit(read_profile(measured("dektak-1.csv"))).reason == "pixels"
 
     def test_noise_of_any_colour_but_pink_is_found_and_what_is_left_has_the_slope_of_the_surface(self):
@@ -309,7 +309,7 @@ def test_the_cut_off_of_an_instrument_leaves_the_slope_of_the_waves_that_are_tru
         noise = np.fft.ifft2(np.fft.fft2(np.random.default_rng(seed).normal(size=q.shape)) * waves).real
         scan = Surface(made.heights + 0.04 * made.heights.std() * noise / noise.std(), spacing=0.02)
         limit = instrument_limit(scan)
-        assert limit.slope_share > 0.1
+        assert limit.slope_fraction > 0.1
         assert 0.04 <= limit.cut_off < limit.wavelength
         bodies = (made, scan, cut_off(scan, limit.cut_off))
         slopes = [float(scale_dependent_roughness(body).gradient[-1]) for body in bodies]

@@ -8,7 +8,7 @@ from rough_bodies import AMPLITUDE, WAVELENGTH, rough, self_affine_map, wave
 from stiction import (
     Profile,
     Surface,
-    hurst_exponent_of,
+    estimate_hurst_exponent,
     levelled,
     power_spectrum,
     random_phases,
@@ -74,7 +74,7 @@ class TestSpectrum:
 
     @pytest.mark.parametrize("bad", [{"periodic": "yes"}, {"periodic": None}])
     def test_bad_arguments_are_named(self, bad):
-        for function in (power_spectrum, hurst_exponent_of, spectral_moments):
+        for function in (power_spectrum, estimate_hurst_exponent, spectral_moments):
             with pytest.raises(ValueError, match="periodic"):
                 function(rough(), **bad)
         with pytest.raises(ValueError, match="per_decade"):

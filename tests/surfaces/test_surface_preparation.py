@@ -7,13 +7,13 @@ from stiction import (
     Profile,
     Surface,
     cropped,
+    flipped,
     levelled,
     on_common_grid,
     rotated,
     surface_parameters,
     surface_spectrum,
     surrogate,
-    turned_over,
 )
 
 # Of sums over some hundred points.
@@ -47,9 +47,9 @@ def test_a_trend_is_the_polynomial_of_least_squares():
 
 def test_a_surface_is_turned_about_the_x_axis():
     surface, _ = bumps()
-    over = turned_over(surface)
+    over = flipped(surface)
     assert over.heights[0, 5] == -surface.heights[-1, 5]
-    assert np.array_equal(turned_over(over).heights, surface.heights)
+    assert np.array_equal(flipped(over).heights, surface.heights)
     assert over.history == ("turned over",)
 
 

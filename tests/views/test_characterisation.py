@@ -12,9 +12,9 @@ from stiction import (
     Surface,
     cut_off,
     effective_modulus,
+    estimate_hurst_exponent,
     filtered,
     gentle_friction,
-    hurst_exponent_of,
     joined_spectrum,
     levelled,
     material,
@@ -28,7 +28,7 @@ from stiction import (
     surface_parameters,
     surface_spectrum,
 )
-from stiction.surfaces.spectrum import peak_of
+from stiction.surfaces.spectrum import find_peak
 from stiction.views.characterisation import HARMLESS, Characterisation, characterisation_text
 from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.scans import joined_figure
@@ -47,7 +47,7 @@ def rows(text):
 
 class TestText:
     def test_says_what_the_functions_return(self, profile):
-        said, found = rows(characterisation_text(profile)), hurst_exponent_of(profile)
+        said, found = rows(characterisation_text(profile)), estimate_hurst_exponent(profile)
         parameters = roughness_parameters(profile)
         assert said["Pa"] == f"{1000 * parameters.Pa:.4g} nm"
         assert said["Pt"] == f"{1000 * parameters.Pt:.4g} nm"
@@ -87,7 +87,7 @@ def test_untrusted_waves_that_do_not_matter_are_called_harmless(profile):
     for rms, words in ((1e-5, "harmless, "), (1e-4, "not to be trusted below")):
         found = Characterisation(Profile(smooth + rms * noise, spacing=0.01))
         assert words in {row.label: row.texts[0] for row in found.rows}["instrument"]
-        assert (found.limit.slope_share < HARMLESS) == (rms < 1e-4)
+        assert (found.limit.slope_fraction < HARMLESS) == (rms < 1e-4)
 
 
 def test_a_spectrum_that_is_no_power_law_has_no_exponent_and_no_fitted_line(profile):
@@ -110,7 +110,7 @@ class TestFigure:
         labels = [ax.get_xlabel() for ax in figure.axes] + [ax.get_ylabel() for ax in figure.axes]
         assert {"position $x$ (µm)", "height (nm)", "density (1/nm)", "density $C$ (µm³)"} <= set(labels)
         legend = " ".join(text.get_text() for ax in figure.axes if ax.get_legend() for text in ax.get_legend().texts)
-        found = hurst_exponent_of(profile, periodic=periodic)
+        found = estimate_hurst_exponent(profile, periodic=periodic)
         assert f"$H$ = {found.value:.2f}" in legend
         assert "(classical)" in legend
         assert "(paper)" in legend
@@ -120,7 +120,7 @@ class TestFigure:
 
     def test_fitted_line_is_the_spectrums(self, profile):
         figure = characterisation_figure(profile)
-        found = hurst_exponent_of(profile)
+        found = estimate_hurst_exponent(profile)
         spectrum = next(ax for ax in figure.axes if "density $C$" in ax.get_ylabel())
         dashed = [line for line in spectrum.lines if line.get_linestyle() == "--"]
         q, density = dashed[0].get_data()
@@ -166,7 +166,7 @@ def test_a_peak_that_carries_the_moments_is_said_with_its_share():
     own = 0.003**2 / 2 * (2 * np.pi / 0.06) ** 4
     whole = own + spectral_moments(rough).curvature
     assert float(found[2]) == pytest.approx(100 * own / whole, abs=5)
-    assert peak_of(power_spectrum(rough)) is None or peak_of(power_spectrum(rough))[1] < 0.05
+    assert find_peak(power_spectrum(rough)) is None or find_peak(power_spectrum(rough))[1] < 0.05
 
 
 # ---- Surfaces -------------------------------------------------------------------------------------------------------
@@ -188,7 +188,7 @@ def characterised(surface):
 
 def test_a_surface_has_parameters_moments_and_a_dimension_and_a_figure_with_the_fit(surface, characterised):
     text = characterisation_text(characterised)
-    said, found, estimate = rows(text), surface_parameters(surface), hurst_exponent_of(surface)
+    said, found, estimate = rows(text), surface_parameters(surface), estimate_hurst_exponent(surface)
     assert said["Sa"] == f"{1000 * found.Sa:.4g} nm"
     assert said["Sdr"] == f"{100 * found.Sdr:.4g} %"
     assert said["Str"] == f"{found.Str:.4g}"

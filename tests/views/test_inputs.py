@@ -80,7 +80,7 @@ def test_noise_and_peaks_are_said_unless_a_cut_off_takes_them_off():
         doubt = next(each for each in doubts_of_inputs(body, body, measured_study()) if word in each.text)
         limit = instrument_limit(body)
         assert doubt.cut_off == limit.cut_off < limit.noise < 0.6
-        assert doubt.severity == ("fault" if limit.slope_share > 0.1 else "caution")
+        assert doubt.severity == ("fault" if limit.slope_fraction > 0.1 else "caution")
         vouched = measured_study().with_changes({"surfaces.vouched": True})
         assert not any(word in each.text for each in doubts_of_inputs(body, body, vouched))
     # A floor from which hardly any slope comes.
@@ -101,7 +101,7 @@ def test_waves_that_the_tip_cannot_follow_are_doubted_and_stay():
     assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
     (doubt,) = doubts_of_inputs(scan, scan, study)
     assert "sharper than the tip follows: the surface is steeper" in doubt.text
-    assert instrument_limit(scan, tip_radius=20.0).slope_share > 0.1
+    assert instrument_limit(scan, tip_radius=20.0).slope_fraction > 0.1
     assert doubt.severity == "fault"  # an elastic answer has no limit
     plastic = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})
     assert [each.severity for each in doubts_of_inputs(scan, scan, plastic)] == ["caution"]

@@ -161,7 +161,7 @@ def characterise(
 
 
 def _together(files: list[Path], found: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
-    from stiction.surfaces.joined import joined_spectrum
+    from stiction.surfaces.joined_spectrum import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
     from stiction.views.rows import record
     from stiction.views.scans import joined_figure, joined_record, joined_text
@@ -181,13 +181,13 @@ def _together(files: list[Path], found: list[Characterisation], outputs: list[Pa
 
 def _repeated(files: list[Path], found: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
     from stiction.surfaces.measured.writing import write_profile, write_surface
-    from stiction.surfaces.repeated import repeated
+    from stiction.surfaces.repeated_scans import compare_repeated_scans
     from stiction.views.files import new_text
     from stiction.views.rows import record
     from stiction.views.scans import octaves_csv, repeated_figure, repeated_record, repeated_text
     from stiction.views.style import save_picture
 
-    twice = repeated(found[0].body, found[1].body)
+    twice = compare_repeated_scans(found[0].body, found[1].body)
     tell(record("characterise", [], kind="repeated", **repeated_record(twice)) if as_json else repeated_text(twice))
     for path in outputs:
         if path.suffix.lower() == ".npy":

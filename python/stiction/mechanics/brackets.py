@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats
-from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
+from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import ScaleDependentRoughness, interval_lines
+from stiction.surfaces.scale import ScaleDependentRoughness, interval_power_laws
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
 def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None:
     """The Hurst exponent of a gap; None where its spectrum has no self-affine band."""
     try:
-        return hurst_exponent_of(gap, periodic=periodic)
+        return estimate_hurst_exponent(gap, periodic=periodic)
     except ValueError:
         return None
 
@@ -52,7 +52,7 @@ def plastic_wavelength(
     """Wavelength down to which waves have a gradient, known within a factor, and its interval; NaN without one."""
     if math.isnan(gradient):
         return math.nan, math.nan, math.nan
-    middle, rougher, smoother = (None,) * 3 if estimate is None else interval_lines(estimate)
+    middle, rougher, smoother = (None,) * 3 if estimate is None else interval_power_laws(estimate)
     return (
         roughness.wavelength_of(gradient, middle),
         roughness.wavelength_of(gradient * spread, smoother),
@@ -69,7 +69,7 @@ def continued(
         return np.full((finer.size, 3), np.nan)
     # Of the scan's own slopes, so that the line begins where they end.
     own = gradient / float(roughness.gradient_at(shortest))
-    gradients = own * np.stack([roughness.continued(finer, line) for line in interval_lines(estimate)], axis=1)
+    gradients = own * np.stack([roughness.continued(finer, line) for line in interval_power_laws(estimate)], axis=1)
     gradients[:, 1:] = np.sort(gradients[:, 1:], axis=1)
     return gradients
 

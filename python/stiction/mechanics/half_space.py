@@ -22,8 +22,8 @@ from stiction._units import in_core_units, loads_in_core_units
 from stiction.mechanics.friction import Curve
 from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_for, warn_of_one_body
 from stiction.mechanics.onset import Onset, heading, onset_of, place_of, strengths
-from stiction.surfaces.profile import Profile, refuse_missing
-from stiction.surfaces.surface import BodyLike, bodies_of
+from stiction.surfaces.profile import Profile, reject_missing
+from stiction.surfaces.surface import BodyLike, as_bodies
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -446,7 +446,7 @@ def half_space(
     """
     from stiction.mechanics.half_space_problem import problem_of, steps_of
 
-    upper, lower = bodies_of(upper, lower, spacing=spacing, unit=unit)
+    upper, lower = as_bodies(upper, lower, spacing=spacing, unit=unit)
     check_pair(upper, lower, whole=False)
     model = ContactModel(
         effective_modulus=modulus_for(effective_modulus, upper, lower), direction=direction, sliding=sliding
@@ -472,7 +472,7 @@ def half_space(
     )
     if work > 0:
         for body in (upper, lower):
-            refuse_missing(body, "work_of_adhesion")
+            reject_missing(body, "work_of_adhesion")
         problem = _sticky(problem, work, length, float(model.effective_modulus))
     if tilt == "free":
         if boundary == "periodic" or work > 0 or approaches is not None:

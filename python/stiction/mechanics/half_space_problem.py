@@ -19,7 +19,7 @@ from stiction._caching import cached_property
 from stiction._checks import Floats, float_array, read_only
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.patches import PatchSums, patch_sums, slopes
-from stiction.surfaces.profile import Profile, missing_of
+from stiction.surfaces.profile import Profile, combine_missing
 from stiction.surfaces.surface import Surface
 
 MOST_KEPT = 2**20
@@ -244,7 +244,7 @@ def problem_of(
             f"spacing must give cells of {np.finfo(np.float64).tiny:.0e} µm² or more whose sides differ by a factor of "
             f"at most {LONGEST_CELL:g}, got {upper.spacing!r} µm"
         )
-    gap, missing = upper.heights - lower.heights, missing_of(upper, lower)
+    gap, missing = upper.heights - lower.heights, combine_missing(upper, lower)
     gap -= gap.min() if missing is None else gap[~missing].min()
     if not gap.max() <= HIGHEST_GAP * max(spacing) * max(gap.shape):
         raise ValueError(

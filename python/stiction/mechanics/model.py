@@ -15,8 +15,8 @@ import stiction._core
 from stiction._caching import cached_property
 from stiction._checks import Floats, choice, number
 from stiction.mechanics.law import HertzCylinder, Law, LawName, law_of
-from stiction.surfaces.profile import MOST_POINTS, Profile, refuse_missing
-from stiction.surfaces.surface import Surface, body_of
+from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing
+from stiction.surfaces.surface import Surface, as_body
 
 Detection = Literal["cell", "gap-minimum"]
 Curvature = Literal["convex", "signed"]
@@ -26,7 +26,7 @@ Sliding = Literal["opposing", "all"]
 EFFECTIVE_MODULUS = 10.0  # GPa, of the paper
 THICKNESS = 1.0  # µm, of a profile
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-TURNED = "turned over"  # what the history of a body says that `turned_over` has made
+TURNED = "turned over"  # what the history of a body says that `flipped` has made
 _ROUND_OFF = 1e-9  # of the height of a body, by which two that are the same may differ
 
 
@@ -254,16 +254,16 @@ def shows_model(function: _Function) -> _Function:
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
     """Two profiles or two surfaces on one grid, and whole; how many points they have is for the core to see."""
     for name, body in (("upper", upper), ("lower", lower)):
-        body_of(name, body)
+        as_body(name, body)
         if whole:
-            refuse_missing(body, "all but half_space")
+            reject_missing(body, "all but half_space")
     if isinstance(upper, Surface) != isinstance(lower, Surface):
         raise ValueError(
             f"upper and lower must both be profiles or both surfaces, got {type(upper).__name__} and "
             f"{type(lower).__name__}"
         )
-    if isinstance(upper, Surface) and upper.heights.size > MOST_POINTS:
-        raise ValueError(f"upper and lower must have at most {MOST_POINTS} points, got {upper.heights.size}")
+    if isinstance(upper, Surface) and upper.heights.size > MAX_POINTS:
+        raise ValueError(f"upper and lower must have at most {MAX_POINTS} points, got {upper.heights.size}")
     if upper.spacing != lower.spacing:
         raise ValueError(f"upper and lower must have equal spacings, got {upper.spacing!r} and {lower.spacing!r} µm")
 
@@ -274,11 +274,11 @@ def warn_of_one_body(upper: Profile | Surface, lower: Profile | Surface, *, move
     faces = [body.history.count(TURNED) % 2 for body in (upper, lower)]
     said = ""
     if is_one and source[:1] and source[0].startswith("read from") and faces[0] == faces[1]:
-        said = f"upper and lower were both {source[0]} and face the same way: press turned_over(upper) on lower"
+        said = f"upper and lower were both {source[0]} and face the same way: press flipped(upper) on lower"
     elif upper.heights.shape != lower.heights.shape or upper.is_flat:
         return
     elif upper is lower or (is_one and source and _differ_by_a_constant(upper.heights, lower.heights)):
-        said = "upper and lower are the same and fit into each other everywhere: press turned_over(upper) on lower"
+        said = "upper and lower are the same and fit into each other everywhere: press flipped(upper) on lower"
     elif is_one and not moved and (source or (faces[0] and isinstance(upper, Surface))):
         if _differ_by_a_constant(upper.heights, -lower.heights):
             said = (

@@ -18,7 +18,7 @@ from stiction.mechanics.friction import SIX, friction_parameter, load_of
 from stiction.mechanics.half_space import Boundary, half_space, solved
 from stiction.mechanics.model import EFFECTIVE_MODULUS, Direction, Sliding, check_pair, modulus_for
 from stiction.mechanics.quantities import attributes_of
-from stiction.surfaces.cut_off import LONGEST, cut_off
+from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import ScaleDependentRoughness, instrument_limit, scale_dependent_roughness
 from stiction.surfaces.surface import Surface
@@ -228,10 +228,10 @@ class _Pair:
             doubles = 2 * self.shortest * 2.0 ** np.arange(40)
             return [0.0, *doubles[doubles <= _COARSEST * side * (1 + 1e-9)].tolist()]
         lengths = float_array("cut_offs", np.atleast_1d(wanted), ndim=1).tolist()
-        if any(each != 0 and not self.shortest * (1 - 1e-9) <= each <= LONGEST * side for each in lengths):
+        if any(each != 0 and not self.shortest * (1 - 1e-9) <= each <= MAX_CUTOFF_FRACTION * side for each in lengths):
             raise ValueError(
                 f"cut_offs must be 0 or from two points, {self.shortest:g} µm, to a third of the shortest side, "
-                f"{LONGEST * side:g} µm, got {wanted!r}"
+                f"{MAX_CUTOFF_FRACTION * side:g} µm, got {wanted!r}"
             )
         return sorted({0.0, *lengths})
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.contact import Contacts
-from stiction.surfaces.profile import Profile, missing_of
+from stiction.surfaces.profile import Profile, combine_missing
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class Slopes:
         """Those of a pair on one grid, by natural cubic splines."""
         along = {side: slopes_of(body) for side, body in (("upper", upper), ("lower", lower))}
         magnitude = {side: np.sqrt(sum(np.square(each) for each in values)) for side, values in along.items()}
-        missing = missing_of(upper, lower)
+        missing = combine_missing(upper, lower)
         measured = ... if missing is None else ~missing
         limits = {side: float(np.quantile(each[measured], 1 - STEEPEST)) for side, each in magnitude.items()}
         steep = {side: magnitude[side] > limit for side, limit in limits.items()}

@@ -23,8 +23,8 @@ from stiction.studies.values import (
     read_length,
 )
 from stiction.surfaces.fractal import Convention
-from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, AmplitudeMeasure
-from stiction.surfaces.spectrum import ROUND_UP
+from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, AmplitudeMeasure
+from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import SurfaceAmplitude
 
 LengthScale = Annotated[Length, Field(description="L of Eq. 1, the scale of its longest waves.")]
@@ -110,7 +110,7 @@ class Profiles(FractalParameters):
     length_scale: LengthScale = quantity("1 um", "length")
     extent: Length = Field(default=quantity("40 um", "length"), description="Length of a profile.")
     points: int = Field(
-        default=150_000, ge=FEWEST_POINTS, le=MOST_POINTS,
+        default=150_000, ge=MIN_POINTS, le=MAX_POINTS,
         description="Points of a profile; the spacing is the extent over the points.",
     )  # fmt: skip
     gamma: Gamma = 1.5
@@ -134,8 +134,8 @@ class Areas(FractalParameters):
 
     @model_validator(mode="after")
     def _has_few_points(self) -> Areas:
-        if self.shape[0] * self.shape[1] > MOST_POINTS:
-            raise fault_at("shape", f"must hold at most {MOST_POINTS} points, got {list(self.shape)}")
+        if self.shape[0] * self.shape[1] > MAX_POINTS:
+            raise fault_at("shape", f"must hold at most {MAX_POINTS} points, got {list(self.shape)}")
         return self
 
     def extents(self) -> tuple[float, float]:
@@ -230,9 +230,9 @@ class SelfAffineSurfaces(Areas):
     def _has_waves_that_fit(self) -> SelfAffineSurfaces:
         longer, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.longest()
         shortest = finest if self.shortest_wavelength is None else float(self.shortest_wavelength)
-        if longest > longer * ROUND_UP:
+        if longest > longer * ROUND_OFF_FACTOR:
             raise fault_at("longest_wavelength", f"must be at most the longer side, {longer:g} um, got {longest:g} um")
-        if shortest * ROUND_UP < finest:
+        if shortest * ROUND_OFF_FACTOR < finest:
             raise fault_at(
                 "shortest_wavelength", f"must be at least twice the larger spacing, {finest:g} um, got {shortest:g} um"
             )

@@ -31,15 +31,15 @@ from stiction.studies.values import (
     written,
 )
 from stiction.surfaces.cut_off import cut_off
-from stiction.surfaces.foreign import taken_from
-from stiction.surfaces.holes import largest_hole
-from stiction.surfaces.joined import JoinedSpectrum
+from stiction.surfaces.interchange import extract_heights
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.interpret import Missing, Outliers
 from stiction.surfaces.measured.plausibility import CAVEATS, Scan, caveats_of
 from stiction.surfaces.measured.raw import LENGTH_UNITS, Caveat
 from stiction.surfaces.measured.reading import Reading, reading_of
 from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum, write_spectrum
 from stiction.surfaces.measured.writing import with_gaps, write_profile, write_surface
+from stiction.surfaces.missing_data import find_largest_gap
 from stiction.surfaces.pairing import (
     SIDES,
     IsotropicPairs,
@@ -47,13 +47,13 @@ from stiction.surfaces.pairing import (
     MapPairs,
     SpectrumPairs,
     Surrogates,
-    lower_piece,
-    spectrum_of,
-    spread,
+    piece_below_slider,
+    quasi_random_point,
+    to_joined_spectrum,
 )
-from stiction.surfaces.preparation import ProfileTrend, SurfaceTrend, levelled, rotated, turned_over
-from stiction.surfaces.profile import Along, Profile, part
-from stiction.surfaces.surface import Surface, lengths
+from stiction.surfaces.preparation import ProfileTrend, SurfaceTrend, flipped, levelled, rotated
+from stiction.surfaces.profile import Along, Profile, index_mask
+from stiction.surfaces.surface import Surface, parse_lengths
 
 Column = int | str
 Body = Profile | Surface | JoinedSpectrum  # what a file may hold
@@ -205,12 +205,12 @@ class MeasuredFile(Table):
         """A body in memory by a name; those of other libraries as ours. An `ArgumentError` if it is none."""
         if not isinstance(body, JoinedSpectrum):
             try:
-                heights, spacing, history, missing = taken_from(name, body)
+                heights, spacing, history, missing = extract_heights(name, body)
             except ValueError as error:
                 raise ArgumentError(f"{{{name}}}{{why}}", why=str(error).removeprefix(name)) from None
             kind: Any = Profile if heights.ndim == 1 else Surface
             body = kind(
-                heights, spacing=spacing[0] if kind is Profile else lengths("spacing", spacing), history=history,
+                heights, spacing=spacing[0] if kind is Profile else parse_lengths("spacing", spacing), history=history,
                 missing=missing,
             )  # fmt: skip
         return cls(file=name, sha256=_checksum([body]), body=InMemory(body))
@@ -268,7 +268,7 @@ class MeasuredFile(Table):
         body = self.model_copy(update={"missing": "mask"}).read()
         if isinstance(body, JoinedSpectrum) or body.missing is None:
             return np.zeros(2)
-        return np.array([body.missing.mean(), largest_hole(body.missing)[0] * np.prod(body.spacing)])
+        return np.array([body.missing.mean(), find_largest_gap(body.missing)[0] * np.prod(body.spacing)])
 
     @property
     def reading(self) -> Reading[Any] | None:
@@ -538,9 +538,9 @@ class Lines:
         elif offsets == 1 and pairs.travel is not None and place == 0:
             steps = room  # one position: the travel that was asked for
         else:
-            steps = 1 + min(int(spread(place + 1, 1)[0] * room), room - 1)
+            steps = 1 + min(int(quasi_random_point(place + 1, 1)[0] * room), room - 1)
         offset = steps * slider.spacing
-        pair = slider, lower_piece(track, offset, slider)
+        pair = slider, piece_below_slider(track, offset, slider)
         return Member(pair, offset, pairs.place(line), line=line, surrogate=pairs.surrogates != "none")
 
     def facts(self) -> Facts:
@@ -561,7 +561,7 @@ class LinesAt:
         """A slider at one of the positions, those of a pair one after the other."""
         line, place = divmod(index, len(self.positions))
         slider, offset = self.uppers[line], self.positions[place] * self.uppers[line].spacing
-        return Member((slider, lower_piece(self.lowers[line], offset, slider)), offset, 0.0, line=line)
+        return Member((slider, piece_below_slider(self.lowers[line], offset, slider)), offset, 0.0, line=line)
 
     def facts(self) -> Facts:
         """What all members share, those of the first pair."""
@@ -643,7 +643,10 @@ class MeasuredSurrogates(MeasuredBodies):
         one, other = scans
         if isinstance(one, JoinedSpectrum) or isinstance(other, JoinedSpectrum):
             finest = float(self.cells()["cut_off"].min())
-            return Areas(SpectrumPairs(spectrum_of(one), spectrum_of(other), self.level, seed, cut_offs, finest), scans)
+            return Areas(
+                SpectrumPairs(to_joined_spectrum(one), to_joined_spectrum(other), self.level, seed, cut_offs, finest),
+                scans,
+            )
         upper, lower = self.filtered(scans, cut_offs)
         if isinstance(upper, Surface) and isinstance(lower, Surface):
             return Areas(pairs_of_maps(upper, lower, self.level, seed), scans)
@@ -652,13 +655,13 @@ class MeasuredSurrogates(MeasuredBodies):
         if self.prepared:
             return Areas(IsotropicPairs(upper, lower, self.level, seed), scans)
         trend: ProfileTrend = "line" if self.level == "plane" else self.level
-        return Areas(IsotropicPairs(turned_over(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans)
+        return Areas(IsotropicPairs(flipped(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans)
 
 
 def pairs_of_maps(upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, turned: float = 0.0) -> MapPairs:
     """Pieces of two maps, both levelled, the upper one turned in its plane by an angle (degrees), and over."""
     above = levelled(upper, level)
-    return MapPairs(turned_over(rotated(above, turned) if turned else above), levelled(lower, level), level, seed)
+    return MapPairs(flipped(rotated(above, turned) if turned else above), levelled(lower, level), level, seed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -722,7 +725,7 @@ def overlap(upper: Surface, lower: Surface, place: tuple[int, int]) -> tuple[Sur
         of_lower.append(slice(first, max(first, last)))
         of_upper.append(slice(first - moved, max(first, last) - moved))
     one, other = (
-        Surface(body.heights[at], spacing=body.spacing, history=body.history, missing=part(body.missing, at))
+        Surface(body.heights[at], spacing=body.spacing, history=body.history, missing=index_mask(body.missing, at))
         for body, at in ((upper, tuple(of_upper)), (lower, tuple(of_lower)))
     )
     return one, other

@@ -19,7 +19,7 @@ from stiction.studies.measured_surfaces import About, Measured, Member, Members
 from stiction.studies.study import Study
 from stiction.surfaces import fractal
 from stiction.surfaces.pairing import SIDES
-from stiction.surfaces.profile import Profile, Side, missing_of, scaled_profile
+from stiction.surfaces.profile import Profile, Side, combine_missing, scale_profile
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
@@ -52,7 +52,7 @@ def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition:
     """Unscaled heights (k, points) of one body at dimensions (k,); mean, lowest and highest of each, (k, 3)."""
     surfaces: Any = study.surfaces
     phases = phases_of(study, repetition, side)
-    return fractal.fill_family(heights, phases, dimensions, extent=float(surfaces.extent), **_equation(surfaces))
+    return fractal.fill_profiles(heights, phases, dimensions, extent=float(surfaces.extent), **_equation(surfaces))
 
 
 def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
@@ -74,7 +74,7 @@ def pairs_of(study: Study, repetition: int, dimensions: Floats, amplitude: float
             fill_profiles(study, heights, family, repetition, side)
         for pair in zip(*bodies, strict=True):
             upper, lower = (
-                scaled_profile(each, surfaces.spacing, amplitude, surfaces.amplitude_measure, np.empty_like(each))
+                scale_profile(each, surfaces.spacing, amplitude, surfaces.amplitude_measure, np.empty_like(each))
                 for each in pair
             )
             yield upper, lower
@@ -213,7 +213,7 @@ class Bodies:
         found = []
         with contextlib.suppress(ValueError, IndexError):  # of fewer members
             for index in range(_AVERAGED):
-                missing = missing_of(*self.member(index, self._surfaces.quoted_cut_off()).pair)
+                missing = combine_missing(*self.member(index, self._surfaces.quoted_cut_off()).pair)
                 found.append(1.0 if missing is None else 1 - float(missing.mean()))
         return float(np.mean(found)) if found else 1.0
 

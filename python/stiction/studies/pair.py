@@ -37,11 +37,11 @@ from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, Abo
 from stiction.studies.members import about
 from stiction.studies.study import SEED, Study
 from stiction.studies.values import StudyError, validated
-from stiction.surfaces.joined import JoinedSpectrum
-from stiction.surfaces.pairing import LINES, SIDES
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
+from stiction.surfaces.pairing import DEFAULT_LINES, SIDES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
-from stiction.surfaces.surface import Surface, body_of
+from stiction.surfaces.surface import Surface, as_body
 
 OFFSETS = 64  # positions of one pair of profiles by default: some seconds of computing, and enough for an interval
 LIGHTER = 4  # loads below those asked for of bodies that adhere, over two decades, on which their coefficient rises
@@ -208,7 +208,7 @@ class Pair:
             value = several[index % len(several)] if several else None
             given.append(listed(value) if isinstance(value, str) and "," in value else value)
         try:
-            return body_of(side, heights, spacing=given[0], unit=given[1] or "um")  # type: ignore[no-any-return]
+            return as_body(side, heights, spacing=given[0], unit=given[1] or "um")  # type: ignore[no-any-return]
         except ValueError as error:
             raise ArgumentError(f"{{{side}}}{{why}}", why=str(error).removeprefix(side)) from None
 
@@ -496,7 +496,7 @@ class Pair:
 
     def _positions(self) -> tuple[int, int]:
         """How many pairs of lines there are, and how many positions on each."""
-        lines, offsets = self.lines or LINES, self.offsets
+        lines, offsets = self.lines or DEFAULT_LINES, self.offsets
         if self.are_profiles and not self.has_surrogates:
             return 1, OFFSETS if offsets is None else offsets
         if not self.has_surrogates:

@@ -45,7 +45,7 @@ from stiction.studies.measured_surfaces import (
 from stiction.studies.members import about, bodies_of
 from stiction.studies.runner import run
 from stiction.studies.study import SEED, given_study
-from stiction.surfaces.pairing import FEWEST_POINTS, MapPairs
+from stiction.surfaces.pairing import MIN_PIECE_POINTS, MapPairs
 from stiction.surfaces.preparation import SurfaceTrend
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -306,11 +306,11 @@ def _places_on_maps(offsets: ArrayLike, upper: Surface, lower: Surface) -> NDArr
     places = np.rint(values[:, ::-1] / np.array(upper.spacing)).astype(np.intp)
     moved_to, below = np.array(upper.heights.shape), np.array(lower.heights.shape)
     common = np.minimum(places + moved_to, below) - np.maximum(places, 0)
-    if (common < FEWEST_POINTS).any():
-        x, y = values[(common < FEWEST_POINTS).any(axis=1)][0]
+    if (common < MIN_PIECE_POINTS).any():
+        x, y = values[(common < MIN_PIECE_POINTS).any(axis=1)][0]
         raise ValueError(
-            f"offsets must leave at least {FEWEST_POINTS} rows and columns of both maps above each other, got ({x:g}, "
-            f"{y:g}) µm"
+            f"offsets must leave at least {MIN_PIECE_POINTS} rows and columns of both maps above each other, "
+            f"got ({x:g}, {y:g}) µm"
         )
     return np.asarray(places)
 
@@ -489,7 +489,7 @@ def pressed_maps(
     Parameters
     ----------
     upper, lower : Surface or Profile
-        Both of one kind; heights of the upper body are up, as `turned_over` makes them. Maps may differ in size and
+        Both of one kind; heights of the upper body are up, as `flipped` makes them. Maps may differ in size and
         spacing: pieces lie all over both, on the finer spacing. Profiles stand for isotropic surfaces, of which
         `isotropic_surface` makes surrogates.
     loads : (l,) array_like of float, mN

@@ -30,7 +30,7 @@ from stiction._checks import Floats
 from stiction._text import LONGEST_WORD, named, printable
 from stiction._units import Quantity, quantity, shortened
 from stiction.mechanics.model import Direction, Sliding
-from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS
+from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
 MOST_VALUES = 10_000  # largest number of values of one parameter of a study
 MOST_MATERIALS = 100  # largest number of mu0, of tau0 and of cut-off wavelengths
@@ -75,7 +75,7 @@ Force = Annotated[Quantity, PlainValidator(_reader("force")), as_written]
 Time = Annotated[Quantity, PlainValidator(_reader("time")), as_written]
 WorkOfAdhesion = Annotated[Quantity, PlainValidator(_reader("work of adhesion", zero=True)), as_written]
 Fraction = Annotated[float, Field(ge=0, le=1)]
-Side = Annotated[int, Field(ge=FEWEST_POINTS, le=MOST_POINTS)]
+Side = Annotated[int, Field(ge=MIN_POINTS, le=MAX_POINTS)]
 Dimension = Annotated[float, Field(ge=1, lt=2)]
 Coefficient = Annotated[float, Field(ge=0, le=MAX_NUMBER)]
 

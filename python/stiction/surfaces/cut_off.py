@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from stiction._checks import truth
 from stiction.surfaces.filters import checked_cutoff, gaussian_mean
-from stiction.surfaces.surface import AnyBody, body_of
+from stiction.surfaces.surface import AnyBody, as_body
 
-LONGEST = 1 / 3  # longest wavelength that can be cut off, as a fraction of the shortest side: longer waves are too few
+MAX_CUTOFF_FRACTION = (
+    1 / 3
+)  # longest wavelength that can be cut off, as a fraction of the shortest side: longer waves are too few
 
 
 def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyBody:
@@ -39,7 +41,7 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     0.5
     """
     truth("periodic", periodic)
-    body = body_of("body", body)
-    length = checked_cutoff("wavelength", wavelength, body, longest=LONGEST)
+    body = as_body("body", body)
+    length = checked_cutoff("wavelength", wavelength, body, longest=MAX_CUTOFF_FRACTION)
     step = f"waves shorter than {length:g} µm cut off (Gaussian filter, 50 % at {length:g} µm)"
     return body.changed(gaussian_mean(body, length, periodic=periodic), step)  # type: ignore[return-value]

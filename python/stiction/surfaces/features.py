@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-PRUNING = 0.05  # fraction of the maximum height below which a hill or a dale is merged with its neighbour
-FIVE = 5  # number of peaks or pits of the five-point parameters
+PRUNING_FRACTION = 0.05  # fraction of the maximum height below which a hill or a dale is merged with its neighbour
+NUM_FEATURES = 5  # number of peaks or pits of the five-point parameters
 
 _Indices = NDArray[np.intp]
 
@@ -114,7 +114,7 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
     The density is per area of points times spacing. The curvature is that of second differences, of peaks inside of
     the map. Peaks and pits at its border count for density and heights.
     """
-    threshold = PRUNING * float(np.ptp(deviation))
+    threshold = PRUNING_FRACTION * float(np.ptp(deviation))
     peaks, pits = (significant_peaks(heights, threshold) for heights in (deviation, -deviation))
     rows, columns = deviation.shape
     row, column = np.divmod(peaks, columns)
@@ -133,4 +133,4 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
 
 def _mean_of_five(heights: Floats) -> float:
     """Return the mean of the five largest heights; NaN if there are fewer."""
-    return math.nan if heights.size < FIVE else float(np.sort(heights)[-FIVE:].mean())
+    return math.nan if heights.size < NUM_FEATURES else float(np.sort(heights)[-NUM_FEATURES:].mean())

@@ -11,8 +11,8 @@ import numpy as np
 
 from stiction._checks import Floats, choice, number, truth
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.spectrum import ROUND_UP
-from stiction.surfaces.surface import AnyBody, Surface, body_of
+from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
+from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 Powers = tuple[int, ...]
@@ -83,7 +83,7 @@ def filtered(
     choice("kind", kind, FilterKind)
     truth("robust", robust)
     truth("periodic", periodic)
-    body = body_of("body", body)
+    body = as_body("body", body)
     if robust and periodic:
         raise ValueError("periodic must be False for a robust filter, got True")
     length = checked_cutoff("cutoff", cutoff, body, longest=1.0)
@@ -99,7 +99,7 @@ def checked_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: f
     sides = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = number(name, value, unit="µm", above=0)
     low, high = 2 * min(body.spacings), longest * min(sides)
-    if not low <= length * ROUND_UP or not length <= high * ROUND_UP:
+    if not low <= length * ROUND_OFF_FACTOR or not length <= high * ROUND_OFF_FACTOR:
         part = "the shortest side" if longest == 1 else "a third of the shortest side"
         raise ValueError(f"{name} must be from two points, {low:g} µm, to {part}, {high:g} µm, got {value!r}")
     return length

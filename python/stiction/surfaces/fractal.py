@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 import stiction._core
 from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
-from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, Side
+from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ProfileMoments
-from stiction.surfaces.surface import Surface, lengths, rows_and_columns
+from stiction.surfaces.surface import Surface, parse_lengths, parse_shape
 
 Convention = Literal["paper", "classical"]
 BandLimit = Literal["nyquist"]
@@ -120,16 +120,16 @@ def weierstrass_mandelbrot_family(
     >>> weierstrass_mandelbrot_family(random_phases(1), [1.1, 1.3], points=2000).shape
     (2, 2000)
     """
-    points = whole_number("points", points, least=FEWEST_POINTS, most=MOST_POINTS)
+    points = whole_number("points", points, least=MIN_POINTS, most=MAX_POINTS)
     family = np.empty((np.size(fractal_dimensions), points))
-    fill_family(
+    fill_profiles(
         family, phases, fractal_dimensions, length_scale=length_scale, gamma=gamma, extent=extent,
         convention=convention, band_limit=band_limit,
     )  # fmt: skip
     return family
 
 
-def fill_family(
+def fill_profiles(
     family: Floats, phases: ArrayLike, fractal_dimensions: ArrayLike, *, length_scale: float, gamma: float,
     extent: float, convention: Convention, band_limit: BandLimit | None,
 ) -> Floats:  # fmt: skip
@@ -236,8 +236,8 @@ def weierstrass_mandelbrot_surface(
     if not phase_array.size:
         raise ValueError(f"phases must have at least one direction and one frequency, got shape {phase_array.shape}")
     frequencies = phase_array.shape[1]
-    rows, columns = rows_and_columns(shape, least=2)
-    extents = lengths("extent", extent)
+    rows, columns = parse_shape(shape, least=2)
+    extents = parse_lengths("extent", extent)
     scale, gamma = _scale_and_ratio(length_scale, gamma, band_limit)
     weights = _weights(fractal_dimension, frequencies, scale, gamma, convention)
     heights = np.empty((rows, columns))

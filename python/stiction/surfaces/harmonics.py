@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-MIN_RESOLVED = 10  # bins between harmonics above which the spectrum between them can be judged
+MIN_HARMONIC_DISTANCE = 10  # bins between harmonics above which the spectrum between them can be judged
 _MIN_PERIODS = 2.5  # first harmonic, in bins: a Hann window spreads each over two bins to both sides
 _MAX_HARMONICS = 8  # harmonics that are compared with the spectrum between them
 _MIN_HARMONICS = 2  # harmonics above the first that a period must have, and a third of those that are compared

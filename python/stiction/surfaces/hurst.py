@@ -13,12 +13,12 @@ from stiction._checks import Floats, number, truth
 from stiction._shown import Tabled
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.spectrum import in_band, spectrum_of, spectrum_of_area
-from stiction.surfaces.surface import BodyLike, Surface, body_of, refuse_flat
+from stiction.surfaces.spectrum import areal_spectrum, in_band, profile_spectrum
+from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 _NEWTON_STEPS, _HALVINGS = 50, 30
-WIDE = 0.5  # width of a 95 % interval of H from which on it says little
-FEWEST_HARMONICS = 8
+MAX_INTERVAL_WIDTH = 0.5  # width of a 95 % interval of H from which on it says little
+MIN_HARMONICS = 8
 _NO_BAND = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); name one by band"
 _ROUND_OFF = 1e-13  # residue of a straight line after it has been subtracted, as a fraction of the largest height
 _UNTRUSTED = 2  # lowest harmonics after a Hann window, of the mean and of what is longer than the profile
@@ -108,8 +108,8 @@ class HurstEstimate(Tabled):
 
     Examples
     --------
-    >>> from stiction import hurst_exponent_of, self_affine
-    >>> found = hurst_exponent_of(self_affine(1, hurst_exponent=0.7, rms=0.1, points=4000, spacing=0.01))
+    >>> from stiction import estimate_hurst_exponent, self_affine
+    >>> found = estimate_hurst_exponent(self_affine(1, hurst_exponent=0.7, rms=0.1, points=4000, spacing=0.01))
     >>> round(found.value, 1)
     0.7
     """
@@ -148,7 +148,7 @@ class HurstEstimate(Tabled):
     def caution(self) -> str | None:
         """Why the exponent is not to be relied on, in one sentence; None if nothing speaks against it."""
         interval = f"the 95 % interval of H, [{self.lower:.2f}, {self.upper:.2f}],"
-        if self.upper - self.lower > WIDE:
+        if self.upper - self.lower > MAX_INTERVAL_WIDTH:
             decades = math.log10(self.longest_wavelength / self.shortest_wavelength)
             return f"{interval} says little: the band is {decades:.1f} decades wide"
         if self.value > 1:
@@ -163,7 +163,7 @@ class HurstEstimate(Tabled):
         return np.asarray(self.prefactor * np.asarray(wave_number, dtype=np.float64) ** exponent)
 
 
-def hurst_exponent_of(
+def estimate_hurst_exponent(
     body: BodyLike,
     *,
     band: tuple[float, float] | None = None,
@@ -218,14 +218,14 @@ def hurst_exponent_of(
 
     Examples
     --------
-    >>> from stiction import hurst_exponent_of, self_affine
-    >>> found = hurst_exponent_of(self_affine(1, hurst_exponent=0.7, rms=0.1, points=4000, spacing=0.01))
+    >>> from stiction import estimate_hurst_exponent, self_affine
+    >>> found = estimate_hurst_exponent(self_affine(1, hurst_exponent=0.7, rms=0.1, points=4000, spacing=0.01))
     >>> found.lower < 0.7 < found.upper
     True
     """
-    body = body_of("body", body, spacing=spacing, unit=unit)
+    body = as_body("body", body, spacing=spacing, unit=unit)
     truth("periodic", periodic)
-    refuse_flat(body)
+    reject_flat(body)
     if isinstance(body, Profile):
         dimensions, (wave_number, power, scale) = 1, _harmonics(body, periodic)
     else:
@@ -241,8 +241,8 @@ def hurst_exponent_of(
             raise ValueError(f"band must be a shortest and a longest wavelength, got {band!r}")
         shortest = number("band", band[0], unit="µm", above=0)
         chosen, piece = in_band(wave_number, shortest, number("band", band[1], unit="µm", above=shortest)), None
-        if (count := int(chosen.sum())) < FEWEST_HARMONICS:
-            raise ValueError(f"band must hold at least {FEWEST_HARMONICS} harmonics, but {band!r} µm holds {count}")
+        if (count := int(chosen.sum())) < MIN_HARMONICS:
+            raise ValueError(f"band must hold at least {MIN_HARMONICS} harmonics, but {band!r} µm holds {count}")
     q, power = wave_number[chosen], power[chosen]
     bins = _Bins.of(q, power)
     exponent = PowerLaw(np.log(q), power, np.ones(q.size)).exponent
@@ -273,7 +273,7 @@ def _harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]
             raise ValueError("a straight line has no roughness")
         heights = tilted
     scale = float(np.abs(heights).max())
-    spectrum = spectrum_of(heights / scale, profile.spacing, windowed=not periodic)
+    spectrum = profile_spectrum(heights / scale, profile.spacing, windowed=not periodic)
     used = spectrum.count == 1
     if not periodic:
         used[:_UNTRUSTED] = False
@@ -290,7 +290,7 @@ def _waves(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
         if not heights.any():
             raise ValueError("a plane has no roughness")
     scale = float(np.abs(heights).max())
-    spectrum = spectrum_of_area(heights / scale, surface.spacing, windowed=not periodic)
+    spectrum = areal_spectrum(heights / scale, surface.spacing, windowed=not periodic)
     wave_number, _, density = spectrum.waves()
     used = np.full(wave_number.shape, True)
     if not periodic:
@@ -327,7 +327,7 @@ class _Bins:
 
 def _self_affine_band(q: Floats, power: Floats, alike: float) -> tuple[slice, _Bins]:
     """Harmonics of the widest piece of the spectrum that is a self-affine power law; the piece with its roll-off."""
-    if q.size >= FEWEST_HARMONICS:
+    if q.size >= MIN_HARMONICS:
         bins = _Bins.of(q, power)
         weight = 1 / (alike / bins.count + _BEND**2)
         starts, ends, exponents, losses = _pieces(bins, weight)
@@ -351,7 +351,7 @@ def _self_affine_band(q: Floats, power: Floats, alike: float) -> tuple[slice, _B
                 first = int(bins.first[start])
                 last = (int(bins.first[end]) if end < bins.first.size else q.size) - 1
                 width = math.log(q[last] / q[first])
-                if width > widest and last - first + 1 >= FEWEST_HARMONICS:
+                if width > widest and last - first + 1 >= MIN_HARMONICS:
                     widest, best = width, (slice(first, last + 1), bins.part(whole, end))
             if best is not None:
                 return best
@@ -380,7 +380,7 @@ def _above_noise(q: Floats, power: Floats, alike: float, chosen: slice, piece: _
     # Where the noise is as much as the law may bend.
     last = math.log(q[chosen][-1]) + min(0.0, math.log(_BEND / noise) / exponent)
     end = int(np.searchsorted(np.log(q), last, side="right"))
-    if end - chosen.start < FEWEST_HARMONICS or last - math.log(q[chosen.start]) < _NARROWEST:
+    if end - chosen.start < MIN_HARMONICS or last - math.log(q[chosen.start]) < _NARROWEST:
         raise ValueError(_NO_BAND)
     return slice(chosen.start, end), piece.part(0, int(np.searchsorted(piece.log_q, last, side="right")))
 

@@ -9,16 +9,16 @@ import numpy as np
 
 from stiction._checks import Floats, choice, read_only
 from stiction._shown import Readable
-from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
+from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Along, Profile
 from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, in_band, power_spectrum
-from stiction.surfaces.surface import Surface, body_of, refuse_flat
+from stiction.surfaces.surface import Surface, as_body, reject_flat
 
-MOST_FITTED = 64  # lines that a Hurst exponent is fitted to; neighbours are alike, so more of them say little more
+MAX_FITTED_LINES = 64  # lines that a Hurst exponent is fitted to; neighbours are alike, so more of them say little more
 _BOTH: tuple[Along, Along] = ("x", "y")
-BENT = 1.5  # factor by which a spectrum is off its power law, at which it is none
+MAX_MISFIT = 1.5  # factor by which a spectrum is off its power law, at which it is none
 _SAME_BAND = 1.5
 _OF_CHANCE = 0.04  # variance of a bin's logarithm from which on chance makes the bin count less
 _FEWEST_POINTS = 7  # points that a seven-point slope needs
@@ -72,7 +72,7 @@ class LineRoughness(Readable):
     @property
     def is_straight(self) -> bool:
         """Whether there are exponents, and the mean spectrum is a power law."""
-        return self.misfit <= BENT
+        return self.misfit <= MAX_MISFIT
 
 
 def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] | None = None) -> LineRoughness:
@@ -106,12 +106,12 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
     (60, 60)
     """
     choice("along", along, Along)
-    refuse_flat(surface)
+    reject_flat(surface)
     count, points = surface.heights.shape if along == "x" else surface.heights.shape[::-1]
     if points < _FEWEST_POINTS:
         raise ValueError(f"lines along {along} must have at least {_FEWEST_POINTS} points, got {points}")
     squares, density = np.zeros(3), np.zeros(points // 2)
-    chosen = set(np.linspace(0, count - 1, min(count, MOST_FITTED)).round().astype(int).tolist())
+    chosen = set(np.linspace(0, count - 1, min(count, MAX_FITTED_LINES)).round().astype(int).tolist())
     fitted = []
     for index in range(count):
         measured = surface.row(index) if along == "x" else surface.column(index)
@@ -126,7 +126,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
             fitted.append(measured)
     found = [fit for line in fitted if (fit := _fit(line, band)) is not None]
     if band is not None and not found and (rough := [line for line in fitted if not line.is_flat]):
-        hurst_exponent_of(rough[0], band=band)  # which says why
+        estimate_hurst_exponent(rough[0], band=band)  # which says why
     estimates = found
     if band is None and 2 * len(found) >= len(fitted):
         ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in found], axis=0)
@@ -137,7 +137,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
     exponents = np.array([fit.value for fit in estimates if band is not None])
     misfit = math.nan
     if band is not None and exponents.size:
-        misfit = off_power_law(spectrum.in_bins(), band, float(exponents.mean()))
+        misfit = power_law_misfit(spectrum.in_bins(), band, float(exponents.mean()))
     return LineRoughness(
         count, pq, pdq, neighbours, spectrum, band, len(fitted), len(found), read_only(exponents), misfit
     )  # fmt: skip
@@ -152,10 +152,10 @@ def lines_along_both(
     ----------
     surface : Surface
     band : (float, float), µm, optional
-        By default, where the bands of the lines along x and along y agree within a factor of 1.5 at both ends, the one
-        between them. Where they do not, or both mean spectra are off their power laws there by more than a factor of
-        1.5, that which `hurst_exponent_of` finds in the spectrum of the surface. Where it finds none, or one too narrow
-        for lines, the lines along x and those along y keep bands of their own.
+        By default, the bands of both directions are combined if they agree within a factor of 1.5 at both ends and at
+        least one mean spectrum follows its power law there within a factor of 1.5. Otherwise the band is taken from
+        `estimate_hurst_exponent` of the surface. If that finds no band, or one too narrow for single lines, each
+        direction keeps its own band.
 
     Examples
     --------
@@ -165,7 +165,7 @@ def lines_along_both(
     >>> along_x.lines, along_y.lines
     (24, 32)
     """
-    surface = body_of("surface", surface, Surface)
+    surface = as_body("surface", surface, Surface)
     along_x, along_y = line_roughness(surface, "x", band=band), line_roughness(surface, "y", band=band)
     if band is not None:
         return along_x, along_y
@@ -175,17 +175,17 @@ def lines_along_both(
             if along_x.band != along_y.band:
                 shortest, longest = np.sqrt(ends.prod(axis=0)).tolist()
                 along_x, along_y = (line_roughness(surface, along, band=(shortest, longest)) for along in _BOTH)
-            if not min(along_x.misfit, along_y.misfit) > BENT:
+            if not min(along_x.misfit, along_y.misfit) > MAX_MISFIT:
                 return along_x, along_y
     try:
-        found = hurst_exponent_of(surface)
+        found = estimate_hurst_exponent(surface)
         common = found.shortest_wavelength, found.longest_wavelength
         return line_roughness(surface, "x", band=common), line_roughness(surface, "y", band=common)
     except ValueError:
         return along_x, along_y
 
 
-def off_power_law(
+def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
@@ -203,6 +203,6 @@ def off_power_law(
 def _fit(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
     """None if the line is flat, or no band is found in it."""
     try:
-        return hurst_exponent_of(line, band=band)
+        return estimate_hurst_exponent(line, band=band)
     except ValueError:
         return None

@@ -9,20 +9,20 @@ from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.surface import Surface, body_of
+from stiction.surfaces.surface import Surface, as_body
 
-CORE = 0.4  # fraction of the points over which the material ratio curve is least steep
+CORE_FRACTION = 0.4  # fraction of the points over which the material ratio curve is least steep
 PEAKS, VALLEYS = 0.1, 0.8  # material ratios that part peaks from core and core from valleys: defaults of ISO 25178-3
-EXTREME = 0.025, 0.5  # material ratios of the extreme peak height: defaults of ISO 25178-3
+EXTREME_PEAK_RATIOS = 0.025, 0.5  # material ratios of the extreme peak height: defaults of ISO 25178-3
 
 
-def bearing_curve(body: Profile | Surface, shares: ArrayLike) -> Floats:
-    """Return the heights (µm) above which given shares of a body lie, from its highest point at 0 to its lowest at 1.
+def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
+    """Return the heights (µm) above which given ratios of a body lie, from its highest point at 0 to its lowest at 1.
 
     Parameters
     ----------
     body : Profile or Surface
-    shares : array_like of float
+    ratios : array_like of float
         Material ratios from 0 to 1, of any shape.
 
     Examples
@@ -31,15 +31,15 @@ def bearing_curve(body: Profile | Surface, shares: ArrayLike) -> Floats:
     >>> bearing_curve(Surface([[0.0, 1.0], [2.0, 3.0]], spacing=1.0), [0.0, 0.5, 1.0])
     array([3. , 1.5, 0. ])
     """
-    body = body_of("body", body)
-    wanted = float_array("shares", shares)
+    body = as_body("body", body)
+    wanted = float_array("ratios", ratios)
     if wanted.size and not (wanted.min() >= 0 and wanted.max() <= 1):
-        raise ValueError(f"shares must be from 0 to 1, got {wanted.min():g} to {wanted.max():g}")
+        raise ValueError(f"ratios must be from 0 to 1, got {wanted.min():g} to {wanted.max():g}")
     return heights_at(body.heights, wanted)
 
 
 def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
-    """Return the shares of a body that lie above given heights (µm); Rmr(c) and Smr(c) of heights about the mean line.
+    """Return the ratios of a body that lie above given heights (µm); Rmr(c) and Smr(c) of heights about the mean line.
 
     Parameters
     ----------
@@ -53,15 +53,15 @@ def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
     >>> material_ratio(Surface([[0.0, 1.0], [2.0, 3.0]], spacing=1.0), [-1.0, 1.5, 3.5])
     array([1. , 0.5, 0. ])
     """
-    body = body_of("body", body)
+    body = as_body("body", body)
     wanted = float_array("heights", heights)
     ordered = np.sort(body.heights, axis=None)
     return np.asarray(1 - np.searchsorted(ordered, wanted, side="right") / ordered.size)
 
 
-def heights_at(heights: Floats, shares: ArrayLike) -> Floats:
-    """Return the heights above which given shares of the points lie."""
-    return np.asarray(np.quantile(heights, 1 - np.asarray(shares)))
+def heights_at(heights: Floats, ratios: ArrayLike) -> Floats:
+    """Return the heights above which given ratios of the points lie."""
+    return np.asarray(np.quantile(heights, 1 - np.asarray(ratios)))
 
 
 class Volumes(NamedTuple):
@@ -81,7 +81,7 @@ def volumes(heights: Floats) -> Volumes:
     return Volumes(above_upper, above_lower - above_upper, below_upper - below_lower, below_lower)
 
 
-class Core(NamedTuple):
+class CoreParameters(NamedTuple):
     """Core of the material ratio curve: its height, the reduced peaks and valleys, and the ratios at its ends."""
 
     height: float
@@ -91,25 +91,25 @@ class Core(NamedTuple):
     lower_ratio: float
 
 
-def core(heights: Floats) -> Core:
+def core_parameters(heights: Floats) -> CoreParameters:
     """Compute the parameters of stratified surfaces: core height, reduced peak height and valley depth, and ratios."""
     height, upper, lower = _core_line(heights)
     peaks, valleys = np.maximum(heights - upper, 0), np.maximum(lower - heights, 0)
     above, below = float(np.mean(heights > upper)), float(np.mean(heights < lower))
     reduced_peaks = 2 * float(peaks.mean()) / above if above else 0.0
     reduced_valleys = 2 * float(valleys.mean()) / below if below else 0.0
-    return Core(height, reduced_peaks, reduced_valleys, above, 1 - below)
+    return CoreParameters(height, reduced_peaks, reduced_valleys, above, 1 - below)
 
 
 def _core_line(deviation: Floats) -> tuple[float, float, float]:
     """Fall of the straight line through the core of the material ratio curve, and its heights at 0 and 100 %."""
     heights = np.sort(deviation, axis=None)[::-1]
     points = heights.size
-    core = max(2, round(CORE * points))
-    fall = heights[: points - core + 1] - heights[core - 1 :]
+    core_points = max(2, round(CORE_FRACTION * points))
+    fall = heights[: points - core_points + 1] - heights[core_points - 1 :]
     start = int(np.argmin(fall))
-    share = (np.arange(start, start + core) + 0.5) / points
-    place = share - share.mean()
-    slope = float(place @ heights[start : start + core] / (place @ place))
-    upper = float(heights[start : start + core].mean()) - slope * float(share.mean())
+    ratio = (np.arange(start, start + core_points) + 0.5) / points
+    place = ratio - ratio.mean()
+    slope = float(place @ heights[start : start + core_points] / (place @ place))
+    upper = float(heights[start : start + core_points].mean()) - slope * float(ratio.mean())
     return -slope, upper, upper + slope

@@ -15,33 +15,35 @@ import numpy as np
 from stiction._caching import cached_property
 from stiction._checks import choice, number, whole_number
 from stiction.surfaces.cut_off import cut_off
-from stiction.surfaces.joined import LONGEST, JoinedSpectrum, joined_spectrum
+from stiction.surfaces.joined_spectrum import MAX_WAVELENGTH_FRACTION, JoinedSpectrum, joined_spectrum
 from stiction.surfaces.preparation import (
     ProfileTrend,
     SurfaceTrend,
     cropped,
+    flipped,
     levelled,
     resampled,
     resampled_piece,
-    turned_over,
 )
-from stiction.surfaces.profile import Along, Profile, Side, part
-from stiction.surfaces.surface import Surface, body_of
+from stiction.surfaces.profile import Along, Profile, Side, index_mask
+from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-LINES = 128  # pairs of lines by default: a second or two of computing, and enough for an interval
-REACH = 4  # maps are moved over each other by a quarter of their length at most: three quarters lie above each other
-FEWEST_POINTS = 16  # rows and columns that are pressed
-MOST_POINTS = 512  # rows and columns of the surfaces that are made of profiles
+DEFAULT_LINES = 128  # pairs of lines by default: a second or two of computing, and enough for an interval
+SHIFT_DIVISOR = (
+    4  # maps are moved over each other by a quarter of their length at most: three quarters lie above each other
+)
+MIN_PIECE_POINTS = 16  # rows and columns that are pressed
+MAX_SURROGATE_POINTS = 512  # rows and columns of the surfaces that are made of profiles
 Surrogates = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN = (5**0.5 - 1) / 2
 _PLASTIC = 1.324717957244746
 _OF_FOUR = 1.1673039782614187  # the real root of x^5 = x + 1
-POINTS_OF_A_WAVE = 4  # points of the shortest wave of the surfaces that are made
+GRID_POINTS_PER_WAVELENGTH = 4  # points of the shortest wave of the surfaces that are made
 
 
-def spread(index: int, dimensions: int) -> tuple[float, ...]:
+def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
     """Point `index` of a sequence that fills the unit cube evenly, by powers of the golden ratio and its kin."""
     if dimensions == 1:
         return ((index * _GOLDEN) % 1,)
@@ -91,7 +93,7 @@ class LinePairs:
             for line, side in zip(lines, SIDES, strict=True)
         )
         spacing = min(above.spacing, below.spacing)
-        above, below = resampled(turned_over(above), spacing), resampled(below, spacing)
+        above, below = resampled(flipped(above), spacing), resampled(below, spacing)
         if self.several and self.travel is None:
             return _of_one_length(above, below, index, self.level)
         return self._slider(above, len(below)), below
@@ -144,7 +146,7 @@ def paired_lines(
     *,
     travel: float | None = None,
     level: ProfileTrend | None = "line",
-    lines: int = LINES,
+    lines: int = DEFAULT_LINES,
     along: Along = "x",
     surrogates: Surrogates = "none",
     seed: int = 2016,
@@ -196,7 +198,7 @@ def paired_lines(
         choice("level", level, ProfileTrend)
     count = whole_number("lines", lines, least=1)
     for name, body in (("upper", upper), ("lower", lower)):
-        body_of(name, body)
+        as_body(name, body)
     most = LinePairs(upper, lower, along=along, surrogates=surrogates).most()
     count = count if most is None else min(count, most)
     pairs = LinePairs(upper, lower, travel, level, along, surrogates, seed, several=count > 1, count=count)
@@ -211,18 +213,18 @@ def _of_one_length(upper: Profile, lower: Profile, index: int, level: ProfileTre
     def cut(profile: Profile) -> Profile:
         if len(profile) == length:
             return profile
-        first = round(spread(index, 1)[0] * (len(profile) - length))
+        first = round(quasi_random_point(index, 1)[0] * (len(profile) - length))
         piece = cropped(profile, first * profile.spacing, (first + length) * profile.spacing)
         return piece if level is None else levelled(piece, level)
 
     return cut(upper), cut(lower)
 
 
-def lower_piece(lower: Profile, offset: float, slider: Profile) -> Profile:
+def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
     """What is below a slider at an offset (µm)."""
     first = round(offset / lower.spacing)
     below = slice(first, first + len(slider))
-    return Profile(lower.heights[below], spacing=lower.spacing, missing=part(lower.missing, below))
+    return Profile(lower.heights[below], spacing=lower.spacing, missing=index_mask(lower.missing, below))
 
 
 # ---- Areas -----------------------------------------------------------------------------------------------------------
@@ -236,7 +238,7 @@ class MapPairs:
     Of maps of one size the upper is moved so that a map on itself never lies on itself nor on its mirror image.
     """
 
-    upper: Surface  # heights of the upper body are up, as `turned_over` makes them
+    upper: Surface  # heights of the upper body are up, as `flipped` makes them
     lower: Surface
     level: SurfaceTrend = "plane"  # what is taken off each piece
     seed: int = 2016  # of surrogates
@@ -261,10 +263,12 @@ class MapPairs:
     @cached_property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of each piece; a `ValueError` if these are too few to be pressed."""
-        rows, columns = ((least := min(lengths)) - least // REACH for lengths in zip(*self._points, strict=True))
-        if min(rows, columns) < FEWEST_POINTS:
+        rows, columns = (
+            (least := min(lengths)) - least // SHIFT_DIVISOR for lengths in zip(*self._points, strict=True)
+        )
+        if min(rows, columns) < MIN_PIECE_POINTS:
             raise ValueError(
-                f"at least {FEWEST_POINTS} rows and columns must lie above each other, got maps of "
+                f"at least {MIN_PIECE_POINTS} rows and columns must lie above each other, got maps of "
                 f"{self.upper.heights.shape} and {self.lower.heights.shape} points"
             )
         return rows, columns
@@ -290,12 +294,12 @@ class MapPairs:
         """First row and column of the upper and of the lower piece, on the finer spacing."""
         rooms = [(upper - size, lower - size) for upper, lower, size in zip(*self._points, self.shape, strict=True)]
         if self._points[0] == self._points[1]:
-            along_x, along_y = spread(index, 2)
+            along_x, along_y = quasi_random_point(index, 2)
             moved = round(rooms[0][0] * (2 * along_y - 1)), round(rooms[1][0] * (0.5 + 0.5 * along_x))
             lower = tuple(max(0, step) + (room[0] - abs(step)) // 2 for step, room in zip(moved, rooms, strict=True))
             upper = tuple(first - step for first, step in zip(lower, moved, strict=True))
         else:
-            at = spread(index, 4)
+            at = quasi_random_point(index, 4)
             upper = tuple(round(room[0] * at[axis]) for axis, room in enumerate(rooms))
             lower = tuple(round(room[1] * at[2 + axis]) for axis, room in enumerate(rooms))
         return upper, lower  # type: ignore[return-value]
@@ -337,10 +341,10 @@ class SquarePairs:
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of each piece; a `ValueError` if these are too few to be pressed."""
-        points = self._whole - self._whole // REACH
-        if points < FEWEST_POINTS:
+        points = self._whole - self._whole // SHIFT_DIVISOR
+        if points < MIN_PIECE_POINTS:
             raise ValueError(
-                f"at least {FEWEST_POINTS} rows and columns must be pressed, got {points} at a spacing of "
+                f"at least {MIN_PIECE_POINTS} rows and columns must be pressed, got {points} at a spacing of "
                 f"{self._step:g} µm"
             )
         return points, points
@@ -371,7 +375,7 @@ class IsotropicPairs(SquarePairs):
 
     @cached_property
     def _whole(self) -> int:  # type: ignore[override]
-        return min(*(len(each) for each in self._both), MOST_POINTS)
+        return min(*(len(each) for each in self._both), MAX_SURROGATE_POINTS)
 
     @property
     def used(self) -> tuple[float, float]:
@@ -395,7 +399,7 @@ class IsotropicPairs(SquarePairs):
         return upper, lower
 
 
-def spectrum_of(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:
+def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:
     """The spectrum of a scan that is to be pressed on one of several: alike in all directions, where it is trusted."""
     return scan if isinstance(scan, JoinedSpectrum) else joined_spectrum([scan], names=["one scan"])
 
@@ -416,12 +420,12 @@ class SpectrumPairs(SquarePairs):
 
     @cached_property
     def _step(self) -> float:  # type: ignore[override]
-        return max(min(self.upper.shortest, self.lower.shortest), self.finest) / POINTS_OF_A_WAVE
+        return max(min(self.upper.shortest, self.lower.shortest), self.finest) / GRID_POINTS_PER_WAVELENGTH
 
     @cached_property
     def _whole(self) -> int:  # type: ignore[override]
-        longest = max(self.upper.longest, self.lower.longest) / LONGEST
-        return min(MOST_POINTS, int(longest / self._step))
+        longest = max(self.upper.longest, self.lower.longest) / MAX_WAVELENGTH_FRACTION
+        return min(MAX_SURROGATE_POINTS, int(longest / self._step))
 
     @property
     def side(self) -> float:
@@ -431,8 +435,8 @@ class SpectrumPairs(SquarePairs):
     @property
     def used(self) -> tuple[float, float]:
         """The fraction of a surface that a piece is."""
-        part = float(np.prod(self.shape)) / self._whole**2
-        return part, part
+        fraction = float(np.prod(self.shape)) / self._whole**2
+        return fraction, fraction
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
         """Pieces of a pair, both levelled."""

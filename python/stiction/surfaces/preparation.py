@@ -10,15 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, number
 from stiction.surfaces.form import round_form
-from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, part
-from stiction.surfaces.surface import AnyBody, Surface, body_of
+from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, index_mask
+from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
 Align = Literal["start", "middle"]  # which part two bodies of different size are cut to
-ON_POINT = 1e-9  # spacings within which a position is that of a point: 0.3 is the third point of a spacing of 0.1
+GRID_TOLERANCE = 1e-9  # spacings within which a position is that of a point: 0.3 is the third point of a spacing of 0.1
 ROUND_OFF = 1e-14  # residue of a straight line after it has been subtracted, as a fraction of the largest height
 _DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
@@ -75,7 +75,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
     >>> profile.history
     ('levelled by a line',)
     """
-    scan: Profile | Surface = body_of("body", body, spacing=spacing, unit=unit)
+    scan: Profile | Surface = as_body("body", body, spacing=spacing, unit=unit)
     choice("trend", trend, ProfileForm if isinstance(scan, Profile) else SurfaceForm)
     if trend not in _DEGREES:
         form, words = round_form(scan.heights, scan.spacings, scan.missing, trend)
@@ -117,21 +117,21 @@ def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | 
     return rest if np.abs(rest).max() > ROUND_OFF * np.abs(heights).max() else np.zeros(heights.shape)
 
 
-def turned_over(body: AnyBody) -> AnyBody:
+def flipped(body: AnyBody) -> AnyBody:
     """A profile or a surface as that of the upper body: heights out of the material are then heights down.
 
     The body is turned about the x axis, so that x stays, and the last row of a surface becomes the first.
 
     Examples
     --------
-    >>> from stiction import Profile, turned_over
-    >>> turned_over(Profile([0.5, 1.0, 2.0, 1.0], spacing=0.5)).heights
+    >>> from stiction import Profile, flipped
+    >>> flipped(Profile([0.5, 1.0, 2.0, 1.0], spacing=0.5)).heights
     array([-0.5, -1. , -2. , -1. ])
     """
-    body = body_of("body", body)
+    body = as_body("body", body)
     if isinstance(body, Profile):
         return body.changed(-body.heights, "turned over")
-    return body.changed(-body.heights[::-1], "turned over", missing=part(body.missing, slice(None, None, -1)))
+    return body.changed(-body.heights[::-1], "turned over", missing=index_mask(body.missing, slice(None, None, -1)))
 
 
 @overload
@@ -163,7 +163,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
     >>> cropped(Profile([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], spacing=0.5), 0.5, 2.5).heights
     array([1., 2., 3., 4.])
     """
-    body = body_of("body", body)
+    body = as_body("body", body)
     axes: tuple[str, ...] = ("",)
     starts, stops = [start], [stop]
     if isinstance(body, Surface):
@@ -171,27 +171,29 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
         starts, stops = ([each, each] if np.ndim(each) == 0 else each for each in (start, stop))
         if len(starts) != 2 or len(stops) != 2:
             raise ValueError(f"start and stop of a surface must be pairs (y, x), got {start!r} and {stop!r}")
-    pieces = [piece_of(*each) for each in zip(axes, body.heights.shape, body.spacings, starts, stops, strict=True)]
+    pieces = [
+        find_crop_range(*each) for each in zip(axes, body.heights.shape, body.spacings, starts, stops, strict=True)
+    ]
     kept = tuple(slice(first, end) for first, end, _ in pieces)
     step = f"cropped to {' and '.join(words for _, _, words in pieces)}"
-    return body.changed(body.heights[kept], step, missing=part(body.missing, kept))
+    return body.changed(body.heights[kept], step, missing=index_mask(body.missing, kept))
 
 
-def piece_of(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
+def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
     """First point, the point behind the last, and words."""
     extent = points * spacing
     start = number("start", start, unit="µm")
     stop = extent if stop is None else number("stop", stop, unit="µm")
-    slack = ON_POINT * spacing
+    slack = GRID_TOLERANCE * spacing
     if not -slack <= start < stop <= extent + slack:
         raise ValueError(
             f"start and stop must be in this order and within the extent of {extent:g} µm{along}, "
             f"got {start:g} and {stop:g} µm"
         )
-    first, end = (min(max(math.ceil(place / spacing - ON_POINT), 0), points) for place in (start, stop))
-    if end - first < FEWEST_POINTS:
+    first, end = (min(max(math.ceil(place / spacing - GRID_TOLERANCE), 0), points) for place in (start, stop))
+    if end - first < MIN_POINTS:
         raise ValueError(
-            f"at least {FEWEST_POINTS} points must be left, but from {start:g} to {stop:g} µm{along} there are "
+            f"at least {MIN_POINTS} points must be left, but from {start:g} to {stop:g} µm{along} there are "
             f"{end - first} at a spacing of {spacing:g} µm"
         )
     return first, end, f"{start:g} to {stop:g} µm{along}"
@@ -243,16 +245,16 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
         [(points - 1) * step for points, step in zip(each.heights.shape, each.spacings, strict=True)] for each in (a, b)
     )
     shape = tuple(_points(last, step) for last, step in zip(map(min, *lengths), spacing, strict=True))
-    if len(shape) == 2 and (math.prod(shape) > MOST_POINTS or min(shape) < 2):
+    if len(shape) == 2 and (math.prod(shape) > MAX_POINTS or min(shape) < 2):
         raise ValueError(
-            f"the common grid would have {shape[0]} x {shape[1]} points; from 2 x 2 to {MOST_POINTS} are allowed"
+            f"the common grid would have {shape[0]} x {shape[1]} points; from 2 x 2 to {MAX_POINTS} are allowed"
         )
     return _on_grid(a, spacing, shape, align), _on_grid(b, spacing, shape, align)
 
 
 def _points(length: float, spacing: float) -> int:
     """Points of a spacing from 0 to a length (µm), its end included whatever the round-off."""
-    return math.floor(length / spacing + ON_POINT) + 1
+    return math.floor(length / spacing + GRID_TOLERANCE) + 1
 
 
 def _on_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: Align) -> Any:
@@ -282,7 +284,7 @@ def resampled_piece(
         own, step, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
         if own == step:
             kept = (slice(None),) * axis + (slice(first, first + points),)
-            heights, missing = heights[kept], part(missing, kept)
+            heights, missing = heights[kept], index_mask(missing, kept)
             continue
         from scipy.interpolate import CubicSpline
 
@@ -362,7 +364,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
            [4., 1.],
            [5., 2.]])
     """
-    surface = body_of("surface", surface, Surface)
+    surface = as_body("surface", surface, Surface)
     angle = number("angle", angle)
     quarters, rest = divmod(angle, 90.0)
     if rest == 0:
@@ -370,7 +372,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
         spacing = surface.spacing if quarters % 2 == 0 else surface.spacing[::-1]
         missing = None if surface.missing is None else np.rot90(surface.missing, -int(quarters) % 4)
         return surface.changed(heights, f"rotated by {angle:g} degrees", spacing=spacing, missing=missing)
-    if min(surface.heights.shape) < FEWEST_POINTS:
+    if min(surface.heights.shape) < MIN_POINTS:
         raise ValueError(f"a surface of {surface.heights.shape} points can only be turned by multiples of 90 degrees")
     from scipy.interpolate import RectBivariateSpline
 
@@ -379,9 +381,9 @@ def rotated(surface: Surface, angle: float) -> Surface:
     radians = math.radians(angle)
     height, width = _inscribed(*own, radians)
     shape = math.floor(height / dy) + 1, math.floor(width / dx) + 1
-    if min(shape) < FEWEST_POINTS:
+    if min(shape) < MIN_POINTS:
         raise ValueError(
-            f"angle {angle:g} leaves {shape[0]} rows of {shape[1]} points; at least {FEWEST_POINTS} are needed"
+            f"angle {angle:g} leaves {shape[0]} rows of {shape[1]} points; at least {MIN_POINTS} are needed"
         )
     y = (np.arange(shape[0]) - (shape[0] - 1) / 2)[:, np.newaxis] * dy
     x = (np.arange(shape[1]) - (shape[1] - 1) / 2) * dx
@@ -414,9 +416,9 @@ def _inscribed(height: float, width: float, angle: float) -> tuple[float, float]
 def resampled(profile: Profile, spacing: float) -> Profile:
     """A profile at another spacing (µm), over its own length, by its natural cubic spline; its own grid as it is."""
     points = _points((len(profile) - 1) * profile.spacing, spacing)
-    if points > MOST_POINTS:
+    if points > MAX_POINTS:
         raise ValueError(
-            f"{profile.extent:g} µm at a spacing of {spacing:g} µm are {points} points, and at most {MOST_POINTS} "
+            f"{profile.extent:g} µm at a spacing of {spacing:g} µm are {points} points, and at most {MAX_POINTS} "
             "can be used"
         )
     resampled: Profile = _on_grid(profile, (spacing,), (points,), "start")

@@ -13,7 +13,7 @@ import stiction._core
 from stiction._checks import Floats, choice, float_array, number, read_only
 from stiction._drawing import draw_profile, draw_surface
 from stiction._shown import Shown, axes_for
-from stiction.surfaces.foreign import data_array_of, taken_from, words_of
+from stiction.surfaces.interchange import describe_body, extract_heights, to_data_array
 
 if TYPE_CHECKING:
     import xarray
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]  # which of the two bodies
 Along = Literal["x", "y"]  # axis that the lines of a surface run along: its rows or its columns
-MOST_POINTS = 100_000_000  # largest number of points of a generated body: 0.8 GB of heights
-FEWEST_POINTS = 4  # a natural cubic spline with a curvature of its own needs two interior points
+MAX_POINTS = 100_000_000  # largest number of points of a generated body: 0.8 GB of heights
+MIN_POINTS = 4  # a natural cubic spline with a curvature of its own needs two interior points
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -73,7 +73,7 @@ class Body(Shown):
 
     def __repr__(self) -> str:
         """Show its size, its roughness and where it is from."""
-        return words_of(type(self).__name__, self.heights, self.spacings, self.history)
+        return describe_body(type(self).__name__, self.heights, self.spacings, self.history)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the heights over x, or a map of them.
@@ -109,7 +109,7 @@ class Body(Shown):
         >>> Profile.from_(profile.to_xarray()).spacing
         0.5
         """
-        taken = taken_from("other", other, unit=unit)
+        taken = extract_heights("other", other, unit=unit)
         wanted, found = (("profile", "surface")[ndim - 1] for ndim in (cls._ndim, taken.heights.ndim))
         if found != wanted:
             raise ValueError(f"other must be a {wanted}, got a {found}; see {found.capitalize()}.from_")
@@ -119,7 +119,7 @@ class Body(Shown):
     def to_xarray(self) -> xarray.DataArray:
         """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""
         positions = {axis: getattr(self, axis) for axis in "yx"[2 - self.heights.ndim :]}
-        return data_array_of(self.heights, self.history, **positions)
+        return to_data_array(self.heights, self.history, **positions)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -152,8 +152,8 @@ class Profile(Body):
 
     def __post_init__(self) -> None:
         heights = float_array("heights", self.heights, ndim=1)
-        if heights.size < FEWEST_POINTS:
-            raise ValueError(f"heights must have at least {FEWEST_POINTS} points, got {heights.size}")
+        if heights.size < MIN_POINTS:
+            raise ValueError(f"heights must have at least {MIN_POINTS} points, got {heights.size}")
         self._keep(heights, number("spacing", self.spacing, unit="µm", above=0))
 
     def __len__(self) -> int:
@@ -180,18 +180,18 @@ class Profile(Body):
         measure : {"height", "Ra", "Rq"}
             Highest minus lowest point, mean absolute deviation, or root-mean-square deviation from the mean.
         """
-        scaled = scaled_profile(self.heights, self.spacing, amplitude, measure, np.empty_like(self.heights))
+        scaled = scale_profile(self.heights, self.spacing, amplitude, measure, np.empty_like(self.heights))
         object.__setattr__(scaled, "history", (*self.history, f"scaled to {measure} {amplitude:g} µm"))
         object.__setattr__(scaled, "missing", self.missing)
         return scaled
 
 
-def part(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
+def index_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
     """What of a mask lies at an index."""
     return None if mask is None else mask[index]
 
 
-def missing_of(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
+def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
     """Where one of two bodies on a grid was not measured; None where both are whole.
 
     Raises a `ValueError` if no point was measured in both.
@@ -203,7 +203,7 @@ def missing_of(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
     return missing
 
 
-def refuse_missing(body: Any, what: str) -> None:
+def reject_missing(body: Any, what: str) -> None:
     """Refuse a scan with holes for what takes whole ones."""
     if body.missing is not None:
         raise ValueError(
@@ -212,7 +212,7 @@ def refuse_missing(body: Any, what: str) -> None:
         )
 
 
-def scaled_profile(
+def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
     """`with_amplitude` of heights in the memory of `scaled`, which many profiles share: new memory costs more."""

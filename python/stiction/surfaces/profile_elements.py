@@ -8,10 +8,12 @@ import numpy as np
 
 from stiction._checks import Floats
 
-DISCRIMINATION = 0.1  # fraction of the peak height and the pit depth below which a hill or a dale does not count
+DISCRIMINATION_FRACTION = (
+    0.1  # fraction of the peak height and the pit depth below which a hill or a dale does not count
+)
 
 
-def elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
+def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
     """Return the spacings (points) and the heights of the profile elements of a profile about its mean line.
 
     A hill counts if it rises above a tenth of the peak height, a dale if it falls below a tenth of the pit depth, both
@@ -20,8 +22,8 @@ def elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
     times between a hill and a dale that count, at the mean of the first and the last of these crossings.
     """
     side = np.zeros(heights.size, np.int8)
-    side[heights > DISCRIMINATION * peak] = 1
-    side[heights < -DISCRIMINATION * pit] = -1
+    side[heights > DISCRIMINATION_FRACTION * peak] = 1
+    side[heights < -DISCRIMINATION_FRACTION * pit] = -1
     counting = np.flatnonzero(side)
     turns = np.flatnonzero(np.diff(side[counting]))
     last, following = counting[turns], counting[turns + 1]  # last point of a feature and first point of the next
@@ -43,7 +45,7 @@ def elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
 
 def mean_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
     """Return the mean spacing (points) and height of the profile elements; NaN without an element."""
-    spacings, tall = elements(heights, peak, pit)
+    spacings, tall = profile_elements(heights, peak, pit)
     if not spacings.size:
         return math.nan, math.nan
     return float(spacings.mean()), float(tall.mean())

@@ -9,20 +9,20 @@ import numpy as np
 
 from stiction._checks import Floats, choice
 from stiction.surfaces.features import feature_parameters
-from stiction.surfaces.material_ratio import EXTREME, PEAKS, VALLEYS, core, heights_at, volumes
+from stiction.surfaces.material_ratio import EXTREME_PEAK_RATIOS, PEAKS, VALLEYS, core_parameters, heights_at, volumes
 from stiction.surfaces.parameters import NOT_LEVELLED, PROFILE_PARAMETERS, SURFACE_PARAMETERS, ParameterSet
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import surface_spectrum
-from stiction.surfaces.surface import BodyLike, Surface, body_of, refuse_flat
+from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 Derivative = Literal["seven-point", "neighbours"]
 SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
-DECAY = 0.2  # autocorrelation at which its lengths are taken: the default of ISO 25178-3
+DECAY_LEVEL = 0.2  # autocorrelation at which its lengths are taken: the default of ISO 25178-3
 _DIRECTIONS = 720  # number of directions in which the autocorrelation is followed from its middle
 _SECTORS = 90  # number of sectors, of two degrees each, over which the power of the waves is summed
 
 
-def levelling(history: tuple[str, ...]) -> str:
+def describe_levelling(history: tuple[str, ...]) -> str:
     """Return the form that was subtracted from heights, by their history."""
     steps = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
     return steps[-1] if steps else NOT_LEVELLED
@@ -81,15 +81,15 @@ def roughness_parameters(
     >>> roughness_parameters(Profile([0.0, 1.0, 0.0, -1.0, 0.0, 1.0, 0.0, -1.0], spacing=2.0)).Pa
     0.5
     """
-    profile = body_of("profile", profile, Profile, spacing=spacing, unit=unit)
+    profile = as_body("profile", profile, Profile, spacing=spacing, unit=unit)
     choice("derivative", derivative, Derivative)
-    refuse_flat(profile)
+    reject_flat(profile)
     z = profile.heights
     if z.size < SEVEN_POINTS.size:
         raise ValueError(f"profile must have at least {SEVEN_POINTS.size} points, got {z.size}")
     found = profile_moments(z - z.mean(), profile.spacing, derivative)
     values = {each.name: found[each.name[1:]] for each in PROFILE_PARAMETERS["P"]}
-    return RoughnessParameters(values, levelling(profile.history))
+    return RoughnessParameters(values, describe_levelling(profile.history))
 
 
 def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
@@ -176,7 +176,7 @@ def surface_parameters(
     >>> round(found.Sq, 6), found.Std, round(found.Sku, 6)
     (0.707107, 0.0, 1.5)
     """
-    surface = body_of("surface", surface, Surface, spacing=spacing, unit=unit)
+    surface = as_body("surface", surface, Surface, spacing=spacing, unit=unit)
     choice("derivative", derivative, Derivative)
     check_roughness(surface)
     z = surface.heights
@@ -188,12 +188,14 @@ def surface_parameters(
         **_features(deviation, scale, surface.spacing),
         "Sz": float(np.ptp(z)), "Sdq": rms_gradient(surface, derivative), "Sdr": _developed(z, surface.spacing),
     }  # fmt: skip
-    return SurfaceParameters({each.name: values[each.name] for each in SURFACE_PARAMETERS}, levelling(surface.history))
+    return SurfaceParameters(
+        {each.name: values[each.name] for each in SURFACE_PARAMETERS}, describe_levelling(surface.history)
+    )
 
 
 def check_roughness(surface: Surface) -> None:
     """Raise ValueError for a surface that is flat or too small for parameters."""
-    refuse_flat(surface)
+    reject_flat(surface)
     least, shape = SEVEN_POINTS.size, surface.heights.shape
     if min(shape) < least:
         raise ValueError(f"surface must have at least {least} rows and {least} columns, got {shape}")
@@ -209,8 +211,8 @@ def _heights(deviation: Floats, scale: float) -> dict[str, float]:
 
 
 def _material_ratio(deviation: Floats, scale: float) -> dict[str, float]:
-    stratified, parts = core(deviation), volumes(deviation)
-    peak, middle, upper, lower = heights_at(deviation, [*EXTREME, PEAKS, VALLEYS]).tolist()
+    stratified, parts = core_parameters(deviation), volumes(deviation)
+    peak, middle, upper, lower = heights_at(deviation, [*EXTREME_PEAK_RATIOS, PEAKS, VALLEYS]).tolist()
     return {
         "Smr": float(np.mean(deviation > 0)), "Sdc": scale * (upper - lower), "Sxp": scale * (peak - middle),
         "Sk": scale * stratified.height, "Spk": scale * stratified.peaks, "Svk": scale * stratified.valleys,
@@ -301,9 +303,11 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
         y = distance * np.sin(angle[open_still]) / spacing[0]
         x = distance * np.cos(angle[open_still]) / spacing[1]
         now = _bilinear(correlation, y, x)
-        fallen = now < DECAY
+        fallen = now < DECAY_LEVEL
         last = before[open_still]
-        reached[open_still[fallen]] = distance - step + step * (last[fallen] - DECAY) / (last[fallen] - now[fallen])
+        reached[open_still[fallen]] = (
+            distance - step + step * (last[fallen] - DECAY_LEVEL) / (last[fallen] - now[fallen])
+        )
         before[open_still] = now
     if np.isnan(reached).all():
         return math.nan, math.nan

@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, float_array, number, read_only, truth
 from stiction._shown import Readable, Tabled
 from stiction.surfaces.filters import transmission
-from stiction.surfaces.harmonics import MIN_RESOLVED, between_harmonics, find_period
+from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, between_harmonics, find_period
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import power_spectrum, surface_spectrum
-from stiction.surfaces.surface import BodyLike, Surface, body_of, refuse_flat
+from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 TIP_FACTOR = 0.1  # c of `instrument_limit`: a tip of radius R follows what has an rms curvature below c/R
 _PER_DECADE = 48  # bins of the wave number in which slope and curvature are summed
@@ -28,15 +28,17 @@ _DEVIATIONS = 3.0  # standard deviations by which an exponent must differ from t
 _NEAR = 24.0  # points of the longest wave at which a hump is the instrument's; above, it is texture if all falls behind
 _ABOVE = 4.0  # density of the last trusted waves over the lowest of the spectrum: less, and noise is a part of them
 _RISE = 3.0  # density over the lowest of all longer waves, by which no surface's spectrum rises
-UNKNOWN = 0.1  # share of the mean square slope in waves of unknown origin above which no number is quoted
-CLEAR = 1.9  # cut-off over the wavelength of what must be taken off: a Gaussian filter leaves 8 % of its amplitude
+MAX_UNKNOWN_FRACTION = 0.1  # share of the mean square slope in waves of unknown origin above which no number is quoted
+CUTOFF_MARGIN = (
+    1.9  # cut-off over the wavelength of what must be taken off: a Gaussian filter leaves 8 % of its amplitude
+)
 _LEAST_SHARE = 1e-4  # smallest share of the mean square slope that is of an instrument and not of round-off
 _FOLDED = 0.6  # exponent of the last octave of a rough surface, with what is folded back at the Nyquist wave number
 _ROUNDED = 0.3  # share of the mean square second difference from which on rounding explains a noise floor
 _FLAT = 0.35  # exponent of a flat spectrum, and rms of the logarithm of its density, at most
 _HARDLY_FALLING = 0.7  # exponent over all wavelengths of a floor, some of which are partly the surface's
 _CLEAR_OF_SURFACE = 0.7  # wavelength over the limit below which a spectrum is that of the noise alone
-FLOORS = ("noise floor", "quantisation")  # reasons that are the instrument's whatever the surface is
+INSTRUMENT_REASONS = ("noise floor", "quantisation")  # reasons that are the instrument's whatever the surface is
 _FINEST = 1e-6  # fraction of the shortest wave of the scan, as far as a power law is followed
 _HALVINGS = 60
 
@@ -107,7 +109,7 @@ class ScaleDependentRoughness(Readable):
         shortest = estimate.shortest_wavelength
         measured = self.gradient_at(np.maximum(wanted, shortest))
         finer = np.minimum(wanted, shortest)
-        return np.asarray(np.sqrt(np.square(measured) + added_slope(estimate, finer)))
+        return np.asarray(np.sqrt(np.square(measured) + extrapolated_slope(estimate, finer)))
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
         """Wavelength (µm) down to which waves have an rms gradient, continued by a Hurst exponent if one is given.
@@ -131,7 +133,7 @@ class ScaleDependentRoughness(Readable):
         return math.exp((low + high) / 2)
 
 
-def interval_lines(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
+def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
     """The fitted line, and those with the lower and the upper exponent of its interval through the band's middle."""
     middle = 2 * math.pi / math.sqrt(estimate.shortest_wavelength * estimate.longest_wavelength)
     lower, upper = (
@@ -141,7 +143,7 @@ def interval_lines(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimat
     return estimate, lower, upper
 
 
-def added_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
+def extrapolated_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
     """Mean square slope of waves between a wavelength (µm) and the shortest of the band, by the fitted power law."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
@@ -182,9 +184,9 @@ def scale_dependent_roughness(
     0.26
     """
     truth("periodic", periodic)
-    body = body_of("body", body, spacing=spacing, unit=unit)
-    refuse_flat(body)
-    q, weight = variances(body, periodic=periodic)
+    body = as_body("body", body, spacing=spacing, unit=unit)
+    reject_flat(body)
+    q, weight = mean_square_heights(body, periodic=periodic)
     dimensions, curved = (1, 1.0) if isinstance(body, Profile) else (2, 0.25)
     index = np.floor(_PER_DECADE * np.log10(q / q.min()) + 1e-9).astype(np.intp)
     count = np.bincount(index)
@@ -198,7 +200,7 @@ def scale_dependent_roughness(
     )  # fmt: skip
 
 
-def variances(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
+def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
     """Wave numbers (1/µm) of a body and the mean square height (µm²) in each; levelled, unless it is periodic."""
     if isinstance(body, Profile):
         line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
@@ -239,7 +241,7 @@ class InstrumentLimit(Tabled):
         Below which the curvature is more than the tip follows; NaN without a tip radius, or if it follows all.
     noise_x, noise_y : float, µm
         Of a surface, `noise` of its lines along x and along y.
-    slope_share, curvature_share : float
+    slope_fraction, curvature_fraction : float
         Share of the mean square slope and curvature in waves below `wavelength`; 0 if that is of the pixels.
     cut_off : float, µm
         The wavelength at which `cut_off` leaves the mean square slope of the waves that are to be trusted, of which it
@@ -266,8 +268,8 @@ class InstrumentLimit(Tabled):
     tip: float = field(metadata={"unit": "µm"})
     noise_x: float = field(default=math.nan, metadata={"unit": "µm"})
     noise_y: float = field(default=math.nan, metadata={"unit": "µm"})
-    slope_share: float = 0.0
-    curvature_share: float = 0.0
+    slope_fraction: float = 0.0
+    curvature_fraction: float = 0.0
     cut_off: float = field(default=math.nan, metadata={"unit": "µm"})
     origin: Origin = "instrument"
     period: float = field(default=math.nan, metadata={"unit": "µm"})
@@ -275,7 +277,7 @@ class InstrumentLimit(Tabled):
     @property
     def matters(self) -> bool:
         """Whether the waves below the limit have more than a tenth of the mean square slope."""
-        return self.slope_share > UNKNOWN
+        return self.slope_fraction > MAX_UNKNOWN_FRACTION
 
 
 def instrument_limit(
@@ -341,10 +343,12 @@ def instrument_limit(
     period = next((each.period for each in found if each.period > 0), math.nan)
     if not float(roughness.fraction_below(noise if noise > 0 else 2 * spacing)) > _LEAST_SHARE:
         noise = math.nan
-    origin: Origin = "unknown" if kind not in FLOORS or (found[first].period > 0 and not texture) else "instrument"
+    origin: Origin = (
+        "unknown" if kind not in INSTRUMENT_REASONS or (found[first].period > 0 and not texture) else "instrument"
+    )
     if kind == "noise floor" and noise > 0 and _is_quantised(body):
         kind = "quantisation"
-    noise = in_three_digits(noise) if noise > 0 else noise
+    noise = round_up_wavelength(noise) if noise > 0 else noise
     limits = {"pixels": 2 * spacing, kind: noise, "tip": math.nan}
     if radius is not None and (sharp := roughness.curvature > TIP_FACTOR / radius).any():
         limits["tip"] = float(roughness.wavelength[int(np.argmax(sharp))])
@@ -364,7 +368,7 @@ def instrument_limit(
     )  # fmt: skip
 
 
-def in_three_digits(wavelength: float) -> float:
+def round_up_wavelength(wavelength: float) -> float:
     """A wavelength by three digits that are not below it, which texts show."""
     digit = 10.0 ** (math.floor(math.log10(wavelength)) - 2)
     return round(math.ceil(wavelength / digit - 1e-9) * digit, 12)
@@ -428,13 +432,13 @@ def _foreign_waves(
     first, distance = find_period(density)
     period = 2 * math.pi / (float(q[0]) * first)
     if first > 0:
-        if distance < MIN_RESOLVED:
+        if distance < MIN_HARMONIC_DISTANCE:
             return _Foreign(math.nan, "noise floor", 0.0, period)
         # Cusps of uneven depth have a hump about the first harmonic.
         finer = slice(int(first), None)
         density, q, count = between_harmonics(density, count, distance)[finer], q[finer], count[finer]
     wave, kind = _noise_of(q, density, count, spacing, periodic=periodic)
-    if not wave > 0 or (textured and kind not in FLOORS):
+    if not wave > 0 or (textured and kind not in INSTRUMENT_REASONS):
         return _Foreign(math.nan, kind, 0.0, period)
     below = q * wave > 2 * math.pi
     slope = float((np.square(q) * density)[below].sum() * (q[1] - q[0]) / math.pi)
@@ -471,7 +475,7 @@ def _noise_of(q: Floats, density: Floats, count: Floats, spacing: float, *, peri
     limit = math.sqrt(wave[trusted] * wave[min(trusted + 1, place)])
     behind = place + np.flatnonzero(density[place:] > 2 * density[place])
     if behind.size:
-        limit = max(limit, CLEAR * float(wave[behind[0]]))
+        limit = max(limit, CUTOFF_MARGIN * float(wave[behind[0]]))
     if behind.size and np.sum(density[place:] > density[place:].max() / 4) <= 2:
         return limit, "line"
     if _is_floor(wave, density, chance, limit):

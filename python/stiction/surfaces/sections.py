@@ -12,15 +12,15 @@ import numpy as np
 from stiction._checks import Floats, choice, number, truth, whole_number
 from stiction._shown import with_unit
 from stiction.surfaces.filters import gaussian_mean, robust_mean
-from stiction.surfaces.material_ratio import core, heights_at
+from stiction.surfaces.material_ratio import core_parameters, heights_at
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ParameterSet
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.profile_elements import mean_element
-from stiction.surfaces.roughness import SEVEN_POINTS, Derivative, levelling, profile_moments
-from stiction.surfaces.spectrum import ROUND_UP
-from stiction.surfaces.surface import BodyLike, body_of, refuse_flat
+from stiction.surfaces.roughness import SEVEN_POINTS, Derivative, describe_levelling, profile_moments
+from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
+from stiction.surfaces.surface import BodyLike, as_body, reject_flat
 
-SECTIONS = 5  # section lengths in the evaluation length by default
+DEFAULT_SECTIONS = 5  # section lengths in the evaluation length by default
 _HEIGHT_DIFFERENCE = 0.2, 0.8  # material ratios of Rdc
 
 
@@ -125,8 +125,9 @@ class SectionParameters(ParameterSet):
 
 
 def section_parameters(
-    profile: BodyLike, *, lc: float | str | None = None, ls: float | str | None = None, sections: int = SECTIONS,
-    robust: bool = False, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um",
+    profile: BodyLike, *, lc: float | str | None = None, ls: float | str | None = None,
+    sections: int = DEFAULT_SECTIONS, robust: bool = False, derivative: Derivative = "seven-point",
+    spacing: Any = None, unit: str = "um",
 ) -> SectionParameters:  # fmt: skip
     r"""Compute the R- and W-parameters of a profile as on drawings, by ISO 21920-2 with the defaults of ISO 21920-3.
 
@@ -181,8 +182,8 @@ def section_parameters(
     >>> round(found.Ra, 2), round(found.RSm, 1), found.filters.reason
     (0.64, 100.0, 'Sc3 of ISO 21920-3, for Ra 0.6363 µm and RSm 100 µm')
     """
-    profile = body_of("profile", profile, Profile, spacing=spacing, unit=unit)
-    refuse_flat(profile)
+    profile = as_body("profile", profile, Profile, spacing=spacing, unit=unit)
+    reject_flat(profile)
     choice("derivative", derivative, Derivative)
     truth("robust", robust)
     sections = whole_number("sections", sections, least=1)
@@ -198,10 +199,10 @@ def _by_class(
 ) -> SectionParameters:
     """Compute the parameters for the setting class that fits to the Ra and RSm that it gives."""
     lengths = [each.section_length for each in SETTING_CLASSES]
-    if lengths[0] > profile.extent * ROUND_UP:
+    if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionError(_too_short(profile, lengths[0]))
-    fine, long = _fewest_points(profile.spacing), profile.extent * ROUND_UP
-    fitting = [index for index, length in enumerate(lengths) if fine <= length * ROUND_UP and length <= long]
+    fine, long = _fewest_points(profile.spacing), profile.extent * ROUND_OFF_FACTOR
+    fitting = [index for index, length in enumerate(lengths) if fine <= length * ROUND_OFF_FACTOR and length <= long]
     if not fitting:
         raise SectionError(_too_coarse(profile))
     known: dict[int, SectionParameters] = {}
@@ -270,9 +271,9 @@ def _with_cutoff(
 ) -> SectionParameters:
     """Compute the parameters for a section length (µm)."""
     spacing = profile.spacing
-    if lc > profile.extent * ROUND_UP:
+    if lc > profile.extent * ROUND_OFF_FACTOR:
         raise SectionError(_too_short(profile, lc))
-    if lc * ROUND_UP < _fewest_points(spacing):
+    if lc * ROUND_OFF_FACTOR < _fewest_points(spacing):
         raise ValueError(
             f"lc must be at least {SEVEN_POINTS.size} points, {_fewest_points(spacing):g} µm, got {lc:g} µm"
         )
@@ -280,11 +281,11 @@ def _with_cutoff(
     if ls is None:
         ls = next((each.short_cutoff for each in SETTING_CLASSES if math.isclose(each.section_length, lc)), 0.0)
         ls = ls if ls >= 2 * spacing else 0.0
-    elif ls and not 2 * spacing <= ls * ROUND_UP <= lc:
+    elif ls and not 2 * spacing <= ls * ROUND_OFF_FACTOR <= lc:
         raise ValueError(f"ls must be 0 or from two points, {2 * spacing:g} µm, to lc, {lc:g} µm, got {ls:g} µm")
     primary = profile if not ls else profile.changed(gaussian_mean(profile, ls), "S-filter")
     waviness = robust_mean(primary, lc) if robust else gaussian_mean(primary, lc)
-    count = min(sections, math.floor(profile.extent / lc * ROUND_UP))
+    count = min(sections, math.floor(profile.extent / lc * ROUND_OFF_FACTOR))
     points = min(round(count * lc / spacing), len(profile))
     start = (len(profile) - points) // 2
     inside = slice(start, start + points)
@@ -296,14 +297,14 @@ def _with_cutoff(
     names = [each.name for letter in "RW" for each in PROFILE_PARAMETERS[letter]]
     reason = f"lc{' and ls' * given} given"
     filters = SectionFilters(lc, ls or None, count, robust, start, start + points, reason)
-    return SectionParameters({name: values[name] for name in names}, levelling(profile.history), filters)
+    return SectionParameters({name: values[name] for name in names}, describe_levelling(profile.history), filters)
 
 
 def _roughness(z: Floats, ends: list[int], spacing: float, derivative: Derivative) -> dict[str, float]:
     pieces = [z[start:stop] for start, stop in itertools.pairwise(ends)]
     peak, pit = (float(np.mean([(sign * piece).max() for piece in pieces])) for sign in (1, -1))
     apart, tall = mean_element(z, peak, pit)
-    stratified, (upper, lower) = core(z), heights_at(z, _HEIGHT_DIFFERENCE).tolist()
+    stratified, (upper, lower) = core_parameters(z), heights_at(z, _HEIGHT_DIFFERENCE).tolist()
     values: dict[str, Any] = {
         "z": peak + pit, "p": peak, "v": pit, "Sm": apart * spacing, "c": tall, "mr": float(np.mean(z > 0)),
         "dc": upper - lower, "k": stratified.height, "pk": stratified.peaks, "vk": stratified.valleys,

@@ -9,9 +9,9 @@ import numpy as np
 
 from stiction._checks import choice, number, read_only, truth, whole_number
 from stiction.surfaces.fractal import SIDE_KEY, random_phases
-from stiction.surfaces.profile import FEWEST_POINTS, MOST_POINTS, Profile, Side
-from stiction.surfaces.spectrum import ROUND_UP
-from stiction.surfaces.surface import Surface, lengths, rows_and_columns
+from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
+from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
+from stiction.surfaces.surface import Surface, parse_lengths, parse_shape
 
 Amplitudes = Literal["rayleigh", "fixed"]
 
@@ -77,26 +77,26 @@ def self_affine(
     choice("amplitudes", amplitudes, Amplitudes)
     truth("periodic", periodic)
     hurst, rms = _exponent_and_height(hurst_exponent, rms)
-    points = whole_number("points", points, least=FEWEST_POINTS, most=MOST_POINTS)
+    points = whole_number("points", points, least=MIN_POINTS, most=MAX_POINTS)
     spacing = number("spacing", spacing, unit="µm", above=0)
     extent = points * spacing
     shortest = _shortest(shortest_wavelength, 2 * spacing, "spacing")
     longest = extent
     if longest_wavelength is not None:
         longest = number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
-    if periodic and longest > extent * ROUND_UP:
+    if periodic and longest > extent * ROUND_OFF_FACTOR:
         raise ValueError(
             f"longest_wavelength of a periodic profile must be at most its extent, {extent:g} µm, "
             f"got {longest_wavelength!r}"
         )
     period = points
-    while not periodic and (period < 2 * points or period * spacing * ROUND_UP < 4 * longest):
+    while not periodic and (period < 2 * points or period * spacing * ROUND_OFF_FACTOR < 4 * longest):
         period *= 2
-    if period > MOST_POINTS:
+    if period > MAX_POINTS:
         raise ValueError(
-            f"points and longest_wavelength need a period of {period} points, and at most {MOST_POINTS} are allowed"
+            f"points and longest_wavelength need a period of {period} points, and at most {MAX_POINTS} are allowed"
         )
-    harmonics = min((period - 1) // 2, int(period * spacing / shortest * ROUND_UP))
+    harmonics = min((period - 1) // 2, int(period * spacing / shortest * ROUND_OFF_FACTOR))
     if harmonics < 1:
         raise ValueError(f"shortest_wavelength must be at most the extent, {extent:g} µm, got {shortest:g}")
     wave_number = 2 * math.pi / (period * spacing) * np.arange(1, harmonics + 1)
@@ -120,7 +120,7 @@ def _exponent_and_height(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
 def _shortest(wavelength: Any, finest: float, of: str) -> float:
     """The cut-off (µm), by default the finest that a grid has: twice its spacing."""
     shortest = finest if wavelength is None else number("shortest_wavelength", wavelength, unit="µm", above=0)
-    if shortest * ROUND_UP < finest:
+    if shortest * ROUND_OFF_FACTOR < finest:
         raise ValueError(f"shortest_wavelength must be at least twice the {of}, {finest:g} µm, got {wavelength!r}")
     return shortest
 
@@ -182,22 +182,22 @@ def self_affine_surface(
     from scipy.fft import irfft2
 
     hurst, rms = _exponent_and_height(hurst_exponent, rms)
-    rows, columns = rows_and_columns(shape, least=4)
-    along_y, along_x = lengths("spacing", spacing)
+    rows, columns = parse_shape(shape, least=4)
+    along_y, along_x = parse_lengths("spacing", spacing)
     extent_y, extent_x = rows * along_y, columns * along_x
     longer = max(extent_y, extent_x)
     shortest = _shortest(shortest_wavelength, 2 * max(along_y, along_x), "larger spacing")
     longest = longer
     if longest_wavelength is not None:
         longest = number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
-        if longest > longer * ROUND_UP:
+        if longest > longer * ROUND_OFF_FACTOR:
             raise ValueError(f"longest_wavelength must be at most the longer side, {longer:g} µm, got {longest!r}")
     choice("side", side, Side)
     seed = whole_number("seed", seed, least=0)
     repetition = whole_number("repetition", repetition, least=0)
 
     along = [
-        min((size - 1) // 2, int(extent / shortest * ROUND_UP))
+        min((size - 1) // 2, int(extent / shortest * ROUND_OFF_FACTOR))
         for size, extent in ((columns, extent_x), (rows, extent_y))
     ]
     # j = 0, 1, -1, 2, -2 and so on: the order in which words are taken, whatever the grid.
@@ -208,7 +208,7 @@ def self_affine_surface(
     for i in range(along[0] + 1):
         # In wave numbers of the longest wavelength.
         q = longest * np.hypot(i / extent_x, j / extent_y)
-        kept = q * shortest <= longest * ROUND_UP
+        kept = q * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:
             kept &= j > 0  # the other half of these waves is their mirror image
         count = int(np.flatnonzero(kept)[-1]) + 1 if kept.any() else 0

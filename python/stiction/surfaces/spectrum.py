@@ -18,12 +18,14 @@ from stiction._checks import Floats, number, read_only, truth, whole_number
 from stiction._drawing import draw_spectrum
 from stiction._shown import Readable, Shown, Tabled, axes_for
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.surface import BodyLike, Surface, body_of, refuse_flat
+from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-ROUND_UP = 1 + 1e-9  # for a ratio of lengths that counts as equal, or as a whole number, although round-off parts them
+ROUND_OFF_FACTOR = (
+    1 + 1e-9
+)  # for a ratio of lengths that counts as equal, or as a whole number, although round-off parts them
 _PEAK_BINS = 24  # bins to a decade in which peaks are looked for
 _PEAK_REACH = 6  # bins to both sides that tell the level at a bin; a straight spectrum is its own median
 
@@ -130,12 +132,12 @@ def power_spectrum(
     >>> round(float(spectrum.density[2]), 12), round(spectrum.moment(0), 12)
     (0.08, 0.005)
     """
-    profile = body_of("profile", profile, Profile, spacing=spacing, unit=unit)
+    profile = as_body("profile", profile, Profile, spacing=spacing, unit=unit)
     truth("periodic", periodic)
-    return spectrum_of(profile.heights - profile.heights.mean(), profile.spacing, windowed=not periodic)
+    return profile_spectrum(profile.heights - profile.heights.mean(), profile.spacing, windowed=not periodic)
 
 
-def spectrum_of(heights: Floats, spacing: float, *, windowed: bool) -> PowerSpectrum:
+def profile_spectrum(heights: Floats, spacing: float, *, windowed: bool) -> PowerSpectrum:
     """Spectrum of heights as they are, or after a Hann window."""
     points = heights.size
     if windowed:
@@ -218,8 +220,8 @@ def spectral_moments(
     >>> round(spectral_moments(wave, periodic=True).slope, 12)
     0.5
     """
-    profile = body_of("profile", profile, Profile)
-    refuse_flat(profile)
+    profile = as_body("profile", profile, Profile)
+    reject_flat(profile)
     shortest = number("shortest_wavelength", shortest_wavelength, unit="µm")
     if not longest_wavelength > shortest:
         raise ValueError(
@@ -238,7 +240,9 @@ def spectral_moments(
 
 def in_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
     """Mask of the wave numbers whose wavelengths are in a band, its ends included whatever their round-off."""
-    return (wave_number * shortest <= 2 * math.pi * ROUND_UP) & (wave_number * longest * ROUND_UP >= 2 * math.pi)
+    return (wave_number * shortest <= 2 * math.pi * ROUND_OFF_FACTOR) & (
+        wave_number * longest * ROUND_OFF_FACTOR >= 2 * math.pi
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -396,13 +400,13 @@ def surface_spectrum(
     >>> surface_spectrum(surface, periodic=True).density.shape
     (64, 64)
     """
-    surface = body_of("surface", surface, Surface, spacing=spacing, unit=unit)
+    surface = as_body("surface", surface, Surface, spacing=spacing, unit=unit)
     truth("periodic", periodic)
-    refuse_flat(surface)
-    return spectrum_of_area(surface.heights - surface.heights.mean(), surface.spacing, windowed=not periodic)
+    reject_flat(surface)
+    return areal_spectrum(surface.heights - surface.heights.mean(), surface.spacing, windowed=not periodic)
 
 
-def spectrum_of_area(heights: Floats, spacing: tuple[float, float], *, windowed: bool) -> SurfaceSpectrum:
+def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: bool) -> SurfaceSpectrum:
     """Spectrum of heights as they are, or after a Hann window along both axes."""
     from scipy.fft import fft2, fftshift
 
@@ -424,7 +428,7 @@ def spectrum_of_area(heights: Floats, spacing: tuple[float, float], *, windowed:
 # ---- Peaks ----------------------------------------------------------------------------------------------------------
 
 
-def peak_of(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
+def find_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
     """Wavelength (µm) of a spectrum's highest narrow peak that is not chance, and the share of m4 in all; or None."""
     bins = spectrum.in_bins(_PEAK_BINS)
     density = np.maximum(bins.density, np.finfo(float).tiny)

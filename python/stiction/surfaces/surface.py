@@ -11,7 +11,7 @@ import stiction._core as _core
 from stiction._checks import Floats, choice, float_array, number, whole_number
 from stiction._units import shortened
 from stiction.surfaces.measured.raw import LENGTH_UNITS
-from stiction.surfaces.profile import MOST_POINTS, Body, Profile, part
+from stiction.surfaces.profile import MAX_POINTS, Body, Profile, index_mask
 
 AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitude = Literal["height", "Sa", "Sq"]
@@ -56,7 +56,7 @@ class Surface(Body):
         heights = float_array("heights", self.heights, ndim=2)
         if min(heights.shape) < 2:
             raise ValueError(f"heights must have at least 2 rows and 2 columns, got shape {heights.shape}")
-        self._keep(heights, lengths("spacing", self.spacing))
+        self._keep(heights, parse_lengths("spacing", self.spacing))
 
     @property
     def x(self) -> Floats:
@@ -85,7 +85,7 @@ class Surface(Body):
         return self._line((slice(None), index), 0, f"column {index}")
 
     def _line(self, index: Any, axis: int, step: str) -> Profile:
-        mask = part(self.missing, index)
+        mask = index_mask(self.missing, index)
         mask = None if mask is None or mask.all() else mask  # of a line without any point only the bridge is left
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
@@ -107,7 +107,7 @@ class Surface(Body):
         return self.changed(scaled.reshape(self.heights.shape), f"scaled to {measure} {amplitude:g} µm")
 
 
-def lengths(name: str, value: Any) -> tuple[float, float]:
+def parse_lengths(name: str, value: Any) -> tuple[float, float]:
     """A length for y and one for x, both above 0, from a pair or from one number for both."""
     pair = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(pair) != 2:
@@ -116,7 +116,7 @@ def lengths(name: str, value: Any) -> tuple[float, float]:
     return along_y, along_x
 
 
-def body_of(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit: str = "um") -> Any:
+def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit: str = "um") -> Any:
     """Return a profile or a surface unchanged, and an array as one.
 
     Parameters
@@ -155,28 +155,28 @@ def body_of(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
     raise ValueError(f"{name} must be a {words}, got an array of shape {heights.shape}")
 
 
-def bodies_of(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
-    """Return two bodies, those that are arrays with this spacing and unit, as by `body_of`."""
+def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
+    """Return two bodies, those that are arrays with this spacing and unit, as by `as_body`."""
     if spacing is not None and isinstance(upper, Body) and isinstance(lower, Body):
         raise ValueError("spacing is for arrays, and upper and lower have their own")
     upper, lower = (
-        body_of(name, given, spacing=None if isinstance(given, Body) else spacing, unit=unit)
+        as_body(name, given, spacing=None if isinstance(given, Body) else spacing, unit=unit)
         for name, given in (("upper", upper), ("lower", lower))
     )
     return upper, lower
 
 
-def rows_and_columns(shape: Any, *, least: int) -> tuple[int, int]:
+def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
     """The shape of a surface, so many rows and columns at least and no more points than one may have."""
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {shape!r}")
-    rows, columns = (whole_number("shape", size, least=least, most=MOST_POINTS) for size in shape)
-    if rows * columns > MOST_POINTS:
-        raise ValueError(f"shape must hold at most {MOST_POINTS} points, got {shape!r}")
+    rows, columns = (whole_number("shape", size, least=least, most=MAX_POINTS) for size in shape)
+    if rows * columns > MAX_POINTS:
+        raise ValueError(f"shape must hold at most {MAX_POINTS} points, got {shape!r}")
     return rows, columns
 
 
-def refuse_flat(body: Profile | Surface) -> None:
+def reject_flat(body: Profile | Surface) -> None:
     """Refuse a body whose heights are all equal, or so small or large that their products leave the range."""
     name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
     if height == 0:

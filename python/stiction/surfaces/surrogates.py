@@ -8,9 +8,9 @@ import numpy as np
 
 from stiction._checks import Floats, truth
 from stiction.surfaces.fractal import random_phases
-from stiction.surfaces.profile import Profile, Side, refuse_missing
+from stiction.surfaces.profile import Profile, Side, reject_missing
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
-from stiction.surfaces.surface import AnyBody, Surface, body_of, refuse_flat, rows_and_columns
+from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat
 
 _RINGS = 12  # rings to a decade of wave numbers; fewer where the profile has no harmonic in a ring
 _SMOOTH = 2.0  # harmonics that a bend of the spectrum must have for it: rings of one or two follow their neighbours
@@ -67,10 +67,10 @@ def surrogate(
     >>> round(roughness_parameters(ensemble[0]).Pq / roughness_parameters(measured).Pq, 12)
     1.0
     """
-    body = body_of("body", body)
+    body = as_body("body", body)
     truth("periodic", periodic)
-    refuse_flat(body)
-    refuse_missing(body, "a surrogate")
+    reject_flat(body)
+    reject_missing(body, "a surrogate")
     if isinstance(body, Surface):
         return _surface_surrogate(body, seed, repetition, side, periodic)  # type: ignore[return-value]
     profile, mean = body, body.heights.mean()
@@ -148,7 +148,7 @@ def isotropic_spectrum(profile: Profile, *, periodic: bool = False) -> RadialSpe
     >>> bool((spectrum.density > 0).all())
     True
     """
-    profile = body_of("profile", profile, Profile)
+    profile = as_body("profile", profile, Profile)
     edges, density, count = _fitted(profile, periodic)
     return RadialSpectrum(wave_number=np.sqrt(edges[1:] * edges[:-1]), density=density, count=count)
 
@@ -192,9 +192,9 @@ def isotropic_surface(
     >>> isotropic_surface(profile, 2016, shape=(128, 128)).extent
     (1.28, 1.28)
     """
-    profile = body_of("profile", profile, Profile)
+    profile = as_body("profile", profile, Profile)
     most = min(len(profile), _MOST)
-    rows, columns = rows_and_columns((most, most) if shape is None else shape, least=4)
+    rows, columns = parse_shape((most, most) if shape is None else shape, least=4)
     edges, density, _ = _fitted(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
@@ -220,8 +220,8 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
 def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     """Edges of the rings, C2D in them, and how many harmonics of the profile are in each."""
     truth("periodic", periodic)
-    refuse_flat(profile)
-    refuse_missing(profile, "a surface of a profile's spectrum")
+    reject_flat(profile)
+    reject_missing(profile, "a surface of a profile's spectrum")
     spectrum = power_spectrum(profile, periodic=periodic)
     # A harmonic stands for half a step to both sides.
     k, step, limit = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, number, read_only
-from stiction.surfaces.profile import Profile, refuse_missing
-from stiction.surfaces.surface import Surface, body_of
+from stiction.surfaces.profile import Profile, reject_missing
+from stiction.surfaces.surface import Surface, as_body
 
 _TOUCHING = 1e-9  # of the height of a scan: distance at which a ball touches
 
@@ -46,8 +46,8 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     >>> body.heights.round(3), certain.tolist()
     (array([0.   , 0.   , 0.268, 1.   , 0.268, 0.   , 0.   ]), [False, False, False, True, False, False, False])
     """
-    scan = body_of("scan", scan)
-    refuse_missing(scan, "taking back the ball of a probe")
+    scan = as_body("scan", scan)
+    reject_missing(scan, "taking back the ball of a probe")
     radius = number("radius", radius, unit="µm", above=0, below=1e9)
     seen, spacing = scan.heights, np.array(scan.spacings)
     deepest = float(np.ptp(seen))

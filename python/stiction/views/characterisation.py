@@ -14,10 +14,10 @@ from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.contact_statistics import slopes_of
 from stiction.surfaces.filters import checked_cutoff, filtered
-from stiction.surfaces.holes import OUTLYING, outliers_of
-from stiction.surfaces.hurst import HurstEstimate, hurst_exponent_of
-from stiction.surfaces.lines import BENT, LineRoughness, lines_along_both, off_power_law
+from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
+from stiction.surfaces.lines import MAX_MISFIT, LineRoughness, lines_along_both, power_law_misfit
 from stiction.surfaces.measured.writing import with_gaps
+from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS, find_outliers
 from stiction.surfaces.parameters import PARAMETERS, PROFILE_PARAMETERS, Parameter
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import (
@@ -33,12 +33,12 @@ from stiction.surfaces.scale import (
     instrument_limit,
     scale_dependent_roughness,
 )
-from stiction.surfaces.sections import SECTIONS, SectionError, SectionParameters, section_parameters
+from stiction.surfaces.sections import DEFAULT_SECTIONS, SectionError, SectionParameters, section_parameters
 from stiction.surfaces.spectrum import (
     PowerSpectrum,
     ProfileMoments,
     RadialSpectrum,
-    peak_of,
+    find_peak,
     power_spectrum,
     spectral_moments,
     surface_spectrum,
@@ -179,7 +179,7 @@ class Characterisation:
     def fit(self) -> HurstEstimate | None:
         """Power law of the spectrum, however straight it is; None if no band is given and none is found."""
         try:
-            return hurst_exponent_of(self.body, band=self.band, periodic=self.periodic)
+            return estimate_hurst_exponent(self.body, band=self.band, periodic=self.periodic)
         except ValueError:
             if self.band is not None:
                 raise
@@ -192,12 +192,12 @@ class Characterisation:
             return math.nan
         ends = self.fit.shortest_wavelength, self.fit.longest_wavelength
         dimensions, chance = self.fit.dimensions, _HANN_CHANCE
-        return off_power_law(self.binned, ends, self.fit.value, dimensions=dimensions, chance=chance)
+        return power_law_misfit(self.binned, ends, self.fit.value, dimensions=dimensions, chance=chance)
 
     @property
     def law(self) -> HurstEstimate | None:
         """Power law of a spectrum that is one."""
-        return None if self.misfit > BENT else self.fit
+        return None if self.misfit > MAX_MISFIT else self.fit
 
     @cached_property
     def roughness(self) -> ScaleDependentRoughness:
@@ -235,9 +235,9 @@ class Characterisation:
             rows.append(Row("" if at else "points", (text,)))
         if self.body.missing is not None:
             rows.append(Row("", ("what follows is of heights with straight lines over the holes",)))
-        count = int(outliers_of(with_gaps(self.body)).sum())
+        count = int(find_outliers(with_gaps(self.body)).sum())
         single = f"{count} single points" if count > 1 else "a single point"
-        text = f"{single} beyond {OUTLYING:g} deviations of the neighbours; --outliers mask masks"
+        text = f"{single} beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of the neighbours; --outliers mask masks"
         rows.append(Row("outliers", (text if count else "none",), (entry("outliers", count),)))
         rows += [*self._parameter_rows(), Row("friction by slope", (self._friction_text(),))]
         if self.spectrum is not None and isinstance(self.body, Profile):
@@ -336,10 +336,10 @@ class Characterisation:
         shortest = entry("shortest_wave", limit.pixels, "um")
         octave = entry("slope_in_shortest_octave", share)
         off = with_unit(limit.cut_off, "um")
-        wave, part = with_unit(limit.wavelength, "um"), f"{percent(limit.slope_share)} of the mean square slope"
+        wave, part = with_unit(limit.wavelength, "um"), f"{percent(limit.slope_fraction)} of the mean square slope"
         if limit.reason == "pixels":
             words = f"nothing but its pixels{'' if self.tip_radius is None else ', and its tip follows all'}"
-        elif limit.slope_share < HARMLESS:
+        elif limit.slope_fraction < HARMLESS:
             words = f"below {wave} {REASONS[limit.reason]}: harmless, {part}"
         else:
             whose = "not to be trusted" if limit.origin == "instrument" else "perhaps not the surface's"
@@ -492,7 +492,7 @@ def _filters_text(found: SectionParameters) -> str:
     own = found.filters
     short = "no λs" if own.ls is None else f"λs {length_text(own.ls)}"
     kind = "robust Gaussian regression" if own.robust else "Gaussian"
-    fewer = "" if own.sections == SECTIONS else f" instead of {SECTIONS}"
+    fewer = "" if own.sections == DEFAULT_SECTIONS else f" instead of {DEFAULT_SECTIONS}"
     section = f"section{'s' * (own.sections != 1)}{fewer} of {length_text(own.lc)}"
     return f"{kind}, λc {length_text(own.lc)}, {short} ({own.reason}); {own.sections} {section}"
 
@@ -513,7 +513,7 @@ def _row(name: str, value: float, unit: str = "1", *, label: str = "", words: st
 
 
 def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[Row]:
-    found = peak_of(spectrum, lines=lines)
+    found = find_peak(spectrum, lines=lines)
     if found is None or found[1] < _PEAK_SHARE:
         return []
     where, part = length_text(found[0]), 100 * found[1]

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction.surfaces.joined import JoinedSpectrum
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import CLEAR, InstrumentLimit, instrument_limit
-from stiction.surfaces.spectrum import peak_of, power_spectrum
+from stiction.surfaces.scale import CUTOFF_MARGIN, InstrumentLimit, instrument_limit
+from stiction.surfaces.spectrum import find_peak, power_spectrum
 from stiction.surfaces.surface import Surface
 from stiction.views.digits import percent, with_unit
 from stiction.views.doubts import Doubt, Severity
@@ -169,7 +169,7 @@ def _of_instrument(
         blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
     except ValueError:  # flat
         return
-    shortest = limit.wavelength if limit.slope_share > NOISE else 0.0
+    shortest = limit.wavelength if limit.slope_fraction > NOISE else 0.0
     if shortest:
         is_known = limit.origin == "instrument"
         text = f"{_waves(limit)} and are {'not' if is_known else 'perhaps not'} the surface's: {REASONS[limit.reason]}"
@@ -178,7 +178,7 @@ def _of_instrument(
             cure += ", --cutoff none keeps them" if is_known else CURE
         severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
         yield Doubt(text, cure, severity, limit.cut_off, has_readings and limit.matters)
-    if blunt.reason == "tip" and blunt.slope_share > NOISE:
+    if blunt.reason == "tip" and blunt.slope_fraction > NOISE:
         text = f"{_waves(blunt)} and are sharper than the tip follows: the surface is steeper"
         # Without a hardness, steeper slopes reduce the true area without a limit.
         how: Severity = "fault" if elastic and blunt.matters else "caution"
@@ -186,15 +186,15 @@ def _of_instrument(
         yield Doubt(text, cure, how, blunt.cut_off)
     if not isinstance(body, Profile):
         return
-    peak = peak_of(power_spectrum(levelled(body, "line")))
+    peak = find_peak(power_spectrum(levelled(body, "line")))
     if peak is not None and peak[1] >= PEAK and peak[0] > shortest:
         part, wave = percent(peak[1]), with_unit(peak[0], "um")
         text = f"a peak at {wave}, perhaps of the instrument, has {part} of the curvature"
-        yield Doubt(text, f"--cutoff '{with_unit(CLEAR * peak[0], 'um')}' takes it off", "caution", peak[0])
+        yield Doubt(text, f"--cutoff '{with_unit(CUTOFF_MARGIN * peak[0], 'um')}' takes it off", "caution", peak[0])
 
 
 def _waves(limit: InstrumentLimit) -> str:
-    part = f"{100 * limit.slope_share:.0f} %"  # in as few digits as make two scans of a kind alike
+    part = f"{100 * limit.slope_fraction:.0f} %"  # in as few digits as make two scans of a kind alike
     return f"waves below {with_unit(limit.wavelength, 'um')} have {part} of the mean square slope"
 
 

@@ -15,7 +15,7 @@ from stiction._checks import whole_number
 from stiction._errors import ArgumentError
 from stiction.studies.interfaces import Interface, write_interface
 from stiction.studies.pair import ARGUMENTS, pair_study
-from stiction.surfaces.joined import JoinedSpectrum
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 

@@ -11,8 +11,8 @@ from stiction.mechanics.brackets import friction_stretch, interface_stretch
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
 from stiction.studies.resolution import Seen, seen
-from stiction.surfaces.joined import JoinedSpectrum
-from stiction.surfaces.pairing import spectrum_of
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
+from stiction.surfaces.pairing import to_joined_spectrum
 from stiction.views.digits import finite, percent, quoted, with_unit
 from stiction.views.point import contact_status_of, modulus_of, points, pressure_of, rules_of, value_of
 
@@ -216,7 +216,7 @@ def _spectral(at: xarray.Dataset, study: Study) -> xarray.Dataset | None:
     pressure, hardness = float(at["load"]) / float(at["nominal_area"]), hardness_of(study)
     if not any(isinstance(body, JoinedSpectrum) for body in bodies) or hardness <= pressure:
         return None
-    upper, lower = (spectrum_of(body).roughness() for body in bodies)
+    upper, lower = (to_joined_spectrum(body).roughness() for body in bodies)
     return spectral_resolution(
         upper, lower, pressure=pressure, hardness=None if math.isnan(hardness) else hardness, mu0=float(at["mu0"]),
         tau0=float(at["tau0"]), effective_modulus=modulus_of(at, study),

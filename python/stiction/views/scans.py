@@ -11,8 +11,8 @@ from stiction._drawing import few_ticks
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.resolution import KAPPA
-from stiction.surfaces.joined import JoinedSpectrum
-from stiction.surfaces.repeated import Repeated
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
+from stiction.surfaces.repeated_scans import RepeatedScans
 from stiction.views.digits import percent, with_unit
 from stiction.views.spreadsheet import csv_of_frame
 from stiction.views.style import ALL, AREA, FULL_WIDTH, LEANING, OPPOSING, STYLE, new_figure
@@ -144,7 +144,7 @@ def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 # ---- One place -------------------------------------------------------------------------------------------------------
 
 
-def repeated_text(found: Repeated) -> str:
+def repeated_text(found: RepeatedScans) -> str:
     """How both scans lie on each other, noise over wavelength, and from which wave on the mean of both is right."""
     rows = [["waves", "in both", "noise of one", "part of the mean square"]]
     for wave, common, noise in np.transpose([found.wavelength, found.common, found.noise]).tolist():
@@ -159,7 +159,7 @@ def repeated_text(found: Repeated) -> str:
     return f"{aligned(rows)}\n\n{fitted(said)}\n{fitted(limit_text(found))}\n"
 
 
-def limit_text(found: Repeated) -> str:
+def limit_text(found: RepeatedScans) -> str:
     """From which wave on the mean of both scans is right."""
     if math.isnan(found.limit):
         return "Noise has more than a tenth of the mean square slope of their mean, whatever waves are taken off."
@@ -170,7 +170,7 @@ def limit_text(found: Repeated) -> str:
     return f"Of their mean waves from {wave} on are to be trusted: --cutoff '{wave}' leaves noise {part}."
 
 
-def repeated_record(found: Repeated) -> dict[str, Any]:
+def repeated_record(found: RepeatedScans) -> dict[str, Any]:
     """The same as JSON has it: µm."""
     octaves = {"wavelength_um": found.wavelength, "noise_um": found.noise, "common_um": found.common}
     return {
@@ -180,7 +180,7 @@ def repeated_record(found: Repeated) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def octaves_csv(found: Repeated) -> str:
+def octaves_csv(found: RepeatedScans) -> str:
     """Octaves as a table, below the limit in words."""
     import pandas
 
@@ -188,7 +188,7 @@ def octaves_csv(found: Repeated) -> str:
     return f"# {limit_text(found)}\n{csv_of_frame(pandas.DataFrame(columns), float_format='%.6g')}"
 
 
-def repeated_figure(found: Repeated) -> Figure:
+def repeated_figure(found: RepeatedScans) -> Figure:
     """Noise and what is common over the wavelength, 85 mm wide."""
     import matplotlib as mpl
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stiction.surfaces.measured.raw import Channels, FormatError, Raw, Source
-from stiction.surfaces.profile import MOST_POINTS
+from stiction.surfaces.profile import MAX_POINTS
 
 
 def is_available() -> bool:
@@ -58,8 +58,8 @@ def _channel(path: Path, at: int, name: str) -> Raw:
     with _opened(path) as reader:
         channel = reader.channels[at]
         points = int(np.prod(channel.nb_grid_pts))
-        if points > MOST_POINTS:
-            raise FormatError(f"holds {points} points; at most {MOST_POINTS} can be read")
+        if points > MAX_POINTS:
+            raise FormatError(f"holds {points} points; at most {MAX_POINTS} can be read")
         if isinstance(channel.unit, tuple):  # of positions and of values, where these are no lengths
             raise FormatError(f"has a channel {at} ({name}) of something else than heights; choose another by channel")
         known = channel.physical_sizes is not None

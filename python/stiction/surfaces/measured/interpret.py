@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, choice, read_only
 from stiction._units import Quantity, quantity
-from stiction.surfaces.holes import OUTLYING, bridged, outliers_of, words_of_holes
 from stiction.surfaces.measured.plausibility import CAVEATS, Scan, caveats_of
 from stiction.surfaces.measured.raw import LENGTH_UNITS, Caveat, FormatError, Raw, Stated, length_unit
 from stiction.surfaces.measured.shapes import UNEVEN, Chosen
-from stiction.surfaces.preparation import piece_of
-from stiction.surfaces.profile import FEWEST_POINTS, Profile
+from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS, describe_missing, find_outliers, interpolate_missing
+from stiction.surfaces.preparation import find_crop_range
+from stiction.surfaces.profile import MIN_POINTS, Profile
 from stiction.surfaces.surface import Surface
 
 Missing = Literal["error", "interpolate", "mask"]
@@ -150,9 +150,9 @@ def to_profile(raw: Raw, name: str, options: ReadOptions) -> Interpreted[Profile
             f"holds {raw.heights.shape[0]} rows of {raw.heights.shape[1]} columns; a profile has one column of "
             "heights or two of positions and heights, and read_surface() reads surfaces"
         )
-    if raw.heights.size < FEWEST_POINTS:
+    if raw.heights.size < MIN_POINTS:
         raise FormatError(
-            f"holds too few points, {raw.heights.size}: a profile needs at least {FEWEST_POINTS}, a map two rows and "
+            f"holds too few points, {raw.heights.size}: a profile needs at least {MIN_POINTS}, a map two rows and "
             "two columns"
         )
     given, other = options.spacing
@@ -499,7 +499,7 @@ def _without_gaps(
         ends = zip(
             options.crop[::-2], options.crop[-2::-2], heights.shape, spacing, "yx"[2 - heights.ndim :], strict=True
         )
-        pieces = [piece_of(f" along {axis}", size, step, start, stop) for stop, start, size, step, axis in ends]
+        pieces = [find_crop_range(f" along {axis}", size, step, start, stop) for stop, start, size, step, axis in ends]
         heights = heights[tuple(slice(first, end) for first, end, _ in pieces)]
         steps.append(f"cropped to {' and '.join(words for _, _, words in pieces[::-1])}")
     gaps, missing = np.isnan(heights), options.missing
@@ -513,10 +513,12 @@ def _without_gaps(
             'missing="mask" (--missing mask) presses what is there, and missing="interpolate" (--missing interpolate) '
             "puts them on a line between their neighbours"
         )
-    if options.outliers == "mask" and (outlying := outliers_of(heights)).any():
+    if options.outliers == "mask" and (outlying := find_outliers(heights)).any():
         missing = "mask" if missing == "error" else missing
         gaps, heights = gaps | outlying, np.where(outlying, np.nan, heights)
-        steps.append(f"{int(outlying.sum())} outliers beyond {OUTLYING:g} deviations of their neighbours taken out")
+        steps.append(
+            f"{int(outlying.sum())} outliers beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of their neighbours taken out"
+        )
     if heights.ndim == 1 and (gaps[0] or gaps[-1]):
         known = np.flatnonzero(~gaps)
         inside = slice(int(known[0]), int(known[-1]) + 1)
@@ -524,12 +526,12 @@ def _without_gaps(
         heights, gaps = heights[inside], gaps[inside]
     if not gaps.any():
         return heights, None, steps
-    full = bridged(heights, beyond=missing == "mask")
+    full = interpolate_missing(heights, beyond=missing == "mask")
     if left := int(np.isnan(full).sum()):
         raise FormatError(
             f"has {left} missing points at its edges without neighbours on both sides to interpolate from; "
             'missing="mask" (--missing mask) presses what is there'
         )
     done = "masked" if missing == "mask" else "interpolated"
-    steps.append(f"{int(gaps.sum())} missing points {done}, {words_of_holes(gaps, spacing)}")
+    steps.append(f"{int(gaps.sum())} missing points {done}, {describe_missing(gaps, spacing)}")
     return full, gaps if missing == "mask" else None, steps

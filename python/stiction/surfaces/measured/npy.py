@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._text import printable
 from stiction.surfaces.measured.raw import FormatError, Raw, Source, Table
-from stiction.surfaces.profile import MOST_POINTS
+from stiction.surfaces.profile import MAX_POINTS
 
 SPACINGS = ("spacing_y_um", "spacing_x_um")
 """Fields of the second array in a file of `write_surface`; that of `write_profile` has the last alone."""
@@ -38,8 +38,8 @@ def read_npy(data: bytes) -> Table | Raw:
         )
     if stored.size == 0:
         raise FormatError("holds an array without points")
-    if stored.size > MOST_POINTS:
-        raise FormatError(f"holds {stored.size} points; at most {MOST_POINTS} can be read")
+    if stored.size > MAX_POINTS:
+        raise FormatError(f"holds {stored.size} points; at most {MAX_POINTS} can be read")
     with np.errstate(all="ignore"):
         heights = np.array(stored, dtype=np.float64, order="C")
     beside = _beside(file, data)

@@ -13,7 +13,7 @@ import numpy as np
 from stiction._checks import read_only
 from stiction._files import NotReadableError, content, new_file
 from stiction._text import named
-from stiction.surfaces.joined import JoinedSpectrum
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, FormatError
 
 WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, Caveat, FormatError, Raw, Source, chunks
-from stiction.surfaces.profile import MOST_POINTS
+from stiction.surfaces.profile import MAX_POINTS
 
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 _MAIN = "main.xml"
@@ -53,8 +53,8 @@ def _read(archive: zipfile.ZipFile) -> Raw:
     axes = {name: _Axis(root, name) for name in "XYZ"}
     shape = _shape(root)
     points = math.prod(shape)
-    if not 0 < points <= MOST_POINTS:
-        raise FormatError(f"says it holds {points} points; from 1 to {MOST_POINTS} can be read")
+    if not 0 < points <= MAX_POINTS:
+        raise FormatError(f"says it holds {points} points; from 1 to {MAX_POINTS} can be read")
     absolute = [name for name in "XYZ" if axes[name].absolute]
     if "Z" not in absolute:
         raise FormatError("has heights that are incremental, which X3P does not allow")

@@ -41,10 +41,10 @@ def _meaning(found: Characterisation) -> str:
         f"Waves below {with_unit(2 * shortest, 'um')}, which is four points, have {percent(part)} of the mean square "
         f"slope: a finer scan {change}."
     )
-    if found.limit.slope_share >= HARMLESS:
+    if found.limit.slope_fraction >= HARMLESS:
         finer = (
             f"Waves below {with_unit(found.limit.wavelength, 'um')} are not to be trusted and have "
-            f"{percent(found.limit.slope_share)} of the mean square slope: take them off before a number is quoted."
+            f"{percent(found.limit.slope_fraction)} of the mean square slope: take them off before a number is quoted."
         )
     said = [
         f"Two bodies like this one begin to slide at μₛ = {' and '.join(values)}{axes}, by their slopes alone: "

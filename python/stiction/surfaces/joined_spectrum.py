@@ -14,11 +14,15 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.scale import ScaleDependentRoughness, instrument_limit
 from stiction.surfaces.spectrum import surface_spectrum
-from stiction.surfaces.surface import Surface, body_of, lengths, rows_and_columns
+from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_shape
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
-TRUSTED_POINTS = 8  # points of the shortest wave taken from a scan: a pixel that takes a mean leaves 95 % of its power
-LONGEST = 1 / 3  # longest wave that is taken from a scan, of its shortest side: longer ones are of the window
+MIN_POINTS_PER_WAVELENGTH = (
+    8  # points of the shortest wave taken from a scan: a pixel that takes a mean leaves 95 % of its power
+)
+MAX_WAVELENGTH_FRACTION = (
+    1 / 3
+)  # longest wave that is taken from a scan, of its shortest side: longer ones are of the window
 _WAVES_OF_ONE = 4.0  # waves of a scan in one independent value: opposite ones are the same, a window joins neighbours
 
 
@@ -149,8 +153,8 @@ class JoinedSpectrum(Readable):
             Rows and columns, at least 4 each.
         spacing : float or (float, float), µm
         """
-        rows, columns = rows_and_columns(shape, least=4)
-        steps = lengths("spacing", spacing)
+        rows, columns = parse_shape(shape, least=4)
+        steps = parse_lengths("spacing", spacing)
         q_y, q_x = (2 * math.pi * np.fft.fftfreq(size, step) for size, step in zip((rows, columns), steps, strict=True))
         q = np.hypot(q_y[:, np.newaxis], q_x)
         inside = (q >= self.wave_number[0] / self._half) & (q <= self.wave_number[-1] * self._half)
@@ -209,7 +213,7 @@ def joined_spectrum(
     """
     if not isinstance(scans, Sequence) or isinstance(scans, str):
         raise ValueError(f"scans must be a sequence of profiles or surfaces, got {type(scans).__name__}")
-    bodies = [body_of("scans", scan) for scan in scans]
+    bodies = [as_body("scans", scan) for scan in scans]
     if not bodies:
         raise ValueError("scans must be at least one profile or surface, got none")
     per_decade = whole_number("per_decade", per_decade, least=4)
@@ -259,9 +263,9 @@ def _band(body: Profile | Surface, limit: float | None, tip: float | None) -> tu
         shortest, reason = limit, "given"
     else:
         found = instrument_limit(body, tip_radius=tip)
-        pixels = TRUSTED_POINTS * spacing
+        pixels = MIN_POINTS_PER_WAVELENGTH * spacing
         shortest, reason = (found.wavelength, found.reason) if found.wavelength > pixels else (pixels, "pixels")
-    longest = LONGEST * side
+    longest = MAX_WAVELENGTH_FRACTION * side
     if not shortest < longest:
         raise ValueError(
             f"each of the scans must have waves to be trusted, but one of {side:g} µm has none from {shortest:g} µm "

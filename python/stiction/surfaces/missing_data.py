@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._shown import with_unit
 
-OUTLYING = 6.0
+MIN_OUTLIER_DEVIATIONS = 6.0
 """Robust standard deviations (1.4826 median absolute deviations) from neighbours above which points are outliers."""
-MAX_GROUP = 4  # outliers that may touch each other: more are a feature of the surface
+MAX_OUTLIER_GROUP = 4  # outliers that may touch each other: more are a feature of the surface
 
 _NEAR = {1: 31, 2: 7}  # points along each axis that are near, of lines and of areas
 _FEWEST = 3  # pairs of neighbours, or lines, of which one may have an outlier of its own
@@ -19,7 +19,7 @@ _MAX_ROUNDS = 8
 _MIN_POINTS = 20  # points at edges below which their distances are judged by those inside
 
 
-def bridged(heights: Floats, *, beyond: bool) -> Floats:
+def interpolate_missing(heights: Floats, *, beyond: bool) -> Floats:
     """Heights with straight lines over holes (NaN) along x, or else y; `beyond` takes those at an edge on to it."""
     full = heights.copy()
     for to_edge in (False, True)[: 1 + beyond]:
@@ -32,7 +32,7 @@ def bridged(heights: Floats, *, beyond: bool) -> Floats:
     return full
 
 
-def largest_hole(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]]:
+def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]]:
     """Points of the largest connected hole, and the box that it lies in."""
     from scipy.ndimage import find_objects, label
 
@@ -42,9 +42,9 @@ def largest_hole(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]]:
     return int(points[largest]), find_objects(numbers)[largest]
 
 
-def words_of_holes(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:
+def describe_missing(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:
     """What part of all points is missing, and where the largest hole is."""
-    points, box = largest_hole(missing)
+    points, box = find_largest_gap(missing)
     ends = [
         f"{axis} {with_unit(each.start * step, 'µm')} to {with_unit(each.stop * step, 'µm')}"
         for axis, each, step in zip("xy", box[::-1], spacing[::-1], strict=False)
@@ -52,7 +52,7 @@ def words_of_holes(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> st
     return f"{100 * missing.mean():.2g} % of all; the largest hole has {points}, at {', '.join(ends)}"
 
 
-def outliers_of(heights: Floats) -> NDArray[np.bool_]:
+def find_outliers(heights: Floats) -> NDArray[np.bool_]:
     """Find points that stand out alone or in groups of up to four, at edges as well.
 
     Parameters
@@ -82,13 +82,13 @@ def outliers_of(heights: Floats) -> NDArray[np.bool_]:
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.fmin(off_means / usual[0], off_lines / usual[1])
         ratio = np.where(judged & np.isfinite(left) & ~np.isnan(ratio), ratio, 0.0)
-        highest = (ratio > OUTLYING * 1.4826) & (ratio >= maximum_filter(ratio, size=3))
+        highest = (ratio > MIN_OUTLIER_DEVIATIONS * 1.4826) & (ratio >= maximum_filter(ratio, size=3))
         if not highest.any():
             break
         found |= highest
         left[highest] = np.nan
     numbers, _ = label(found, np.ones((3,) * heights.ndim))
-    return np.asarray(found & (np.bincount(numbers.ravel())[numbers] <= MAX_GROUP))
+    return np.asarray(found & (np.bincount(numbers.ravel())[numbers] <= MAX_OUTLIER_GROUP))
 
 
 def _usual_distance(distances: Floats, known: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:

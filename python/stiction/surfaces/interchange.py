@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-EQUAL_STEPS = 1e-6  # of a step: coordinates whose steps differ by more are not on a uniform grid
+STEP_TOLERANCE = 1e-6  # of a step: coordinates whose steps differ by more are not on a uniform grid
 
 
-class Taken(NamedTuple):
+class ForeignHeights(NamedTuple):
     """What a profile or a surface is made of."""
 
     heights: Floats  # (n,) or (rows, columns), µm
@@ -26,14 +26,14 @@ class Taken(NamedTuple):
     missing: Any = None  # where nothing was measured, of a body of our own
 
 
-def taken_from(name: str, other: Any, *, unit: str | None = None) -> Taken:
+def extract_heights(name: str, other: Any, *, unit: str | None = None) -> ForeignHeights:
     """Heights and spacing of a body of our own, or of an object of SurfaceTopography, surfalize or xarray.
 
     A unit is of all lengths where the object says none. A `ValueError` calls the argument by its name.
     """
     if hasattr(other, "heights") and hasattr(other, "history"):
         spacing = tuple(np.atleast_1d(other.spacing).tolist())
-        return Taken(other.heights, spacing, other.history, getattr(other, "missing", None))
+        return ForeignHeights(other.heights, spacing, other.history, getattr(other, "missing", None))
     kind = f"{type(other).__module__.split('.')[0]} {type(other).__name__}"
     if hasattr(other, "dims") and hasattr(other, "coords") and hasattr(other, "attrs"):
         return _of_data_array(name, other, kind, unit)
@@ -48,8 +48,8 @@ def taken_from(name: str, other: Any, *, unit: str | None = None) -> Taken:
     )
 
 
-def data_array_of(heights: Floats, history: tuple[str, ...], **positions: Floats) -> xarray.DataArray:
-    """Heights over the positions (µm) along y and x, or x, with units; `taken_from` gives the same back."""
+def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats) -> xarray.DataArray:
+    """Heights over the positions (µm) along y and x, or x, with units; `extract_heights` gives the same back."""
     import xarray
 
     along = {"units": "um", "long_name": "position"}
@@ -58,7 +58,7 @@ def data_array_of(heights: Floats, history: tuple[str, ...], **positions: Floats
     return xarray.DataArray(heights, coordinates, tuple(positions), "height", attributes)
 
 
-def words_of(kind: str, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> str:
+def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> str:
     """A body in a line: its size, its spacing, its roughness and where it is from."""
     size = " × ".join(map(str, heights.shape))
     steps = np.unique(spacing).tolist()
@@ -72,7 +72,7 @@ def words_of(kind: str, heights: Floats, spacing: tuple[float, ...], history: tu
     return f"{kind} of {size} points, {apart}, {rough}{made}"
 
 
-def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> Taken:
+def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
     """A topography of SurfaceTopography, whose first axis is x."""
     factor = _factor(name, other.unit or unit, kind)
     given = np.ma.asarray(other.heights())
@@ -85,7 +85,7 @@ def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> Taken:
     return _taken(name, heights.T, tuple(steps[::-1]), factor, kind)
 
 
-def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> Taken:
+def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
     """An array of xarray: heights over y and x, or over x, each with its unit in ``attrs["units"]``."""
     wanted = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
     if wanted is None or set(other.dims) != set(wanted):
@@ -109,7 +109,7 @@ def _step(name: str, axis: str, positions: Any) -> float:
     """Distance of neighbouring points that are equally far from each other."""
     at = np.asarray(positions, dtype=np.float64)
     steps = np.diff(at)
-    if not steps.size or not (steps > 0).all() or np.ptp(steps) > EQUAL_STEPS * steps.mean():
+    if not steps.size or not (steps > 0).all() or np.ptp(steps) > STEP_TOLERANCE * steps.mean():
         raise ValueError(f"{name} must have equal steps along {axis}, in rising order")
     first = float(steps[0])
     is_exact = np.array_equal(at, at[0] + np.arange(at.size) * first)
@@ -123,9 +123,9 @@ def _factor(name: str, unit: Any, kind: str) -> float:
     return float(LENGTH_UNITS[unit])
 
 
-def _taken(name: str, heights: Any, spacing: tuple[float, ...], factor: float, kind: str) -> Taken:
+def _taken(name: str, heights: Any, spacing: tuple[float, ...], factor: float, kind: str) -> ForeignHeights:
     if np.isnan(heights).any():
         raise ValueError(f"{name} has {int(np.isnan(heights).sum())} points without a height; fill them first")
-    return Taken(
+    return ForeignHeights(
         np.ascontiguousarray(heights) * factor, tuple(step * factor for step in spacing), (f"taken from a {kind}",)
     )

@@ -13,15 +13,15 @@ from stiction._drawing import draw_repeated
 from stiction._shown import Shown, axes_for
 from stiction.surfaces.filters import transmission
 from stiction.surfaces.preparation import levelled
-from stiction.surfaces.profile import Profile, refuse_missing
-from stiction.surfaces.scale import in_three_digits, variances
-from stiction.surfaces.surface import Surface, body_of
+from stiction.surfaces.profile import Profile, reject_missing
+from stiction.surfaces.scale import mean_square_heights, round_up_wavelength
+from stiction.surfaces.surface import Surface, as_body
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-NOISE_LEFT = 0.1  # share of the mean square slope that noise may have: h' is then right within 5 %
-LEAST_ALIKE = 0.5  # correlation of two scans below which they are of two places
+MAX_NOISE_FRACTION = 0.1  # share of the mean square slope that noise may have: h' is then right within 5 %
+MIN_CORRELATION = 0.5  # correlation of two scans below which they are of two places
 _SMOOTHED = (8.0, 4.0, 2.0, 1.0, 0.0)  # standard deviations (points) of the scans that are aligned, one after the other
 _STEPS = 4  # of each
 _ALIKE = 2 * math.sqrt(math.pi)  # points that a Gaussian of one point joins, of white noise
@@ -31,7 +31,7 @@ _ON_POINT = 1e-4  # points from a whole number that are none: repeats without no
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Repeated(Shown):
+class RepeatedScans(Shown):
     """What two scans of one place say of the instrument; arrays are over octaves of the wavelength.
 
     Attributes
@@ -55,10 +55,10 @@ class Repeated(Shown):
     Examples
     --------
     >>> import numpy as np
-    >>> from stiction import Profile, repeated, self_affine
+    >>> from stiction import Profile, compare_repeated_scans, self_affine
     >>> place = self_affine(1, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, shortest_wavelength=0.2)
     >>> noise = 1e-3 * np.random.default_rng(1).normal(size=(2, 4096))
-    >>> found = repeated(*(Profile(place.heights + each, spacing=0.01) for each in noise))
+    >>> found = compare_repeated_scans(*(Profile(place.heights + each, spacing=0.01) for each in noise))
     >>> round(1000 * found.noise_rms, 1)  # nm
     1.0
     """
@@ -80,7 +80,7 @@ class Repeated(Shown):
         return draw_repeated(axes_for(ax), self)
 
 
-def repeated(first: Profile | Surface, second: Profile | Surface) -> Repeated:
+def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) -> RepeatedScans:
     r"""Separate the noise of an instrument from the surface by two scans of one place.
 
     Parameters
@@ -103,10 +103,10 @@ def repeated(first: Profile | Surface, second: Profile | Surface) -> Repeated:
     Examples
     --------
     >>> import numpy as np
-    >>> from stiction import Profile, repeated, self_affine
+    >>> from stiction import Profile, compare_repeated_scans, self_affine
     >>> place = self_affine(1, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, shortest_wavelength=0.2)
     >>> drifted = Profile(place.heights[30:] + 0.5, spacing=0.01)
-    >>> repeated(place, drifted).shift
+    >>> compare_repeated_scans(place, drifted).shift
     (0.3,)
     """
     _check(first, second)
@@ -119,27 +119,31 @@ def repeated(first: Profile | Surface, second: Profile | Surface) -> Repeated:
     shift = tuple(round(float(each), 12) for each in moved * spacing)
     one, other = (levelled(kind(each, spacing=first.spacing), trend).heights for each in (one, other))
     alike = float(np.corrcoef(one.ravel(), other.ravel())[0, 1])
-    if not alike > LEAST_ALIKE:
+    if not alike > MIN_CORRELATION:
         raise ValueError(f"first and second must be scans of one place, but their correlation is {alike:.2f} at best")
     step = f"mean of two scans of one place, the second shifted by {', '.join(f'{each:.4g}' for each in shift)} µm"
     scan = kind((one + other) / 2, spacing=first.spacing, history=(*first.history, step))
     scan = levelled(scan, trend)
-    q, of_mean = variances(scan)
+    q, of_mean = mean_square_heights(scan)
     same = np.array_equal(one, other)
-    half = np.zeros(q.size) if same else variances(levelled(kind((one - other) / 2, spacing=first.spacing), trend))[1]
+    half = (
+        np.zeros(q.size)
+        if same
+        else mean_square_heights(levelled(kind((one - other) / 2, spacing=first.spacing), trend))[1]
+    )
     shortest = 2 * float(spacing.max())
     octave = np.maximum(np.floor(np.log2(2 * math.pi / (q * shortest)) + 1e-9), 0).astype(np.intp)
     noise, common = (np.sqrt(np.maximum(np.bincount(octave, each), 0)) for each in (2 * half, of_mean - half))
     wavelength = read_only(np.asarray(shortest * np.exp2(np.arange(noise.size)), np.float64))
     rms, longest = float(np.std(one - other) / math.sqrt(2)), float(np.min(scan.extent)) / 3
     limit = _limit(q, of_mean, half, shortest, longest)
-    return Repeated(scan, shift, alike, wavelength, read_only(noise), read_only(common), rms, limit)
+    return RepeatedScans(scan, shift, alike, wavelength, read_only(noise), read_only(common), rms, limit)
 
 
 def _check(first: Any, second: Any) -> None:
     for name, body in (("first", first), ("second", second)):
-        body_of(name, body)
-        refuse_missing(body, "comparing two scans")
+        as_body(name, body)
+        reject_missing(body, "comparing two scans")
         if body.is_flat:
             raise ValueError(f"{name} must not be flat")
     if type(first) is not type(second) or not np.allclose(first.spacing, second.spacing, rtol=1e-6, atol=0):
@@ -151,13 +155,13 @@ def _check(first: Any, second: Any) -> None:
 
 def _limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: float) -> float:
     """The shortest cut-off that leaves noise no more than its part of the mean square slope."""
-    if noise @ q**2 <= NOISE_LEFT * (of_mean @ q**2):
+    if noise @ q**2 <= MAX_NOISE_FRACTION * (of_mean @ q**2):
         return shortest
     wave: float
     for wave in np.geomspace(shortest, longest, _CANDIDATES).tolist():
         kept = np.square(q * transmission(q, wave))
-        if noise @ kept <= NOISE_LEFT * (of_mean @ kept):
-            return in_three_digits(wave)
+        if noise @ kept <= MAX_NOISE_FRACTION * (of_mean @ kept):
+            return round_up_wavelength(wave)
     return math.nan
 
 

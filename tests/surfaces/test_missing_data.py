@@ -6,6 +6,7 @@ from stiction import (
     Surface,
     cropped,
     cut_off,
+    flipped,
     levelled,
     on_common_grid,
     pair,
@@ -15,12 +16,11 @@ from stiction import (
     rotated,
     self_affine,
     self_affine_surface,
-    turned_over,
     write_profile,
     write_surface,
 )
 from stiction.studies.pair import Pair
-from stiction.surfaces.holes import outliers_of
+from stiction.surfaces.missing_data import find_outliers
 
 HOLE = np.s_[20:44, 30:50]
 READ = {"unit": "um", "spacing": "0.1 um"}
@@ -49,7 +49,7 @@ def test_masks_follow_the_points_through_all_that_is_done_to_a_scan(whole, path,
         "480 missing points masked, 12 % of all; the largest hole has 480, at x 3 µm to 5 µm, y 2 µm to 4.4 µm"
     )
     ones = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)  # marks the points as heights
-    for move in (turned_over, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):
+    for move in (flipped, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):
         assert np.array_equal(move(scan).missing, np.abs(move(ones).heights) == 1)
     for same in (levelled(scan, "quadratic"), cut_off(scan, 0.5), scan.with_amplitude(1.0), Surface.from_(scan)):
         assert np.array_equal(same.missing, missing)
@@ -104,14 +104,14 @@ def test_what_is_cropped_is_read_alone(whole, path):
 def test_single_points_that_stand_out_are_outliers_and_others_are_not(hurst, tmp_path):
     options = {"hurst_exponent": hurst, "rms": 0.02, "spacing": 0.1}
     for body in (self_affine(1, points=4000, **options), self_affine_surface(1, shape=(128, 128), **options)):
-        assert not outliers_of(body.heights).any()
+        assert not find_outliers(body.heights).any()
         heights, usual = body.heights.copy(), float(np.abs(np.diff(body.heights)).mean())
         flat = heights.reshape(-1)
         spikes = np.arange(210, flat.size - 210, 613)
         spikes = spikes[(spikes % 128 > 0) & (spikes % 128 < 127)]  # not at an edge
         flat[spikes] += 20 * usual * (-1.0) ** np.arange(spikes.size)
         flat[2000:2006] += 20 * usual  # a feature of more points than a group has
-        found = outliers_of(heights)
+        found = find_outliers(heights)
         assert np.array_equal(np.flatnonzero(found), spikes)
         np.save(tmp_path / f"{heights.ndim}.npy", heights)
         for missing, mask in (("error", True), ("mask", True), ("interpolate", False)):
@@ -119,7 +119,7 @@ def test_single_points_that_stand_out_are_outliers_and_others_are_not(hurst, tmp
             assert np.abs(scan.heights - body.heights)[found].max() < 10 * usual
             assert (scan.missing is not None) == mask
             assert any(f"{spikes.size} outliers" in step for step in scan.history)
-    assert not outliers_of(np.full(20, np.nan)).any()
+    assert not find_outliers(np.full(20, np.nan)).any()
 
 
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
@@ -133,12 +133,12 @@ def test_outliers_in_groups_and_at_edges_are_found(shape):
     spikes[tuple(np.transpose(places))] = True
     rng = np.random.default_rng(2)
     heights[spikes] += rng.choice([-1, 1], len(places)) * rng.uniform(40, 100, len(places)) * usual
-    assert np.array_equal(outliers_of(heights), spikes)
+    assert np.array_equal(find_outliers(heights), spikes)
 
 
 @pytest.mark.parametrize("kind", CLEAN)
 def test_outliers_of_a_clean_profile_are_rare(kind):
-    found = sum(int(outliers_of(CLEAN[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
+    found = sum(int(find_outliers(CLEAN[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
     assert found <= 10  # of 10240 points
 
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 from scipy.ndimage import grey_dilation
-from stiction import Profile, Surface, repeated, self_affine, self_affine_surface, tip_reconstructed
-from stiction.surfaces.scale import variances
+from stiction import Profile, Surface, compare_repeated_scans, self_affine, self_affine_surface, tip_reconstructed
+from stiction.surfaces.scale import mean_square_heights
 
 RECOVERED = 0.1  # of the noise in an octave, from four points up; by chance 3 % in the shortest and 1 % on maps
 ROUND_OFF = 1e-15
@@ -40,16 +40,16 @@ def test_two_scans_of_one_place_give_the_noise_of_any_colour(dimensions, colour)
         for start, own in zip(starts, noise, strict=True)
     ]
     scans[1] = scans[1] + 0.3 + 1e-5 * np.indices(shape).sum(axis=0)
-    found = repeated(*(kind(each, spacing=spacing) for each in scans))
+    found = compare_repeated_scans(*(kind(each, spacing=spacing) for each in scans))
     slack = 1.0 if colour == "pink" else 0.3  # points: slopes of noise are ten times those of the surface
     assert np.abs(np.array(found.shift) / spacing - np.array(moved) / 2).max() < slack
     assert found.correlation > 0.99
-    true = np.mean([variances(kind(own, spacing=spacing))[1] for own in noise], axis=0)
-    q = variances(kind(noise[0], spacing=spacing))[0]
+    true = np.mean([mean_square_heights(kind(own, spacing=spacing))[1] for own in noise], axis=0)
+    q = mean_square_heights(kind(noise[0], spacing=spacing))[0]
     octave = np.maximum(np.floor(np.log2(np.pi / (q * spacing)) + 1e-9), 0).astype(int)
     true = np.sqrt(np.bincount(octave, true))
     clean = kind(truth[tuple(slice(0, 2 * points, 2) for _ in shape)], spacing=spacing)
-    common = np.sqrt(np.bincount(octave, variances(clean)[1]))
+    common = np.sqrt(np.bincount(octave, mean_square_heights(clean)[1]))
     told = (true > 0.01 * rms) & (np.bincount(octave) > 60)
     told[0] = False  # from four points up
     assert told.sum() >= (1 if colour == "band" else 3)
@@ -58,16 +58,16 @@ def test_two_scans_of_one_place_give_the_noise_of_any_colour(dimensions, colour)
     assert seen.any()
     np.testing.assert_allclose(found.common[seen], common[seen], rtol=RECOVERED)
     # The mean without waves below the limit has a tenth of its mean square slope of noise.
-    q, whole = variances(found.scan)
+    q, whole = mean_square_heights(found.scan)
     kept = q**2 * np.exp(-2 * np.log(2) * (q * found.limit / (2 * np.pi)) ** 2)
-    left = variances(kind((noise[0] - noise[1]) / 2, spacing=spacing))
+    left = mean_square_heights(kind((noise[0] - noise[1]) / 2, spacing=spacing))
     left = left[1] @ (left[0] ** 2 * np.exp(-2 * np.log(2) * (left[0] * found.limit / (2 * np.pi)) ** 2))
     assert left / (whole @ kept) == pytest.approx(0.1, rel=0.15)
 
 
 def test_a_scan_and_itself_have_no_noise_and_other_places_are_refused():
     first, other = (self_affine(seed, hurst_exponent=0.8, rms=0.1, points=2000, spacing=0.1) for seed in (1, 2))
-    found = repeated(first, Profile(first.heights[100:], spacing=0.1))
+    found = compare_repeated_scans(first, Profile(first.heights[100:], spacing=0.1))
     assert (found.shift, found.limit) == ((10.0,), 0.2)
     assert max(found.noise_rms, found.noise.max()) < ROUND_OFF
     area = Surface(np.eye(40), spacing=0.1)
@@ -78,7 +78,7 @@ def test_a_scan_and_itself_have_no_noise_and_other_places_are_refused():
         (first, 3, "second must be a Profile or a Surface"), (Profile(np.zeros(9), spacing=0.1), first, "not be flat"),
     ):  # fmt: skip
         with pytest.raises(ValueError, match=why):
-            repeated(one, two)
+            compare_repeated_scans(one, two)
 
 
 def dilated(body, radius):
