@@ -101,7 +101,10 @@ def test_missing_points_are_interpolated_if_that_is_asked_and_columns_are_chosen
     assert_refused(stiction_command("characterise", "gaps.csv", cwd=folder), "1 missing points of 3000", "interpolate")
     for missing, done in (("interpolate", "interpolated"), ("mask", "masked")):
         history, said, _ = characterise("gaps.csv", "--missing", missing, cwd=folder)
-        assert f"1 missing points {done}, 0.033 % of all; the largest hole has 1, at x 0.98 µm to 0.99 µm" in history
+        assert (
+            f"1 missing points {done}, 0.033 % of all points; the largest gap has 1 point, at x 0.98 µm to 0.99 µm"
+            in history
+        )
         assert "outliers none" in words(said)
     # And columns are those asked for.
     lines = (folder / "scan.csv").read_text(encoding="utf-8").splitlines()

@@ -158,8 +158,11 @@ def test_says_where_the_interval_says_little():
     assert sure.interval_classical == (2 - sure.upper, 2 - sure.lower)
     assert sure.interval_paper[0] < sure.fractal_dimension_paper < sure.interval_paper[1]
     for ends, said in (
-        ((0.446, -0.009, 1.114), "the 95 % interval of H, [-0.01, 1.11], says little: the band is 0.5 decades wide"),
-        ((0.9, 0.7, 1.1), "the 95 % interval of H, [0.70, 1.10], leaves the range from 0 to 1"),
+        (
+            (0.446, -0.009, 1.114),
+            "the 95 % interval of H, [-0.01, 1.11], is too wide to be useful: the band is 0.5 decades wide",
+        ),
+        ((0.9, 0.7, 1.1), "the 95 % interval of H, [0.70, 1.10], exceeds the range 0 to 1"),
         ((1.2, 1.1, 1.3), "H above 1 is not self-affine but smooth"),
     ):
         value, lower, upper = ends

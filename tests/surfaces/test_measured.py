@@ -222,7 +222,7 @@ def test_missing_points_are_interpolated_inside_and_left_out_at_the_ends(file):
     assert profile.heights.tolist() == [1, 2, 3, 4, 0]
     assert profile.history[-2] == "2 missing points at its ends left out"
     assert profile.history[-1] == (
-        "2 missing points interpolated, 40 % of all; the largest hole has 2, at x 100 nm to 0.3 µm"
+        "2 missing points interpolated, 40 % of all points; the largest gap has 2 points, at x 100 nm to 0.3 µm"
     )
 
 
@@ -726,7 +726,9 @@ def test_missing_points_of_x3p(file):
     assert "has 1 missing points of 54, the first at row 2, column 4, from 0 on" in refusal(path, read_surface)
     surface = read_surface(path, missing="interpolate")
     assert surface.heights[2, 4] == pytest.approx(1e6 * (METRES[2, 3] + METRES[2, 5]) / 2)
-    assert surface.history[-1].startswith("1 missing points interpolated, 1.9 % of all; the largest hole has 1, at x ")
+    assert surface.history[-1].startswith(
+        "1 missing points interpolated, 1.9 % of all points; the largest gap has 1 point, at x "
+    )
     gaps = np.where(np.arange(9) == 4, np.nan, METRES[0])
     for data in (x3p(gaps), x3p(gaps, listed=True)):
         profile = read_profile(file(data, "b.x3p"), missing="interpolate")

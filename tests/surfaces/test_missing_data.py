@@ -46,7 +46,8 @@ def test_masks_follow_the_points_through_all_that_is_done_to_a_scan(whole, path,
     assert np.array_equal(scan.missing, missing)
     assert np.array_equal(scan.heights[~missing], whole.heights[~missing])
     assert scan.history[-1] == (
-        "480 missing points masked, 12 % of all; the largest hole has 480, at x 3 µm to 5 µm, y 2 µm to 4.4 µm"
+        "480 missing points masked, 12 % of all points; "
+        "the largest gap has 480 points, at x 3 µm to 5 µm, y 2 µm to 4.4 µm"
     )
     ones = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)  # marks the points as heights
     for move in (flipped, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):

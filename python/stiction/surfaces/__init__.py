@@ -1,1 +1,1 @@
-"""Profiles: measured or generated heights on a uniform grid."""
+"""Measured and generated profiles and surfaces, their preparation and their roughness."""

@@ -1,4 +1,4 @@
-"""Cutting off the short waves of a profile or a surface by the Gaussian filter of ISO 16610."""
+"""Low-pass filter of profiles and surfaces: the Gaussian filter of ISO 16610."""
 
 from __future__ import annotations
 
@@ -8,35 +8,36 @@ from stiction.surfaces.surface import AnyBody, as_body
 
 MAX_CUTOFF_FRACTION = (
     1 / 3
-)  # longest wavelength that can be cut off, as a fraction of the shortest side: longer waves are too few
+)  # longest cutoff wavelength over the shortest side: a longer one leaves fewer than three periods
 
 
 def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyBody:
-    r"""A profile or a surface without its short waves, as a coarser instrument would see it.
+    r"""Low-pass filter a profile or a surface, as an instrument of lower resolution does.
 
     Parameters
     ----------
     body : Profile or Surface
     wavelength : float, µm
-        Of which half the amplitude is left: from two points (of the finer spacing) to a third of the shortest side.
+        Cutoff wavelength, at which half of the amplitude is transmitted. From two points (of the finer spacing) to a
+        third of the shortest side.
     periodic : bool
-        Whether the body ends where it begins. If not, a straight line or a plane that it contains stays as it is up to
-        its ends.
+        Whether the body is periodic. If not, a tilt is preserved up to the ends.
 
     Returns
     -------
     Profile or Surface
-        On the same grid; the step is added to its history.
+        The filtered body on the same grid, with the step added to its history.
 
     Notes
     -----
-    The S-filter of `filtered`. A wave of length λ is left with :math:`\exp[-\ln 2\,(λ_c/λ)^2]` of its amplitude.
+    Same as the S-filter of `filtered`: it transmits the fraction :math:`\exp[-\ln 2\,(λ_c/λ)^2]` of the amplitude at
+    wavelength λ.
 
     Examples
     --------
     >>> import numpy as np
     >>> from stiction import Profile, cut_off
-    >>> wave = Profile(np.cos(2 * np.pi * np.arange(200) / 20), spacing=0.1)  # of length 2 µm
+    >>> wave = Profile(np.cos(2 * np.pi * np.arange(200) / 20), spacing=0.1)  # wavelength 2 µm
     >>> round(float(cut_off(wave, 2.0, periodic=True).heights[0]), 6)
     0.5
     """

@@ -11,29 +11,30 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 
 PRUNING_FRACTION = 0.05  # fraction of the maximum height below which a hill or a dale is merged with its neighbour
-NUM_FEATURES = 5  # number of peaks or pits of the five-point parameters
+NUM_FEATURES = 5  # peaks or pits in the five-point parameters
 
 _Indices = NDArray[np.intp]
 
 
 def significant_peaks(heights: Floats, threshold: float) -> _Indices:
-    """Return the flat indices of the peaks of the hills that remain after Wolf pruning.
+    """Return the flat indices of the peaks that remain after Wolf pruning.
 
     Parameters
     ----------
     heights : (rows, columns) ndarray
-        For pits, their negative.
+        Pass the negative heights to find pits.
     threshold : float
-        Hills whose peak is less than this above their highest saddle are merged across the saddle.
+        A hill is merged with its neighbour if its peak rises less than this above their highest common saddle.
 
     Notes
     -----
-    Every point belongs to the peak that the steepest of its eight neighbours leads to. Merging the lowest hill first,
-    as Wolf pruning does, leaves the peaks that the highest saddle on the way to any higher peak lies by at least the
-    threshold below; these are read from the maximum spanning tree of saddles between neighbouring hills.
+    Every point belongs to the peak that is reached by repeated steps to the highest of the eight neighbours. Wolf
+    pruning merges the lowest hill first. A peak remains if it rises by at least the threshold above the highest saddle
+    on any path to a higher peak. The maximum spanning tree of the saddles between neighbouring hills contains these
+    saddles.
     """
     order = np.argsort(heights, axis=None, kind="stable")
-    rank = np.empty(heights.size, np.int64)  # equal heights are ordered by their place
+    rank = np.empty(heights.size, np.int64)  # ties are ordered by flat index
     rank[order] = np.arange(heights.size)
     hill = _hills(rank.reshape(heights.shape), order)
     peaks, hill = np.unique(hill, return_inverse=True)
@@ -52,8 +53,8 @@ def significant_peaks(heights: Floats, threshold: float) -> _Indices:
             index = root[index]
         return index
 
-    for one, other, height in zip(first.tolist(), second.tolist(), level, strict=True):
-        low, high = find(one), find(other)
+    for hill_a, hill_b, height in zip(first.tolist(), second.tolist(), level, strict=True):
+        low, high = find(hill_a), find(hill_b)
         if above[low] > above[high]:
             low, high = high, low
         root[low] = high
@@ -62,7 +63,7 @@ def significant_peaks(heights: Floats, threshold: float) -> _Indices:
 
 
 def _hills(rank: NDArray[np.int64], order: _Indices) -> _Indices:
-    """Return the flat index of the peak that each point leads to."""
+    """Return the flat index of the peak of every point."""
     from scipy.ndimage import maximum_filter
 
     above = order[maximum_filter(rank, size=3, mode="nearest").ravel()]
@@ -74,19 +75,19 @@ def _hills(rank: NDArray[np.int64], order: _Indices) -> _Indices:
 
 
 def _saddles(hill: _Indices, rank: NDArray[np.int64], count: int) -> tuple[_Indices, _Indices, _Indices]:
-    """Return pairs of hills and the ranks of their saddles, falling, that connect all hills as high as possible."""
+    """Return the saddles of the maximum spanning tree: pairs of hills and ranks, in descending order."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 
     keys, levels = [], []
-    for one, other in (
+    for here, neighbour in (
         (np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:]),
         (np.s_[:-1, :-1], np.s_[1:, 1:]), (np.s_[:-1, 1:], np.s_[1:, :-1]),
     ):  # fmt: skip
-        apart = hill[one] != hill[other]
-        a, b = hill[one][apart], hill[other][apart]
+        differs = hill[here] != hill[neighbour]
+        a, b = hill[here][differs], hill[neighbour][differs]
         keys.append(np.minimum(a, b) * count + np.maximum(a, b))
-        levels.append(np.minimum(rank[one][apart], rank[other][apart]))
+        levels.append(np.minimum(rank[here][differs], rank[neighbour][differs]))
     key, level = np.concatenate(keys), np.concatenate(levels)
     order = np.lexsort((level, key))
     key, level = key[order], level[order]
@@ -95,8 +96,8 @@ def _saddles(hill: _Indices, rank: NDArray[np.int64], count: int) -> tuple[_Indi
     edges = coo_array(((rank.size - level).astype(np.float64), (key // count, key % count)), shape=(count, count))
     tree = minimum_spanning_tree(edges.tocsr()).tocoo()
     saddle = (rank.size - tree.data).astype(np.intp)
-    falling = np.argsort(-saddle)
-    return tree.row[falling], tree.col[falling], saddle[falling]
+    descending = np.argsort(-saddle)
+    return tree.row[descending], tree.col[descending], saddle[descending]
 
 
 class FeatureParameters(NamedTuple):
@@ -109,10 +110,11 @@ class FeatureParameters(NamedTuple):
 
 
 def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> FeatureParameters:
-    """Compute peak density, mean peak curvature, and five-point peak height and pit depth of heights about their mean.
+    """Compute peak density, mean peak curvature, five-point peak height and five-point pit depth.
 
-    The density is per area of points times spacing. The curvature is that of second differences, of peaks inside of
-    the map. Peaks and pits at its border count for density and heights.
+    `deviation` is the height about its mean. The density is the number of peaks per nominal area (points times
+    spacing). The curvature comes from second differences at peaks that are not on the border. Peaks and pits on the
+    border contribute to the density and to the heights.
     """
     threshold = PRUNING_FRACTION * float(np.ptp(deviation))
     peaks, pits = (significant_peaks(heights, threshold) for heights in (deviation, -deviation))
@@ -120,9 +122,9 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
     row, column = np.divmod(peaks, columns)
     inside = (row > 0) & (row < rows - 1) & (column > 0) & (column < columns - 1)
     row, column = row[inside], column[inside]
-    at = deviation[row, column]
-    bend_y = (deviation[row - 1, column] - 2 * at + deviation[row + 1, column]) / spacing[0] ** 2
-    bend_x = (deviation[row, column - 1] - 2 * at + deviation[row, column + 1]) / spacing[1] ** 2
+    top = deviation[row, column]
+    bend_y = (deviation[row - 1, column] - 2 * top + deviation[row + 1, column]) / spacing[0] ** 2
+    bend_x = (deviation[row, column - 1] - 2 * top + deviation[row, column + 1]) / spacing[1] ** 2
     curvature = -float(np.mean(bend_x + bend_y)) / 2 if row.size else math.nan
     flat = deviation.ravel()
     return FeatureParameters(
@@ -132,5 +134,5 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
 
 
 def _mean_of_five(heights: Floats) -> float:
-    """Return the mean of the five largest heights; NaN if there are fewer."""
+    """Return the mean of the five largest heights, or NaN if there are fewer than five."""
     return math.nan if heights.size < NUM_FEATURES else float(np.sort(heights)[-NUM_FEATURES:].mean())

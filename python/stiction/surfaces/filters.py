@@ -16,14 +16,12 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 Powers = tuple[int, ...]
-_REACH = (
-    1.6  # cutoff wavelengths to each side over which weights are summed; beyond, they are below 1e-15 of the largest
-)
-_MIN_WEIGHTS = 64  # weights to each side; for cutoffs of two or three points they fall slowly, here to 1e-5
-_MIN_COVERAGE = 1e-6  # weight of the points in reach, as a fraction of all, below which no mean line is estimated
-_MIN_PIVOT = 1e-9  # pivot of the normalised local equations below which they do not fix a polynomial
+_REACH = 1.6  # half width of the weight function, in cutoff wavelengths: weights beyond are below 1e-15 of the largest
+_MIN_WEIGHTS = 64  # weights on each side: for cutoffs of two or three points they decay slowly, to 1e-5 here
+_MIN_COVERAGE = 1e-6  # fraction of the weights at measured points, below which no mean line is estimated
+_MIN_PIVOT = 1e-9  # smallest pivot of the normalised local equations; below it they are singular
 _BIWEIGHT = 4.4478  # times the median absolute deviation: three standard deviations of normally distributed heights
-_ROBUST_TOLERANCE = 1e-4  # largest change of the mean line over the biweight scale at which the iteration ends
+_ROBUST_TOLERANCE = 1e-4  # convergence: largest change of the mean line over the biweight scale
 _MAX_ITERATIONS = 200
 
 
@@ -35,23 +33,23 @@ def filtered(
     Parameters
     ----------
     body : Profile or Surface
-        Points that are missing have no weight. The filtered heights at these points are estimates from the others.
+        Missing points have zero weight. Their filtered heights are estimated from the measured points.
     cutoff : float, µm
-        Nesting index: the wavelength of which the Gaussian filter transmits half the amplitude. From two points (of
+        Nesting index: the wavelength at which the Gaussian filter transmits half of the amplitude. From two points (of
         the finer spacing) to the shortest side.
     kind : {"S", "L"}
         "S" removes the small lateral scales and returns the mean line, such as the primary profile for λs or the
         waviness for λc. "L" removes the large lateral scales and returns the deviation from the mean line, such as the
         roughness profile for λc.
     robust : bool
-        Estimate the mean line with Tukey's biweight, so that deep valleys, scratches and spikes do not pull it.
+        Estimate the mean line with Tukey's biweight, which limits the influence of deep valleys, scratches and spikes.
     periodic : bool
-        Whether the body ends where it begins. Not available with `robust`.
+        Whether the body is periodic. Not available with `robust`.
 
     Returns
     -------
     Profile or Surface
-        On the same grid; the step is added to its history.
+        The filtered body on the same grid, with the step added to its history.
 
     Raises
     ------
@@ -60,17 +58,18 @@ def filtered(
 
     Notes
     -----
-    The linear filter is that of ISO 16610-21 and, along both axes, ISO 16610-61. A wave of length λ is left with
+    The linear filter is that of ISO 16610-21 and, along both axes, ISO 16610-61. At wavelength λ it transmits
 
     .. math:: \exp[-\ln 2\,(λ_c/λ)^2] = \exp[-π (αλ_c/λ)^2], \qquad α = (\ln 2/π)^{1/2}
 
-    of its amplitude. Towards the ends and beside missing points, where a part of the weights
-    :math:`\exp[-π (x/αλ_c)^2]` has no points, a straight line (along both axes of a surface) is fitted with the
-    remaining ones: the moments of zeroth and first order are retained, which ISO 16610-28 offers for end effects.
+    of the amplitude. Near the ends and near missing points, some of the weights :math:`\exp[-π (x/αλ_c)^2]` have no
+    points. There a straight line (a bilinear function for a surface) is fitted with the remaining weights, which
+    retains the moments of order zero and one, as ISO 16610-28 proposes for end effects.
 
-    The robust filter is the Gaussian regression filter of second degree of ISO 16610-31 and ISO 16610-71: the local
+    The robust filter is the Gaussian regression filter of second degree of ISO 16610-31 and ISO 16610-71: local
     polynomials are fitted with the Gaussian weights times :math:`[1 - (r/c)^2]^2` for residuals of magnitude r below c,
-    where c is 4.4478 times the median of r, until no point of the mean line moves by more than 1e-4 c.
+    where c is 4.4478 times the median of r. The iteration ends when no point of the mean line changes by more than
+    1e-4 c.
 
     Examples
     --------
@@ -88,25 +87,25 @@ def filtered(
         raise ValueError("periodic must be False for a robust filter, got True")
     length = checked_cutoff("cutoff", cutoff, body, longest=1.0)
     smooth = robust_mean(body, length) if robust else gaussian_mean(body, length, periodic=periodic)
-    words = f"{'robust Gaussian regression' if robust else 'Gaussian'}, {length:g} µm"
+    description = f"{'robust Gaussian regression' if robust else 'Gaussian'}, {length:g} µm"
     if kind == "S":
-        return body.changed(smooth, f"S-filter ({words})")  # type: ignore[return-value]
-    return body.changed(body.heights - smooth, f"L-filter ({words})")  # type: ignore[return-value]
+        return body.changed(smooth, f"S-filter ({description})")  # type: ignore[return-value]
+    return body.changed(body.heights - smooth, f"L-filter ({description})")  # type: ignore[return-value]
 
 
 def checked_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Return a cutoff (µm) from two points of the finer spacing to a fraction of the shortest side."""
+    """Check a cutoff (µm) against the range from two points to `longest` times the shortest side, and return it."""
     sides = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = number(name, value, unit="µm", above=0)
     low, high = 2 * min(body.spacings), longest * min(sides)
     if not low <= length * ROUND_OFF_FACTOR or not length <= high * ROUND_OFF_FACTOR:
-        part = "the shortest side" if longest == 1 else "a third of the shortest side"
-        raise ValueError(f"{name} must be from two points, {low:g} µm, to {part}, {high:g} µm, got {value!r}")
+        end = "the shortest side" if longest == 1 else "a third of the shortest side"
+        raise ValueError(f"{name} must be from two points, {low:g} µm, to {end}, {high:g} µm, got {value!r}")
     return length
 
 
 def transmission(wave_number: Floats, cutoff: float) -> Floats:
-    """Return the fraction of the amplitude of waves (2π/λ, 1/µm) that the Gaussian filter of a cutoff (µm) leaves."""
+    """Return the amplitude transmission of the Gaussian filter at wave numbers (1/µm) for a cutoff wavelength (µm)."""
     return np.asarray(np.exp(-math.log(2) * np.square(wave_number * cutoff / (2 * math.pi))))
 
 
@@ -150,7 +149,7 @@ def robust_mean(body: Profile | Surface, cutoff: float) -> Floats:
 
 
 def _transmitted(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Smooth periodic heights by the transmission along each axis; cutoffs in points."""
+    """Filter periodic heights along each axis; the cutoffs `lengths` are in points."""
     from scipy.fft import irfft, rfft, rfftfreq
 
     for axis, length in enumerate(lengths):
@@ -161,28 +160,28 @@ def _transmitted(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _covered(sums: Floats, weights: Floats, heights: Floats) -> Floats:
-    """Divide sums by weights; heights where there is no weight."""
+    """Divide weighted sums by their weights; where the weight is too small, return the heights."""
     enough = weights > _MIN_COVERAGE
     return np.where(enough, sums / np.where(enough, weights, 1), heights)
 
 
 def _along(values: Any, axis: int, ndim: int) -> Any:
-    """Return values along one axis, for broadcasting."""
+    """Reshape values to broadcast along one axis."""
     return np.reshape(values, [-1 if each == axis else 1 for each in range(ndim)])
 
 
 def _linear(ndim: int) -> list[Powers]:
-    """Return the powers of x, or of y and x, of a straight line along each axis."""
+    """Return the exponents of (y and) x of a function that is linear along each axis."""
     return list(product(range(2), repeat=ndim))
 
 
 def _quadratic(ndim: int) -> list[Powers]:
-    """Return the powers of x, or of y and x, of a polynomial of second degree."""
+    """Return the exponents of (y and) x of a polynomial of second degree."""
     return [powers for powers in product(range(3), repeat=ndim) if sum(powers) <= 2]
 
 
 class _Kernel:
-    """Transforms of the Gaussian weights times powers of the offset, along an axis of so many points."""
+    """Gaussian weights times powers of the offset, along an axis of `points` points, padded for convolution."""
 
     def __init__(self, points: int, length: float) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
@@ -190,13 +189,13 @@ class _Kernel:
         reach = min(points - 1, max(math.ceil(_REACH * length), _MIN_WEIGHTS))
         self.points = points
         self.padded: int = next_fast_len(points + reach, real=True)
-        # The weights whose transform is the transmission up to the Nyquist wave number.
+        # Weights with exactly the analytic transmission up to the Nyquist wave number.
         fine = next_fast_len(max(self.padded, 4 * reach + 2), real=True)
         self._weights = irfft(transmission(2 * math.pi * rfftfreq(fine), length), fine)[: reach + 1]
         self._offset = np.arange(reach + 1) / length
 
     def line(self, power: int) -> Floats:
-        """Weights times (x' - x)^power over the cutoff, cyclic, for convolution with heights at x'."""
+        """Return the weights times ((x' - x) / cutoff)^power in cyclic order, for convolution with heights at x'."""
         values = self._weights * self._offset**power
         line = np.zeros(self.padded)
         line[: values.size] = values if power % 2 == 0 else -values
@@ -206,7 +205,7 @@ class _Kernel:
 
 
 def _regression_along(heights: Floats, axis: int, length: float) -> Floats:
-    """Compute the values at each point of the straight line that is fitted along an axis with Gaussian weights."""
+    """Compute the value at each point of the local straight line, fitted along an axis with Gaussian weights."""
     from scipy.fft import irfft, rfft
 
     kernel = _Kernel(heights.shape[axis], length)
@@ -220,13 +219,13 @@ def _regression_along(heights: Floats, axis: int, length: float) -> Floats:
 
 
 def _regression(heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[Powers]) -> Floats:
-    """Compute the values at each point of local polynomials, fitted with Gaussian weights times those of the points."""
+    """Compute the value at each point of the local polynomial, fitted with Gaussian weights times `weights`."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_Kernel(*each) for each in zip(heights.shape, lengths, strict=True)]
     padded = [kernel.padded for kernel in kernels]
     inside = tuple(slice(points) for points in heights.shape)
-    # Transforms along all axes but the last are complex and full; along the last they are half as long.
+    # As in rfftn: a full complex transform along all axes except the last, and a half transform along the last.
     lines = [
         [
             _along((np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.line(power)), axis, heights.ndim)
@@ -242,25 +241,25 @@ def _regression(heights: Floats, weights: Floats, lengths: Sequence[float], basi
 
     of_weights, of_heights = rfftn(weights, padded), rfftn(weights * heights, padded)
     right = [sums(of_heights, powers) for powers in basis]
-    pairs = {_added(one, other) for one in basis for other in basis}
+    pairs = {_product(a, b) for a in basis for b in basis}
     moments = {powers: sums(of_weights, powers) for powers in pairs}
     return _constants(basis, moments, right, heights)
 
 
-def _added(one: Powers, other: Powers) -> Powers:
-    """Return the powers of a product of two terms."""
+def _product(one: Powers, other: Powers) -> Powers:
+    """Return the exponents of the product of two monomials."""
     return tuple(a + b for a, b in zip(one, other, strict=True))
 
 
 def _constants(basis: Sequence[Powers], moments: dict[Powers, Floats], right: list[Floats], heights: Floats) -> Floats:
-    """Solve for the constant terms, the first of the basis, of all local polynomials by elimination of the others.
+    """Solve for the constant term of every local polynomial by Gaussian elimination of the other terms.
 
-    Where the points do not fix the polynomial it is that of degree zero; where none is in reach the height is kept.
+    Where the equations are singular, return the weighted mean; where no measured point is in reach, the height.
     """
     terms = range(len(basis))
     total = np.where(moments[basis[0]] > _MIN_COVERAGE, moments[basis[0]], 1)
-    # Row k is that of term k; what is left of the rows after each elimination stays symmetric.
-    rows = {(k, m): moments[_added(basis[k], basis[m])] / total for k in terms for m in range(k + 1)}
+    # Lower triangle of the normal equations, row k for term k. The Schur complements remain symmetric.
+    rows = {(k, m): moments[_product(basis[k], basis[m])] / total for k in terms for m in range(k + 1)}
     values = [each / total for each in right]
     constant = values[0]
     fixed = moments[basis[0]] > _MIN_COVERAGE

@@ -1,4 +1,4 @@
-"""Least-squares circles, spheres and cylinders: the nominal form of round parts under their roughness."""
+"""Least-squares circles, spheres and cylinders: the nominal form of round parts."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from stiction._checks import Floats
 from stiction._shown import with_unit
 
 RoundForm = Literal["circle", "sphere", "cylinder"]
-Points = tuple[Floats, Floats]  # positions x and y of points from the middle, µm
+Points = tuple[Floats, Floats]  # coordinates (x, y) from the middle, µm
 _Model = Callable[[Floats, Points], Floats]
-_STEEPEST = 1e-6  # smallest square of the cosine of the slope at which a cap is still evaluated: it ends at its equator
-_TOLERANCE = 1e-12  # relative change at which the fit ends
+_MIN_COSINE_SQUARED = 1e-6  # squared cosine of the slope at which the form is cut off, just before the equator
+_TOLERANCE = 1e-12  # relative change at which the fit has converged
 
 
 def round_form(
@@ -27,15 +27,16 @@ def round_form(
     Returns
     -------
     (ndarray, str)
-        The heights of the fitted form, and the form with its radius in words.
+        The heights of the fitted form, and a description of the form with its radius.
 
     Notes
     -----
-    A sphere of curvature κ with slopes s at the middle has the height
+    A sphere of curvature κ and slope s at the middle has the height
 
     .. math:: h = \frac{κu^2 + 2 s·u/g}{1/g + \sqrt{1/g^2 - κ(κu^2 + 2 s·u/g)}}, \qquad g = \sqrt{1 + s^2}
 
-    at u from the middle, which stays a plane for κ = 0. A cylinder is such an arc across its axis, and a line along it.
+    at the position u from the middle; for κ = 0 it is a plane. A cylinder has this arc across its axis and a straight
+    line along it.
     """
     from scipy.optimize import least_squares
 
@@ -56,9 +57,9 @@ def round_form(
 
 
 def _arc(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
-    """Return heights of a cap at squared distances from the middle; tilt is the slope there times the distance."""
+    """Return the heights of an arc, from squared distances from the middle and the slope there times the distance."""
     rise = curvature * square + 2 * tilt * cosine
-    root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _STEEPEST))
+    root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
 
 
@@ -86,7 +87,7 @@ _MODELS: dict[str, _Model] = {"circle": _circle, "sphere": _sphere, "cylinder": 
 
 
 def _start(form: RoundForm, points: Points, heights: Floats) -> Floats:
-    """Return first values from the paraboloid that fits best."""
+    """Estimate initial parameters from the least-squares paraboloid."""
     x, y = points
     if form == "circle":
         square, slope, height = np.polynomial.polynomial.polyfit(x, heights, 2)[::-1]
@@ -104,7 +105,7 @@ def _start(form: RoundForm, points: Points, heights: Floats) -> Floats:
 
 
 def _scales(form: RoundForm, points: Points, heights: Floats) -> Floats:
-    """Return changes of the values that change the heights by their own size."""
+    """Return typical magnitudes of the parameters, which scale the least-squares problem."""
     size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
     height = float(np.ptp(heights))
     slopes = {"circle": [height / size], "sphere": [height / size] * 2, "cylinder": [height / size] * 2 + [1.0]}

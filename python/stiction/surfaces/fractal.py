@@ -22,11 +22,12 @@ SIDE_KEY = {"lower": 0, "upper": 1}
 def random_phases(
     seed: int, *, repetition: int = 0, side: Side = "lower", directions: int = 40, frequencies: int = 40
 ) -> Floats:
-    """Independent phases, uniform on [0, 2π), of one surface.
+    """Return independent random phases of one surface, uniform on [0, 2π).
 
-    They depend on (seed, repetition, side) alone: the 64-bit words of ``PCG64(SeedSequence([seed, repetition, side]))``
-    with side 0 for the lower and 1 for the upper body, their top 53 bits times 2π/2^53, in row-major order. NumPy keeps
-    these words from version to version, unlike the streams of its ``Generator``.
+    The phases depend only on (seed, repetition, side). They are the upper 53 bits of the 64-bit
+    words of ``PCG64(SeedSequence([seed, repetition, side]))`` times 2π/2^53, in row-major order, with side 0 for the
+    lower and 1 for the upper body. NumPy guarantees these words across versions, unlike the streams of its
+    ``Generator``.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def random_phases(
 
 
 def hurst_exponent(fractal_dimension: float, *, convention: Convention = "paper") -> float:
-    """H of Eq. 1 at a fractal dimension: 4 - 2D in the paper's measure, 2 - D in the textbooks'."""
+    """Return H of Eq. 1 for a fractal dimension D: 4 - 2D in the paper's convention, 2 - D in the classical one."""
     choice("convention", convention, Convention)
     dimension = number("fractal_dimension", fractal_dimension)
     if not 1 <= dimension < 2:
@@ -77,7 +78,7 @@ def weierstrass_mandelbrot_family(
     convention: Convention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Floats:
-    r"""Heights of Eq. 1 for one set of phases and many fractal dimensions, unscaled, y(0) = 0.
+    r"""Compute heights of Eq. 1 for one set of phases and several fractal dimensions, unscaled, with y(0) = 0.
 
     Parameters
     ----------
@@ -93,9 +94,9 @@ def weierstrass_mandelbrot_family(
     points : int
         At least 4.
     convention : {"paper", "classical"}
-        Whose fractal dimension it is: a Hurst exponent of 4 - 2D or of 2 - D.
+        Definition of the fractal dimension D: the Hurst exponent is 4 - 2D ("paper") or 2 - D ("classical").
     band_limit : {None, "nyquist"}
-        None keeps the harmonics above the grid's Nyquist frequency, as the paper does; they fold back.
+        None keeps the harmonics above the grid's Nyquist frequency, as the paper does; they are aliased.
         "nyquist" drops them.
 
     Returns
@@ -133,7 +134,7 @@ def fill_profiles(
     family: Floats, phases: ArrayLike, fractal_dimensions: ArrayLike, *, length_scale: float, gamma: float,
     extent: float, convention: Convention, band_limit: BandLimit | None,
 ) -> Floats:  # fmt: skip
-    """`weierstrass_mandelbrot_family` in memory that is there; the mean, lowest and highest of each, (k, 3), µm."""
+    """Write `weierstrass_mandelbrot_family` to `family`; return mean, minimum and maximum of the profiles (k, 3)."""
     phase_array = float_array("phases", phases, ndim=2)
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
     extent = number("extent", extent, unit="µm", above=0)
@@ -153,7 +154,7 @@ def _scale_and_ratio(length_scale: Any, gamma: Any, band_limit: Any) -> tuple[fl
 
 
 def _weights(dimension: Any, frequencies: int, scale: float, gamma: float, convention: Convention) -> Floats:
-    """Amplitude of each frequency, µm."""
+    """Return the amplitude of every frequency, µm."""
     hurst = hurst_exponent(dimension, convention=convention)
     return np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, scale))
 
@@ -169,7 +170,7 @@ def weierstrass_mandelbrot(
     convention: Convention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Profile:
-    """Profile of Eq. 1, unscaled; the arguments are those of `weierstrass_mandelbrot_family`.
+    """Generate a profile of Eq. 1, unscaled. The arguments are those of `weierstrass_mandelbrot_family`.
 
     Examples
     --------
@@ -259,7 +260,7 @@ def weierstrass_mandelbrot_moments(
     convention: Convention = "paper",
     shortest_wavelength: float = 0.0,
 ) -> ProfileMoments:
-    """Exact moments of Eq. 1: half the sum of a² k^(2j) over its harmonics, j = 0, 1, 2 for height, slope, curvature.
+    """Compute the exact spectral moments of Eq. 1: the sum of a² k^(2j) / 2 over the harmonics, j = 0, 1, 2.
 
     Parameters
     ----------
@@ -271,8 +272,8 @@ def weierstrass_mandelbrot_moments(
     gamma : float
     convention : {"paper", "classical"}
     shortest_wavelength : float, µm
-        Harmonics shorter than this are left out: twice the spacing for ``band_limit="nyquist"``, 0 for none.
-        Harmonics above the Nyquist frequency of a grid count as they are, not as they fold.
+        Harmonics shorter than this are excluded: use twice the spacing for ``band_limit="nyquist"``, 0 to include all.
+        Aliasing on a grid is not considered.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Harmonics of one period in a spectrum: the marks that feeds of turning and milling leave."""
+"""Harmonics of a periodic texture in a spectrum, such as the feed marks of turning and milling."""
 
 from __future__ import annotations
 
@@ -8,61 +8,62 @@ import numpy as np
 
 from stiction._checks import Floats
 
-MIN_HARMONIC_DISTANCE = 10  # bins between harmonics above which the spectrum between them can be judged
-_MIN_PERIODS = 2.5  # first harmonic, in bins: a Hann window spreads each over two bins to both sides
-_MAX_HARMONICS = 8  # harmonics that are compared with the spectrum between them
-_MIN_HARMONICS = 2  # harmonics above the first that a period must have, and a third of those that are compared
-_MAX_CANDIDATES = 6  # peaks that are tried as the first harmonic
-_TOOTH = 10.0  # density of a harmonic over that between harmonics: by chance about one in a thousand bins has it
-_LOBE = 2.5  # bins to each side of a harmonic that the window spreads it to
-_STEPS = 16  # steps to a bin in which the first harmonic is refined
-_QUANTILE = 0.3  # quantile of a spectrum within a period that harmonics, folded ones as well, do not reach
+MIN_HARMONIC_DISTANCE = 10  # bins between harmonics that are needed to assess the spectrum between them
+_MIN_PERIODS = 2.5  # smallest bin of a first harmonic: a Hann window spreads a line over two bins on each side
+_MAX_HARMONICS = 8  # largest number of harmonics that are compared with the spectrum between them
+_MIN_HARMONICS = 2  # smallest number of significant harmonics above the first; also at least a third of those compared
+_MAX_CANDIDATES = 6  # largest number of peaks that are tried as the first harmonic
+_MIN_LINE_RATIO = 10.0  # density of a harmonic over the density between harmonics: about one bin in 1000 by chance
+_LOBE = 2.5  # half width of a windowed harmonic, in bins
+_STEPS = 16  # steps per bin in the refinement of the first harmonic
+_QUANTILE = 0.3  # quantile of the density over one period that harmonics, including aliased ones, do not affect
 
 
 def find_period(density: Floats) -> tuple[float, float]:
-    """Find the first harmonic of a periodic texture and the distance of its harmonics, both in bins; NaN without one.
+    """Find the first harmonic of a periodic texture and the distance between harmonics, in bins; NaN if there is none.
 
-    A symmetric texture has odd harmonics only, so that their distance is twice the first.
+    A symmetric texture has odd harmonics only; the distance between them is then twice the first harmonic.
 
     Parameters
     ----------
     density : (n,) ndarray of float
-        Spectrum after a Hann window at bins 1 to n, the last one at the Nyquist wave number.
+        Spectrum after a Hann window, at bins 1 to n; bin n is the Nyquist wave number.
     """
     size = density.size
     padded = np.concatenate([[0.0], density])
     rising, falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, rising] & np.r_[falling, True])
     peaks = peaks[(peaks > _MIN_PERIODS) & (peaks * (1 + _MIN_HARMONICS) <= size)]
-    # Most of the slope of a texture is in its first harmonics.
+    # Sort by slope variance: the first harmonics of a texture have most of it.
     order = np.argsort(-padded[peaks] * np.square(peaks))[:_MAX_CANDIDATES]
-    best, found = 0.0, (math.nan, math.nan)
+    best_score, result = 0.0, (math.nan, math.nan)
     for peak in peaks[order].tolist():
         first = peak + np.arange(-_STEPS, _STEPS + 1) / _STEPS
         for step in (1, 2):
             orders = np.arange(1, min(step * _MAX_HARMONICS, int(size / (peak + 1))) + 1, step)
             level = _between(padded, peak * orders, step * peak)
-            at = np.rint(first[:, np.newaxis] * orders).astype(np.intp)
-            ratio = padded[np.minimum(at, size)] / level
+            bins = np.rint(first[:, np.newaxis] * orders).astype(np.intp)
+            ratio = padded[np.minimum(bins, size)] / level
             scores = np.log(np.maximum(ratio, 1.0)).sum(axis=1)
-            teeth = ratio[int(np.argmax(scores))] > _TOOTH
-            needed = max(_MIN_HARMONICS, teeth.size // 3 + 1)
-            if teeth[0] and teeth[1:].sum() >= needed and scores.max() > best:
-                best = float(scores.max())
+            significant = ratio[int(np.argmax(scores))] > _MIN_LINE_RATIO
+            needed = max(_MIN_HARMONICS, significant.size // 3 + 1)
+            if significant[0] and significant[1:].sum() >= needed and scores.max() > best_score:
+                best_score = float(scores.max())
                 period = float(first[scores == scores.max()].mean())
-                found = period, step * period
-    return found
+                result = period, step * period
+    return result
 
 
 def between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Return the density between the harmonics of a texture, from a low quantile over their distance (bins).
+    """Estimate the density between the harmonics of a texture from a low quantile over one period.
 
     Parameters
     ----------
     density : (n,) ndarray of float
     count : (n,) ndarray of float
-        Number of independent values in each, of which the quantile is a known part of the mean.
+        Number of independent values in every bin: it determines the ratio of quantile and mean.
     distance : float
+        Distance between harmonics, in bins.
     """
     from scipy.ndimage import percentile_filter
     from scipy.special import gammaincinv
@@ -73,11 +74,11 @@ def between_harmonics(density: Floats, count: Floats, distance: float) -> Floats
 
 
 def _between(padded: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Median density on both sides of each harmonic, halfway to the next ones."""
+    """Return the median density around every harmonic, up to halfway to its neighbours."""
     bins = np.arange(padded.size)
     levels = []
     for place in harmonics.tolist():
-        off = np.abs(bins - place)
-        apart = padded[(off > min(_LOBE, distance / 2 - 0.5)) & (off <= distance / 2) & (bins > 0)]
-        levels.append(float(np.median(apart)) if apart.size else math.inf)
+        distances = np.abs(bins - place)
+        nearby = padded[(distances > min(_LOBE, distance / 2 - 0.5)) & (distances <= distance / 2) & (bins > 0)]
+        levels.append(float(np.median(nearby)) if nearby.size else math.inf)
     return np.asarray(np.maximum(np.array(levels), np.finfo(float).tiny))

@@ -526,7 +526,7 @@ def _without_gaps(
         heights, gaps = heights[inside], gaps[inside]
     if not gaps.any():
         return heights, None, steps
-    full = interpolate_missing(heights, beyond=missing == "mask")
+    full = interpolate_missing(heights, extrapolate=missing == "mask")
     if left := int(np.isnan(full).sum()):
         raise FormatError(
             f"has {left} missing points at its edges without neighbours on both sides to interpolate from; "
