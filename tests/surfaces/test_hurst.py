@@ -152,25 +152,25 @@ class TestOfAProfile:
             estimate_hurst_exponent(Profile([0.0, 1.0] * 50, spacing=1.0), periodic=True)
 
 
-def test_says_where_the_interval_says_little():
-    sure = estimate_hurst_exponent(rough(points=4096))
-    assert sure.caution is None
-    assert sure.interval_classical == (2 - sure.upper, 2 - sure.lower)
-    assert sure.interval_paper[0] < sure.fractal_dimension_paper < sure.interval_paper[1]
-    for ends, said in (
+def test_caution_reports_wide_interval_and_exponents_outside_0_to_1():
+    estimate = estimate_hurst_exponent(rough(points=4096))
+    assert estimate.caution is None
+    assert estimate.interval_classical == (2 - estimate.upper, 2 - estimate.lower)
+    assert estimate.interval_paper[0] < estimate.fractal_dimension_paper < estimate.interval_paper[1]
+    for ends, caution in (
         (
             (0.446, -0.009, 1.114),
             "the 95 % interval of H, [-0.01, 1.11], is too wide to be useful: the band is 0.5 decades wide",
         ),
         ((0.9, 0.7, 1.1), "the 95 % interval of H, [0.70, 1.10], exceeds the range 0 to 1"),
-        ((1.2, 1.1, 1.3), "H above 1 is not self-affine but smooth"),
+        ((1.2, 1.1, 1.3), "H above 1 indicates a smooth surface"),
     ):
         value, lower, upper = ends
-        doubtful = replace(
-            sure, value=value, lower=lower, upper=upper, shortest_wavelength=1.0, longest_wavelength=10**0.5
+        uncertain = replace(
+            estimate, value=value, lower=lower, upper=upper, shortest_wavelength=1.0, longest_wavelength=10**0.5
         )
-        assert doubtful.caution is not None
-        assert doubtful.caution.startswith(said)
+        assert uncertain.caution is not None
+        assert uncertain.caution.startswith(caution)
 
 
 class TestOfASurface:

@@ -237,12 +237,12 @@ def test_peaks_and_valleys_are_triangles_of_equal_area():
     assert z[round(found.Smr1 * z.size)] <= core_top <= upper
 
 
-def test_bearing_curve_is_the_share_above():
+def test_bearing_curve_returns_heights_at_material_ratios():
     surface = rough_area()
-    shares = np.array([0.1, 0.5, 0.93])
-    heights = bearing_curve(surface, shares)
-    assert [np.mean(surface.heights > height) for height in heights] == pytest.approx(shares, abs=1 / 2000)
-    with pytest.raises(ValueError, match="shares must be from 0 to 1"):
+    ratios = np.array([0.1, 0.5, 0.93])
+    heights = bearing_curve(surface, ratios)
+    assert [np.mean(surface.heights > height) for height in heights] == pytest.approx(ratios, abs=1 / 2000)
+    with pytest.raises(ValueError, match="ratios must be from 0 to 1"):
         bearing_curve(surface, [1.5])
 
 

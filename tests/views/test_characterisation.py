@@ -142,7 +142,7 @@ def test_an_exponent_above_one_is_said_to_be_none_of_a_self_affine_profile():
     said = rows(text)
     assert said["fractal dimension D"] == "none: 2 - H is below 1"
     assert "paper" in text
-    assert said["caution"].startswith("H above 1 is not self-affine but smooth")
+    assert said["caution"].startswith("H above 1 indicates a smooth surface")
     rough = self_affine(1, hurst_exponent=0.7, rms=0.1, points=4000, spacing=0.01)
     assert "caution" not in characterisation_text(rough)
 

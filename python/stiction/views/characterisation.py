@@ -387,7 +387,7 @@ class Characterisation:
                 text = f"{math.sqrt(fit.dispersion):.1f} times that of chance: see the spectrum"
                 rows.append(Row("scatter", (text,)))
             if fit.value > 1:
-                text = "H above 1 is not self-affine but smooth: form, a filter, a tip, or waves"
+                text = "H above 1 indicates a smooth surface: form, a filter, a blunt tip or waviness"
                 rows.append(Row("caution", (text,)))
         if fit is not None and (rise := self._rise(fit.longest_wavelength)) > _PEAKED:
             start = f"the band begins on a peak at {length_text(fit.longest_wavelength)}"
