@@ -339,7 +339,7 @@ def test_table_and_record_have_the_interval_of_each_rule_and_of_one_direction_it
     options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--shifts", 4, "--direction", "0,90", "--onset", 0]
     stiction_command("pair", *MAPS, *MATERIAL, *options, "--output", tmp_path / "out", cwd=where, blank=True)
     table = pandas.read_csv(tmp_path / "out" / "result.csv", comment="#").set_index("sliding")
-    ends = [f"mu_s of all that is known: {end}" for end in ("lower", "upper")]
+    ends = [f"coefficient of static friction: {end}" for end in ("lower", "upper")]
     read = ["at", tmp_path / "out", "--load", "7 MPa", "--json"]
     for more, told in (([], 1), (["--direction", 0], 0)):
         for rule in json.loads(stiction_command(*read, *more, cwd=where).stdout)["answers"][0]["rules"]:

@@ -1,3 +1,4 @@
+import json
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,10 +13,13 @@ from stiction.studies.contact_picture import contact_picture
 from stiction.studies.maps import friction_map
 from stiction.studies.study import study_of
 from stiction.views import style
+from stiction.views.answer import answers, headlines
+from stiction.views.asked import at_asked_loads
 from stiction.views.figures import drawn
 from stiction.views.figures.contact import climbing, contact_figure, contacts_figure, touching_figure
 from stiction.views.figures.ensemble import FADE, _faded, _fading, area_figure, friction_figure
 from stiction.views.figures.standard import figures_of
+from stiction.views.rows import record_text, table_of
 from stiction.views.style import FORMATS, save_picture, spread_out
 
 
@@ -43,6 +47,38 @@ def test_measured_bodies_have_the_standard_set(maps, lines):
     assert names(maps, contact_picture(maps)) == [*of_materials, "closure", "budget", "sizes", "contacts"]
     assert {"friction", "positions", "contact", "friction-4"} <= set(names(lines))
     assert not {"compass", "contacts", "cut_off"} & set(names(lines))
+
+
+def test_every_view_has_the_combined_interval_of_the_headline(maps):
+    study = study_of(maps).with_changes({"surfaces.both_readings": True})
+    result = maps.assign_attrs(study=study.to_toml())
+    at, figures = at_asked_loads(result), dict(figures_of(result))
+    table = table_of(at, study)
+    record = json.loads(record_text("at", at, study))
+    shown = [value for value in record["values"] if value["name"] == "friction_combined"]
+    assert record["values"][0] == shown[0]
+    assert {value["interval"] for value in shown} == {"combined"}
+    title = "coefficient of static friction"
+    rows = table[table["upper body to (degree)"] == "all directions"].set_index(
+        ["headline", "normal load (mN)", "mu0", "tau0 (MPa)", "sliding"]
+    )
+    found = headlines(answers(at, study))
+    assert len(found) == 8
+    assert any(one.upper > one.rules[0].positions[1] for one in found)
+    for one, rule in [(each, rule) for each in found for rule in each.rules]:
+        ends = pytest.approx([rule.lower, rule.upper], rel=1e-12)
+        place = one.at["load"], one.at["mu0"], 1000 * one.at["tau0"], rule.rule
+        row = rows.loc[(True, *place)]
+        assert [row[f"{title}: lower"], row[f"{title}: upper"]] == ends
+        assert [row[f"{title}: sampling lower"], row[f"{title}: sampling upper"]] == list(rule.positions)
+        value = next(each for each in shown if each["at"] == one.at | {"sliding": rule.rule})
+        assert [value["lower"], value["upper"]] == ends
+        number = [0.3, 0.5].index(one.at["mu0"]) * 2 + (one.at["tau0"] > 0) + 1
+        figure = figures["friction" if number == 1 else f"friction-{number}"]()
+        bands = [path.vertices for each in figure.axes[0].collections for path in each.get_paths()]
+        drawn_ends = [[band[band[:, 0] == one.at["load"], 1].min(), band[:, 1][band[:, 0] == one.at["load"]].max()]
+                      for band in bands]  # fmt: skip
+        assert any(each == ends for each in drawn_ends)
 
 
 def test_figures_are_files_of_every_format_with_something_in_them(result, tmp_path):

@@ -81,7 +81,7 @@ def test_json_has_one_schema(name):
     assert (record["schema"], record["command"]) == (SCHEMA, "at")
     assert len(record["values"]) == len(frame(at))
     for value in record["values"]:
-        assert list(value) == ["name", "value", "unit", "lower", "upper", "at", "status"]
+        assert list(value) == ["name", "value", "unit", "lower", "upper", "interval", "at", "status"]
         assert value["value"] is None or math.isfinite(value["value"])
         assert isinstance(value["status"], str)
         if None not in (value["lower"], value["value"], value["upper"]):

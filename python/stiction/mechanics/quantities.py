@@ -23,6 +23,9 @@ Source = Literal["asperities", "areal", "half-space", "adhesion", "onset", "meas
 """Studies whose results store a quantity: asperities, asperities of surfaces, the half-space, bodies that adhere,
 generated bodies with an onset of sliding, and measured bodies."""
 
+Interval = Literal["sampling", "combined", "prediction", "conditional"]
+"""Interval of the mean over members, of all uncertain inputs, of one more test, or of the inputs if one were known."""
+
 View = Literal["table", "verbose", "report", "csv", "hatch"]
 """Table of a result, its verbose table, selection list of the report, CSV file, and hatching of maps."""
 
@@ -41,6 +44,7 @@ class Quantity:
     numerator: str = ""  # quantity that a ratio is a fraction of; of an unloaded sum the sum under load
     denominator: tuple[str, ...] = ()  # quantities whose sum a ratio is divided by
     bounds: tuple[float, float] = (-math.inf, math.inf)  # limits of the ends of an interval
+    interval: Interval = "sampling"  # 95 % interval of a mean
     percent: bool = False  # in tables and reports
     column_unit: str = ""  # unit in spreadsheets, if it is not `unit`
     column_factor: float = 1.0
@@ -113,8 +117,9 @@ def _statistic(unit: str, words: str, brief: str = "", **properties: Any) -> Qua
     return Quantity(unit=unit, words=words, brief=brief, **own)
 
 
-def _uncertainty(words: str, *along: Axis) -> Quantity:
-    return Quantity(unit="1", words=words, kind="uncertainty", along=(*_MEAN_FRICTION, *along))
+def _uncertainty(words: str, interval: Interval, *along: Axis) -> Quantity:
+    along = (*_MEAN_FRICTION, *along)
+    return Quantity(unit="1", words=words, kind="uncertainty", along=along, interval=interval)
 
 
 def _coordinate(unit: str, words: str, brief: str = "", **properties: Any) -> Quantity:
@@ -123,6 +128,7 @@ def _coordinate(unit: str, words: str, brief: str = "", **properties: Any) -> Qu
 
 QUANTITIES: dict[str, Quantity] = {
     # ---- Friction --------------------------------------------------------------------------------------------------
+    "friction_combined": _uncertainty("coefficient of static friction, 95 % combined uncertainty", "combined"),
     "friction_coefficient": Quantity(
         unit="1", words="coefficient of static friction", symbol=r"\mu_s", kind="ratio", along=_FRICTION,
         numerator="tangential_load", denominator=("normal_load",),
@@ -151,11 +157,13 @@ QUANTITIES: dict[str, Quantity] = {
         unit="", words="whether the value exists, or why not", kind="statistic", along=_STEP, dtype=int,
         stored=_MEASURED,
     ),
-    "friction_known": _uncertainty("coefficient of static friction, 95 % of everything known"),
-    "friction_next_test": _uncertainty("coefficient of static friction of one test, one way, at one position"),
-    "friction_if_known": _uncertainty("interval if an input were known", "input"),
-    "width_if_known": _uncertainty("width if an input were known", "input"),
-    "friction_waited": _uncertainty("coefficient of static friction after waiting under load", "wait"),
+    "friction_known": _uncertainty("coefficient of static friction, 95 % of everything known", "combined"),
+    "friction_next_test": _uncertainty(
+        "coefficient of static friction of one test, one way, at one position", "prediction",
+    ),
+    "friction_if_known": _uncertainty("interval if an input were known", "conditional", "input"),
+    "width_if_known": _uncertainty("width if an input were known", "conditional", "input"),
+    "friction_waited": _uncertainty("coefficient of static friction after waiting under load", "combined", "wait"),
     "spread_low": Quantity(
         unit="1", words="a tenth of the members are below", kind="statistic", along=_MEAN_FRICTION,
     ),

@@ -8,7 +8,7 @@ solutions, and a solution at (F, E*, H) is one at (cF, cE*, cH).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.brackets import friction_bracket
+from stiction.mechanics.quantities import attributes_of
 from stiction.studies.at_load import PerLoad, member_values, six_at
 from stiction.studies.hardness import Areas, creep_of, inputs_of, relative_modulus
 from stiction.studies.interfaces import HARDNESS, interface_of
@@ -45,9 +46,11 @@ _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "co
 Strength = tuple[Floats, Floats, Floats | None]
 
 
-def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
+def with_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool = True) -> xarray.Dataset:
     """What `at_load` gives of measured bodies, with the interval of everything known, the next test, and the budget.
 
+    `friction_combined` has the combined 95 % interval to show: that of everything known, or of the mean over positions
+    where nothing else is known; of two readings of a scan, at the reading to quote, it contains the intervals of both.
     That is `friction_known`, `friction_next_test` of one position in one direction, where the study waits
     `friction_waited`, and over input, those of `inputs_of`, positions and finer waves, `friction_if_known` and its
     `width_if_known`, the interval that would be left if the input were known. Of generated bodies it is as it was.
@@ -88,27 +91,38 @@ def with_uncertainty(at: xarray.Dataset, result: Result) -> xarray.Dataset:
         for index, wait in enumerate(study.friction.wait):
             waited[(*place, index)] = one.after(float(wait), pressures[one.load])
         quoted = str(at["sliding"].values[where["sliding"]]) == "all"
-        for index, name in enumerate(order if quoted and np.prod(shape) <= MOST_BUDGETS else ()):
+        for index, name in enumerate(order if budget and quoted and np.prod(shape) <= MOST_BUDGETS else ()):
             if name in one.names:
                 left[(index, *place)] = one.value, *one.interval({name: 0.5})
                 width[(index, *place)] = one.width_left(name)
     over = (*dims, "statistic")
-    tables: dict[str, tuple[tuple[str, ...], Floats, str]] = {
-        "friction_known": (over, whole, "coefficient of static friction, 95 % of everything known"),
-        "friction_next_test": (over, test, "coefficient of static friction of one test, one way, at one position"),
-        "friction_if_known": (("input", *over), left, "interval if an input were known"),
-        "width_if_known": (("input", *dims), width, "width if an input were known"),
+    tables: dict[str, tuple[tuple[str, ...], Floats]] = {
+        "friction_combined": (over, _combined(at, study, dims, whole)),
+        "friction_known": (over, whole),
+        "friction_next_test": (over, test),
+        "friction_if_known": (("input", *over), left),
+        "width_if_known": (("input", *dims), width),
     }
     said = [inputs[name].words if name in inputs else {INTERFACE: "the interface"}.get(name, name) for name in order]
     coordinates = {"input": ("input", order), "input_words": ("input", said)}
     if study.friction.wait:
-        words = "coefficient of static friction after waiting under load"
-        tables["friction_waited"] = (*dims, "wait", "statistic"), waited, words
+        tables["friction_waited"] = (*dims, "wait", "statistic"), waited
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
-    variables = {
-        name: (own, values, {"units": "1", "long_name": words}) for name, (own, values, words) in tables.items()
-    }
+    variables = {name: (own, values, attributes_of(name)) for name, (own, values) in tables.items()}
     return at.assign(variables).assign_coords(coordinates)
+
+
+def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floats) -> Floats:
+    """Return values and ends of the combined intervals from those of everything known, over dims and statistic."""
+    found = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
+    low = found[..., 1]
+    found[..., 1] = np.where((low < 0) & (found[..., 0] >= 0), 0.0, low)
+    there = np.isfinite(known).all(axis=-1)
+    found[there] = known[there]
+    if study.surfaces.both_readings and "cut_off" in dims:  # the first reading is that to quote
+        over = np.moveaxis(found, dims.index("cut_off"), 0)
+        over[0, ..., 1], over[0, ..., 2] = np.fmin.reduce(over[..., 1]), np.fmax.reduce(over[..., 2])
+    return found
 
 
 class _Point:

@@ -43,6 +43,8 @@ _FRICTION = {
 }  # fmt: skip
 """Coefficients that are rows of the CSV, and what the motion of each is called."""
 
+_COLUMNS = ("name", "value", "unit", "lower", "upper", "interval", "status")
+
 _MOTIONS = {"axis": "along {:g}".format, "direction": "{:g}".format}
 
 
@@ -50,7 +52,7 @@ _MOTIONS = {"axis": "along {:g}".format, "direction": "{:g}".format}
 
 
 def frame(at: xarray.Dataset) -> pandas.DataFrame:
-    """Every number of what `at_load` gives: a row for each, with its name, unit, interval, status and place.
+    """Return every number of what `at_load` gives: a row for each, with its name, unit, interval, status and place.
 
     Parameters
     ----------
@@ -60,15 +62,18 @@ def frame(at: xarray.Dataset) -> pandas.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Columns ``name``, ``value``, ``unit``, ``lower``, ``upper``, ``status``, and those of `PLACE` that the result
-        has: in µm, mN, GPa and degrees. A place that a value does not depend on is NaN.
+        Columns ``name``, ``value``, ``unit``, ``lower``, ``upper``, ``interval`` (which one it is, "" for none),
+        ``status``, and those of `PLACE` that the result has: in µm, mN, GPa and degrees. A place that a value does not
+        depend on is NaN. The order of names is that of `QUANTITIES`; the first has the interval to show.
     """
     import pandas
 
-    parts = [_rows_of(at, str(name)) for name, table in at.data_vars.items() if table.dtype.kind in "if"]
+    numbers = [str(name) for name, table in at.data_vars.items() if table.dtype.kind in "if"]
+    order = {name: place for place, name in enumerate(QUANTITIES)}
+    parts = [_rows_of(at, name) for name in sorted(numbers, key=lambda name: order.get(name, len(order)))]
     whole = pandas.concat(parts, ignore_index=True)
     places = [name for name in PLACE if name in whole]
-    return whole[["name", "value", "unit", "lower", "upper", "status", *places]]
+    return whole[[*_COLUMNS, *places]]
 
 
 def _rows_of(at: xarray.Dataset, name: str) -> pandas.DataFrame:
@@ -93,6 +98,8 @@ def _rows_of(at: xarray.Dataset, name: str) -> pandas.DataFrame:
             columns["value" if each == "mean" else str(each)] = along(own).astype(float)
     else:
         columns["value"] = along(table).astype(float)
+    has_interval = "statistic" in table.dims and name in QUANTITIES
+    columns["interval"] = QUANTITIES[name].interval if has_interval else ""
     own_unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
     columns["unit"] = str(table.attrs.get("units", own_unit)).replace("um^2", "um2") or "1"
     if name == "contact_area_fraction" and "contact_status" in at:
@@ -121,6 +128,9 @@ def csv_text(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) 
 def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> pandas.DataFrame:
     """A row for each cell, load, mu0, tau0, sliding rule and motion; units in the header.
 
+    The interval of the coefficient is the combined one, which only the mean of all directions has; the sampling
+    interval of the mean over members has columns of its own. Rows of the reading to quote come first.
+
     Each row has the coefficient of static friction of its motion (all directions, an axis or a direction), the
     quantities of its load, and the verdict and the doubts of its answer.
     """
@@ -138,7 +148,8 @@ def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) 
         parts.append(own[[*keys, "sliding", "motion", "status", "value", "lower", "upper"]])
     table = pandas.concat(parts, ignore_index=True)
     title = "coefficient of static friction"
-    table = table.rename(columns={"value": title, "lower": f"{title}: lower", "upper": f"{title}: upper"})
+    ends = {f"{title}: {end}": f"{title}: sampling {end}" for end in ("lower", "upper")}
+    table = table.rename(columns={"value": title} | dict(zip(("lower", "upper"), ends.values(), strict=True)))
     for name in _of_loads(at):
         own = rows[rows["name"] == name]
         on = [key for key in (*keys, "sliding") if key in own and own[key].notna().all()]
@@ -147,8 +158,11 @@ def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) 
         columns = {"value": f"{words}{unit}", "lower": f"{words}{unit}: lower", "upper": f"{words}{unit}: upper"}
         table = table.merge(own[[*on, *columns]].rename(columns=columns), on=on, how="left")
     table = table.merge(_verdicts(answers(at, study, beside=beside), keys), on=[*keys, "sliding"], how="left")
-    of_mean = [name for name in table if name.startswith("mu_s ")]
+    of_mean = [name for name in table if name in ends or name.startswith("mu_s ")]
     table.loc[table["motion"] != _FRICTION["friction_all_round"], of_mean] = math.nan
+    others = [str(name) for name in table if name not in ends]
+    place = others.index(title) + 1
+    table = table[[*others[:place], *ends, *others[place:]]]
     for key in keys:
         table[key] *= column_of(key)[1]
     return table.rename(columns={key: column_of(key)[0] for key in keys} | {"motion": "upper body to (degree)"})
@@ -174,12 +188,15 @@ def _verdicts(found: Sequence[Answer], keys: Sequence[str]) -> pandas.DataFrame:
         {
             **{key: [one.at[key] for one, *_ in rules] for key in keys},
             "sliding": [rule.rule for _, rule, _ in rules],
-            "mu_s of all that is known: lower": [rule.lower for _, rule, _ in rules],
-            "mu_s of all that is known: upper": [rule.upper for _, rule, _ in rules],
+            **{
+                f"coefficient of static friction: {end}": [getattr(rule, end) for _, rule, _ in rules]
+                for end in ("lower", "upper")
+            },
             **waited,
             "mu_s from roughness": [
                 math.nan if one.from_roughness is None or not first else one.from_roughness for one, _, first in rules
             ],
+            "headline": [not one.covered for one, *_ in rules],
             "assumptions": ["; ".join(one.assumptions) for one, *_ in rules],
             "contact status": [one.contact_status for one, *_ in rules],
             "verdict": [one.verdict for one, *_ in rules],
@@ -199,12 +216,12 @@ def record(command: str, values: list[dict[str, Any]], **about: Any) -> str:
 
 def entry(
     name: str, value: float, unit: str = "1", *, lower: float = math.nan, upper: float = math.nan,
-    at: dict[str, Any] | None = None, status: str = STATUS_OK,
+    interval: str | None = None, at: dict[str, Any] | None = None, status: str = STATUS_OK,
 ) -> dict[str, Any]:  # fmt: skip
     """One value."""
     return {
         "name": name, "value": finite(value), "unit": unit, "lower": finite(lower), "upper": finite(upper),
-        "at": at or {}, "status": status,
+        **({} if interval is None else {"interval": interval}), "at": at or {}, "status": status,
     }  # fmt: skip
 
 
@@ -232,7 +249,7 @@ def values_of(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     """The values of a record, from a frame."""
     values = []
     for row in rows.to_dict("records"):
-        own = {name: row.pop(name) for name in ("name", "value", "unit", "lower", "upper", "status")}
+        own = {name: row.pop(name) for name in _COLUMNS}
         where = {name: place for name, place in row.items() if place == place}  # without NaN
         values.append(entry(**own, at=where))
     return values
@@ -242,6 +259,7 @@ def answer_record(one: Answer) -> dict[str, Any]:
     """What may be quoted of a point."""
     return {
         "at": one.at,
+        "headline": not one.covered,  # or the other reading of a scan, which the interval of a headline covers
         "status": one.status,
         "rules": [
             {

@@ -61,7 +61,7 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     figure.suptitle("\n".join(filter(None, (title, load, parameters))), fontsize=6)
     figure.legend(
         *axes.get_legend_handles_labels(), loc="outside lower center", ncols=1,
-        title="angle: motion of the upper body; bands: 95 %",
+        title="angle: motion of the upper body\nbands: 95 %, sampling of positions",
     )  # fmt: skip
     return figure
 
@@ -119,10 +119,8 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
     figure.suptitle(f"{title}\n{head}".strip(), fontsize=6)
     missing = int(np.isnan(values.values).reshape(values.shape[0], -1).any(axis=-1).sum())
     note = f"; {missing} members have no answer" if missing else ""
-    figure.legend(
-        *axes.get_legend_handles_labels(), title=f"lines: means; bands: their 95 %{note}", loc="outside lower center",
-        ncols=2,
-    )  # fmt: skip
+    words = f"lines: means; bands: 95 %, sampling of positions{note}"
+    figure.legend(*axes.get_legend_handles_labels(), title=words, loc="outside lower center", ncols=2)
     return figure
 
 

@@ -35,10 +35,18 @@ MOST_SHOWN = 4.0
 MOST_SINGLE_DIRECTIONS = 2  # directions that are drawn one by one beside their mean
 
 
+BANDS = {
+    True: "light bands: 95 %, combined uncertainty\ndark bands and area: 95 %, sampling of positions",
+    False: "bands: 95 %, sampling of positions",
+}
+"""Names of the intervals that are drawn, with and without a combined one."""
+
+
 def load_figure(points: xarray.Dataset, asked: Sequence[float] = (), *, title: str = "") -> Figure:
     """Friction coefficient by both sliding rules, and true contact area, against load; 80 mm wide.
 
-    It is of what `at_load` returns, of one cell and one mu0 and tau0; loads that were asked for (mN) are marked.
+    It is of what `with_uncertainty` returns, of one cell and one mu0 and tau0; loads that were asked for (mN) are
+    marked. Friction has its combined interval, and darker the sampling interval of the mean over positions.
     """
     loads = np.asarray(points["load"].values, dtype=np.float64)
     figure = _against(points, "load", loads, title)
@@ -66,7 +74,7 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
         ax.plot(x, mean, "o-", color=AREA, linewidth=1, markersize=2)
         ax.set(ylabel=label(name), ylim=(0, None))
     figure.axes[1].set(xlabel=label("nominal_pressure"), xlim=(0, None))
-    bands = "bands: 95 %" if np.isfinite(low).any() else ""
+    bands = BANDS[False] if np.isfinite(low).any() else ""
     figure.suptitle("\n".join(filter(None, (title, bands))), fontsize=6)
     return figure
 
@@ -164,10 +172,14 @@ def _against(
 ) -> Figure:
     figure = new_figure(114)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
+    has_combined = along == "load" and "friction_combined" in points
     for rule in _rules(points):
         at, colour = by_rule(points, rule), RULES[rule]
         mean, low, high = (at["friction_all_round"].sel(statistic=name).values for name in STATISTICS)
         upper.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
+        if has_combined:
+            low, high = (at["friction_combined"].sel(statistic=name).values for name in STATISTICS[1:])
+            upper.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         upper.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=RULE_WORDS[rule])
         _single_directions(upper, at, x, colour)
     _mark_incomplete(upper, points, along, x)
@@ -198,7 +210,7 @@ def _against(
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
     figure.suptitle(f"{title}\n{parameters}".strip(), fontsize=6)
     handles = upper.get_legend_handles_labels()
-    figure.legend(*handles, title="bands: 95 % over members", loc="outside lower center", ncols=2)
+    figure.legend(*handles, title=BANDS[has_combined], loc="outside lower center", ncols=2)
     return figure
 
 

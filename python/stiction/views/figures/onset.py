@@ -67,7 +67,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         axes.plot(part, mean, dashes, color=colour, linewidth=1, label=words)
     axes.set(xlim=(0, 1), ylim=(0, 100), xlabel="tangential load over sliding load", ylabel="what slips (%)")
     axes.legend(loc="upper left")
-    figure.suptitle(f"{_head(onset, title)}; bands: 95 %", fontsize=6)
+    figure.suptitle(f"{_head(onset, title)}; bands: 95 %, sampling of positions", fontsize=6)
     return figure
 
 

@@ -14,6 +14,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction.studies.at_load import at_load, member_values
+from stiction.studies.budget import with_uncertainty
 from stiction.studies.contact_picture import coming_and_going, picture_beside
 from stiction.studies.maps import study_of_result
 from stiction.studies.members import bodies_of
@@ -132,7 +133,7 @@ def _of_measured(
     result: xarray.Dataset | Stored, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     asked = [float(load) for load in study.friction.load]
-    points = at_load(result, np.unique([*study.contact.steps(), *asked]))
+    points = with_uncertainty(at_load(result, np.unique([*study.contact.steps(), *asked])), result, budget=False)
     uncut, title, hardness = points.isel(cut_off=0), words_of(study), study.contact.hardness
     first = asked[0]
     kept = over_and_onset(result)
