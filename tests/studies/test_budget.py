@@ -9,7 +9,7 @@ from rough_bodies import rough_maps
 from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
-from stiction.studies.at_load import PerLoad, six_at
+from stiction.studies.at_load import PerLoad, at_load, six_at
 from stiction.studies.budget import _Point, with_uncertainty
 from stiction.studies.executors import threads
 from stiction.studies.hardness import Areas, areas_over_hardness, bodies_wanted, inputs_of
@@ -41,6 +41,19 @@ def test_numbers_alone_leave_the_interval_of_positions() -> None:
     assert result.budget["input"].tolist() == ["positions"]
     low, high = result.next_test
     assert low < result.of_positions[0] < result.of_positions[1] < high
+
+
+def test_interval_at_a_load_of_the_study_does_not_depend_on_other_loads() -> None:
+    result = pair(
+        *bodies(), load=["2 MPa", "4 MPa"], mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa",
+        hardness="0.5..1.5 GPa", mechanics="half-space", **QUICK,
+    )  # fmt: skip
+    own = result._asked["load"].values.tolist()
+    at = with_uncertainty(at_load(result.source, [*own, 1.5 * own[0]]), result.source, budget=False)
+    assert at["load"].values.tolist() == sorted([*own, 1.5 * own[0]])
+    for name in ("friction_combined", "friction_known", "friction_next_test"):
+        assert at[name].dims == result._asked[name].dims
+        np.testing.assert_array_equal(at[name].sel(load=own), result._asked[name])
 
 
 def test_a_range_of_mu0_is_a_range_of_friction() -> None:
