@@ -1,4 +1,5 @@
 import json
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,6 +20,7 @@ from stiction.views.figures import drawn
 from stiction.views.figures.contact import climbing, contact_figure, contacts_figure, touching_figure
 from stiction.views.figures.ensemble import FADE, _faded, _fading, area_figure, friction_figure
 from stiction.views.figures.standard import figures_of
+from stiction.views.report import report_page
 from stiction.views.rows import record_text, table_of
 from stiction.views.style import FORMATS, save_picture, spread_out
 
@@ -62,6 +64,8 @@ def test_every_view_has_the_combined_interval_of_the_headline(maps):
     rows = table[table["upper body to (degree)"] == "all directions"].set_index(
         ["headline", "normal load (mN)", "mu0", "tau0 (MPa)", "sliding"]
     )
+    page = re.search(r'id="facts">(.*?)</script>', report_page(result), re.DOTALL)
+    facts = json.loads(page[1])
     found = headlines(answers(at, study))
     assert len(found) == 8
     assert any(one.upper > one.rules[0].positions[1] for one in found)
@@ -73,6 +77,9 @@ def test_every_view_has_the_combined_interval_of_the_headline(maps):
         assert [row[f"{title}: sampling lower"], row[f"{title}: sampling upper"]] == list(rule.positions)
         value = next(each for each in shown if each["at"] == one.at | {"sliding": rule.rule})
         assert [value["lower"], value["upper"]] == ends
+        place = {"rule": rule.rule, "mu0": one.at["mu0"], "tau0": one.at["tau0"]}
+        (table_of_page,) = (each["ends"] for each in facts["combined"] if place.items() <= each.items())
+        assert table_of_page[facts["dimensions"].index(0)][facts["steps"].index(one.at["load"])] == ends
         number = [0.3, 0.5].index(one.at["mu0"]) * 2 + (one.at["tau0"] > 0) + 1
         figure = figures["friction" if number == 1 else f"friction-{number}"]()
         bands = [path.vertices for each in figure.axes[0].collections for path in each.get_paths()]

@@ -22,7 +22,7 @@ from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
 from stiction.views.answer import Answer, answers, headlines
-from stiction.views.asked import at_asked_loads, once, over_and_onset
+from stiction.views.asked import at_asked_loads, in_memory, once, over_and_onset
 from stiction.views.figures.budget import budget_figure, waiting_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.distributions import FEWEST_DIRECTIONS, compass_figure, positions_figure, sizes_figure
@@ -133,7 +133,8 @@ def _of_measured(
     result: xarray.Dataset | Stored, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     asked = [float(load) for load in study.friction.load]
-    points = with_uncertainty(at_load(result, np.unique([*study.contact.steps(), *asked])), result, budget=False)
+    loads = np.unique([*study.contact.steps(), *asked])
+    points = with_uncertainty(at_load(in_memory(result), loads), result, budget=False)
     uncut, title, hardness = points.isel(cut_off=0), words_of(study), study.contact.hardness
     first = asked[0]
     kept = over_and_onset(result)

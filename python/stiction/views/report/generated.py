@@ -149,7 +149,8 @@ def _facts_of(
     rules, angles = motions_of(study)
     convention = " (classical)" if surfaces.convention == "classical" else ""
     return {
-        "reading": "mean", "interval": "jackknife", "quantities": [], "answers": [], "asked": [], "gap": None,
+        "reading": "mean", "interval": "jackknife", "quantities": [], "answers": [], "asked": [], "combined": [],
+        "gap": None,
         "cell": AXES["fractal_dimension"] | {"title": f"{AXES['fractal_dimension']['title']}{convention}"},
         "dimensions": head["fractal_dimension"].values.tolist(),
         "amplitudes": head["amplitude"].values.tolist(),

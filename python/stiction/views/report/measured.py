@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from inspect import signature
 from typing import Any
 
@@ -14,6 +15,7 @@ from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import SIX
 from stiction.mechanics.quantities import DIRECTED, QUANTITIES, shown_in
 from stiction.studies.at_load import at_load
+from stiction.studies.budget import with_uncertainty
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.maps import MOTIONS
 from stiction.studies.onset import onset_beside
@@ -21,7 +23,7 @@ from stiction.studies.resolution import seen
 from stiction.studies.store import Stored
 from stiction.studies.study import Study
 from stiction.views.answer import answers, slopes_text
-from stiction.views.asked import at_asked_loads, once
+from stiction.views.asked import at_asked_loads, in_memory, once
 from stiction.views.digits import with_unit
 from stiction.views.doubts import limit_of
 from stiction.views.figures.standard import picture_of, title_of, words_of
@@ -122,7 +124,7 @@ def _facts_of(dataset: xarray.Dataset, result: xarray.Dataset | Stored, study: S
         "modulus": float(dataset["effective_modulus"]), "area": float(dataset["nominal_area"]),
         "kinds": _kinds(dataset), "lines": dataset["line"].values.tolist() if "line" in dataset.coords else None,
         "offsets": [listed(dataset[axis].values) for axis in ("x", "y")] if "x" in dataset.coords else None,
-        "asked": asked, "answers": _answers(result, study), "gap": _gap(dataset),
+        "asked": asked, "answers": _answers(result, study), "combined": _combined(result, loads), "gap": _gap(dataset),
     }  # fmt: skip
 
 
@@ -192,6 +194,19 @@ def _answers(result: xarray.Dataset | Stored, study: Study) -> list[dict[str, An
             "most": " ".join(filter(None, (budget_text(answer), waited_text(answer)))) or None,
         }
         for point, answer in zip(points_of(at), answers(at, study, beside=doubts_of_study(study)), strict=True)
+    ]  # fmt: skip
+
+
+def _combined(result: xarray.Dataset | Stored, loads: Sequence[float]) -> list[dict[str, Any]]:
+    """Return the ends of the combined intervals over cut-off and load, at each mu0 and tau0 by each sliding rule."""
+    table = with_uncertainty(at_load(in_memory(result), loads), result, budget=False)["friction_combined"]
+    table = table.sel(statistic=["lower", "upper"]).transpose("sliding", "mu0", "tau0", "cut_off", "load", "statistic")
+    return [
+        {
+            "rule": str(own["sliding"].values), "mu0": float(own["mu0"]), "tau0": float(own["tau0"]),
+            "ends": listed(own.values),
+        }
+        for own in (table[place] for place in np.ndindex(table.shape[:3]))
     ]  # fmt: skip
 
 

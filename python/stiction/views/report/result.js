@@ -70,29 +70,38 @@ function showReadout() {
   const answers = [element("p", {class: "hint"}, `${state.pointed ? "Under the pointer" : "At"}: ${where.join(", ")}`)];
   const points = curves().map((curve) => {
     const {result, d, a, directions} = picked(curve.rule);
-    return {...curve, result, d, a, at: readOff(result, "friction", d, a, [load], state.mu0, tau0())[0],
+    const [at] = withCombined(readOff(result, "friction", d, a, [load], state.mu0, tau0()), curve.rule, () => d);
+    return {...curve, result, d, a, at,
       alone: slopesAlone(result, d, directions, curve.rule, state.mu0, tau0())};
   });
   const judged = judgement(points, load, dimension);
   for (const [i, {at, colour, rule, alone}] of points.entries()) {
-    answers.push(element("p", {class: i ? "of other" : "of", style: `color: ${colour}`}, facts.ruleWords[rule]), ...answerOf(at, rule, judged.saysSlopes ? NaN : alone, knownOf(judged, rule)));
-    if (judged.said?.parts && rule === "all" && knownOf(judged, rule)) answers.push(barOf(judged.said, at.value), ...(judged.said.most ? [element("p", {class: "hint"}, judged.said.most)] : []));
+    answers.push(element("p", {class: i ? "of other" : "of", style: `color: ${colour}`}, facts.ruleWords[rule]), ...answerOf(at, rule, judged.saysSlopes ? NaN : alone));
+    if (judged.said?.parts && rule === "all" && at.isCombined) answers.push(barOf(judged.said, at.value), ...(judged.said.most ? [element("p", {class: "hint"}, judged.said.most)] : []));
   }
   if (points.length > 1 && isMeasured)
     answers.push(element("p", {class: "hint"}, "Where μ0 was measured on smooth faces, all contacts rub; which rule holds elsewhere is not known."));
   const [{at}] = points;
-  const [lower, upper] = knownOf(judged, points[0].rule) ?? [at.lower, at.upper];
-  Object.assign(byId("readout").dataset, {dimension, load, mu0: state.mu0, tau0: tau0(), status: at.status, value: at.value, lower, upper});
+  const {status, value, lower, upper} = at;
+  Object.assign(byId("readout").dataset, {dimension, load, mu0: state.mu0, tau0: tau0(), status, value, lower, upper});
   byId("answer").replaceChildren(...answers);
   byId("judgement").replaceChildren(...judged.elements);
   byId("sentence").replaceChildren(...judged.more);
   byId("figures").replaceChildren(figuresOf(points[0], load));
 }
 
-/** Ends of the interval of everything known, where the library has said them; two members have none. */
-function knownOf({said}, rule) {
-  const ends = said?.intervals[rule];
-  return ends?.every(Number.isFinite) ? ends : undefined;
+const isSame = (one, other) => Math.abs(one - other) <= 1e-9 * Math.max(Math.abs(one), Math.abs(other), 1e-300);
+const isAllRound = () => facts.ways[state.way].directions.length === facts.directions.length;
+
+/** Points of friction by a rule at cut-offs, with the combined intervals of the library where it has evaluated them: at
+ * mu0 and tau0 of the study, over all directions, of the first kind of members. */
+function withCombined(points, rule, dimensionOf) {
+  const table = isAllRound() && state.kind === 0
+    ? facts.combined.find((each) => each.rule === rule && isSame(each.mu0, state.mu0) && isSame(each.tau0, tau0())) : null;
+  return points.map((point) => {
+    const ends = table?.ends[dimensionOf(point)]?.[stepOf(facts, point.load)];
+    return point.status === "ok" && ends?.every(Number.isFinite) ? {...point, lower: ends[0], upper: ends[1], isCombined: true} : point;
+  });
 }
 
 /** What holds the bodies as one bar, mu0, tau0 on the true area and slopes, with the interval of everything known. */
@@ -111,18 +120,18 @@ function barOf({parts, intervals}, value) {
   });
   bar.append(shape("line", {x1: percent(low), x2: percent(high), y1: 14, y2: 14, stroke: "var(--ink)", "stroke-width": 2}));
   for (const end of [low, high]) bar.append(shape("line", {x1: percent(end), x2: percent(end), y1: 8, y2: 20, stroke: "var(--ink)", "stroke-width": 2}));
-  const said = parts.map((part, index) => `${index ? (part <= -0.0005 ? " \u2212 " : " + ") : ""}${Math.abs(part).toFixed(3)} ${names[index]}`);
+  const said = parts.map((part, index) => `${index ? (part <= -0.0005 ? " \u2212 " : " + ") : ""}${Math.abs(part).toFixed(3)} (${names[index]})`);
   bar.setAttribute("aria-label", `${said.join("")}; interval ${low.toFixed(3)} to ${high.toFixed(3)}`);
   return element("div", {}, bar, element("p", {class: "hint"}, ...said.map((text, index) => element("span", {style: `color: ${colours[index]}; font-weight: 600`}, text))));
 }
 
-function answerOf(at, rule, alone, known) {
+function answerOf(at, rule, alone) {
   if (at.status !== "ok")
     return [element("p", {class: "value"}, at.status), element("p", {class: "interval"}, facts.statuses[at.status]?.why ?? "")];
-  const [lower, upper] = known ?? [at.lower, at.upper];
+  const {lower, upper} = at;
   const text = quoted(at.value, lower, upper);
   const [value, ends] = text.split(/ (?=\[)/);
-  const of = known ? `${PERCENT} interval of all that is known ` : `${PERCENT} interval${isMeasured ? " of positions alone" : ""} `;
+  const of = `${PERCENT} ${intervalName(at.isCombined)} `;
   return [
     element("p", {class: "value", "data-rule": rule}, element("i", {}, "μ"), element("sub", {}, "s"), " = ", data(at.value, value)),
     element("p", {class: "interval"}, ...(ends
@@ -130,6 +139,12 @@ function answerOf(at, rule, alone, known) {
       : [`No interval: ${whyNoInterval()}`])),
     ...(Number.isFinite(alone) ? [element("p", {class: "hint"}, "The slopes alone predict ", data(alone, quoted(alone)))] : []),
   ];
+}
+
+/** Name of an interval; of generated surfaces there is nothing but the sampling of repetitions. */
+function intervalName(isCombined) {
+  if (!isMeasured) return "interval";
+  return isCombined ? "interval, combined uncertainty" : "interval of the sampling of positions alone";
 }
 
 function whyNoInterval() {
@@ -151,13 +166,11 @@ function judgement(points, load, dimension) {
     const doubts = doubtsOfEnsemble(facts, at, area);
     return saying(saidVerdict(verdictOf(facts, doubts), doubts));
   }
-  const isNear = (one, other) => Math.abs(one - other) <= 1e-9 * Math.max(Math.abs(one), Math.abs(other), 1e-300);
-  const said = facts.answers.find(({at}) => isNear(at.load, load) && isNear(at.mu0, state.mu0) && isNear(at.tau0, tau0()) &&
-    (at.cut_off === undefined || isNear(at.cut_off, dimension)));
-  const isAllRound = facts.ways[state.way].directions.length === facts.directions.length;
-  if (said) return saying(saidVerdict(said.verdict, said.doubts), isAllRound && said.slopes !== "", isAllRound ? said : null);
+  const said = facts.answers.find(({at}) => isSame(at.load, load) && isSame(at.mu0, state.mu0) && isSame(at.tau0, tau0()) &&
+    (at.cut_off === undefined || isSame(at.cut_off, dimension)));
+  if (said) return saying(saidVerdict(said.verdict, said.doubts), isAllRound() && said.slopes !== "", isAllRound() ? said : null);
   const near = facts.answers.reduce((best, each) => {
-    const apart = ({at}) => Math.abs(Math.log(at.load / load)) + (at.cut_off !== undefined && !isNear(at.cut_off, dimension) ? 10 : 0);
+    const apart = ({at}) => Math.abs(Math.log(at.load / load)) + (at.cut_off !== undefined && !isSame(at.cut_off, dimension) ? 10 : 0);
     return !best || apart(each) < apart(best) ? each : best;
   }, null);
   const back = element("button", {type: "button"}, "Back to what was asked for");
@@ -242,7 +255,8 @@ function seriesOf(id, points) {
 function showCurve(id) {
   const series = seriesOf(id, (rule) => {
     const {result, d, a} = picked(rule, false);
-    return readOff(result, QUANTITY[id].of, d, a, loads, state.mu0, tau0()).map((point) => ({...point, x: point.load}));
+    const points = readOff(result, QUANTITY[id].of, d, a, loads, state.mu0, tau0());
+    return (id === "friction" ? withCombined(points, rule, () => d) : points).map((point) => ({...point, x: point.load}));
   });
   const levels = id === "friction" && isMeasured ? series.map(({rule, colour}) => {
     const {result, d, directions} = picked(rule, false);
@@ -258,7 +272,8 @@ function showOver() {
   const load = loads[state.load];
   const series = seriesOf("friction", (rule) => {
     const {result, a} = picked(rule, false);
-    return overDimensions(result, "friction", a, load, state.mu0, tau0()).map((point) => ({...point, x: point.dimension}));
+    return withCombined(overDimensions(result, "friction", a, load, state.mu0, tau0()), rule, ({dimension}) => facts.dimensions.indexOf(dimension))
+      .map((point) => ({...point, x: point.dimension}));
   });
   const ends = isMeasured ? [facts.dimensions[0], facts.dimensions.at(-1)] : [edges(facts.dimensions)[0], edges(facts.dimensions).at(-1)];
   const drawn = drawCurves(byId("over"), series, {low: ends[0], high: ends[1], title: facts.cell.title},
@@ -271,7 +286,7 @@ function curveCaption(series, where, [low, high], of) {
   const ok = points.filter((point) => point.status === "ok");
   const words = [`At ${[...where, materialName()].join(", ")}; ${motionWords()}${hasBothRules ? "" : `, ${ruleName(facts.rules[0])}`}.`];
   if (ok.length && ok.every((point) => Number.isFinite(point.lower))) {
-    words.push(`Shaded: ${PERCENT} interval.`);
+    words.push(`Shaded: ${PERCENT} ${intervalName(ok.every((point) => point.isCombined))}.`);
     const cut = [];
     if (ok.some((point) => point.upper > high)) cut.push("above");
     if (ok.some((point) => point.lower < low)) cut.push("below");
@@ -299,7 +314,7 @@ function showCompass() {
   drawCompass(byId("compass"), facts.directions, series, directions.length === 1 ? directions[0] : null,
     ({value, lower, upper}, angle, name) => `${angle}°: ${quoted(value, lower, upper)}${name ? `, ${name}` : ""}`);
   byId("compass-caption").textContent = `At ${[loadName(state.load), ...dimensionIfAny(), materialName()].join(", ")}. Angle: motion of the upper body. ` +
-    `Shaded: ${PERCENT} intervals. Click, or use the arrow keys, to pick a direction; double-click for the mean over all.`;
+    `Shaded: ${PERCENT} ${intervalName(false)}. Click, or use the arrow keys, to pick a direction; double-click for the mean over all.`;
 }
 
 // ---- Tables ---------------------------------------------------------------------------------------------------------
