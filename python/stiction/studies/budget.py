@@ -47,13 +47,14 @@ Strength = tuple[Floats, Floats, Floats | None]
 
 
 def with_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool = True) -> xarray.Dataset:
-    """What `at_load` gives of measured bodies, with the interval of everything known, the next test, and the budget.
+    """Return what `at_load` gives of measured bodies, with combined intervals, predictions and the uncertainty budget.
 
-    `friction_combined` has the combined 95 % interval to show: that of everything known, or of the mean over positions
-    where nothing else is known; of two readings of a scan, at the reading to quote, it contains the intervals of both.
-    That is `friction_known`, `friction_next_test` of one position in one direction, where the study waits
-    `friction_waited`, and over input, those of `inputs_of`, positions and finer waves, `friction_if_known` and its
-    `width_if_known`, the interval that would be left if the input were known. Of generated bodies it is as it was.
+    Added are `friction_known`, with the 95 % interval of all that is known; `friction_combined`, with the interval to
+    show: that of `friction_known`, or of the mean over positions where there is none, and at the reading to quote of
+    two readings of a scan an interval that contains those of both; `friction_next_test`, of one position in one
+    direction; and where the study waits `friction_waited`. The `budget`, which takes most of the time, adds over input
+    (those of `inputs_of`, positions and finer waves) `friction_if_known` and `width_if_known`, the interval that would
+    remain if the input were known. Results of generated bodies are returned unchanged.
     """
     study = study_of_result(result)
     if not study.is_measured or at.attrs.get("reading") != "elastic":
@@ -107,11 +108,11 @@ def with_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool = True)
         "friction_combined": (over, _combined(at, study, dims, whole)),
         "friction_known": (over, whole),
         "friction_next_test": (over, test),
-        "friction_if_known": (("input", *over), left),
-        "width_if_known": (("input", *dims), width),
     }
+    if budget:
+        tables |= {"friction_if_known": (("input", *over), left), "width_if_known": (("input", *dims), width)}
     said = [inputs[name].words if name in inputs else {INTERFACE: "the interface"}.get(name, name) for name in order]
-    coordinates = {"input": ("input", order), "input_words": ("input", said)}
+    coordinates = {"input": ("input", order), "input_words": ("input", said)} if budget else {}
     if study.friction.wait:
         tables["friction_waited"] = (*dims, "wait", "statistic"), waited
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from stiction._shown import picture_of, png_of, words
 from stiction._units import in_core_units, loads_in_core_units
 from stiction.studies.at_load import at_load
+from stiction.studies.budget import with_uncertainty
 from stiction.studies.maps import study_of_result
 from stiction.studies.study import Study
 from stiction.views import answer, rows, text
@@ -137,7 +138,10 @@ class Result:
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
         reading: Any = None,
     ) -> xarray.Dataset:  # fmt: skip
-        """What `at_load` gives at other loads and materials; nothing is computed again.
+        """Return what `at_load` gives at other loads and materials; nothing is computed again.
+
+        Of measured bodies at elastic loads, `friction_combined` has the combined 95 % interval, and other coefficients
+        have the sampling interval of the mean over positions.
 
         Parameters
         ----------
@@ -150,7 +154,9 @@ class Result:
             Which load is meant.
         """
         loads = asked_loads(self.source) if load is None else self._loads_of(load)
-        return at_load(self.source, loads, mu0=mu0, tau0=in_core_units("tau0", tau0, "pressure"), reading=reading)
+        strengths = in_core_units("tau0", tau0, "pressure")
+        at = at_load(self.source, loads, mu0=mu0, tau0=strengths, reading=reading)
+        return with_uncertainty(at, self.source, budget=False)
 
     @property
     def nominal_area(self) -> float | None:
