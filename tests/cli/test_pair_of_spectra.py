@@ -149,10 +149,7 @@ REFUSED = ["--output", "refused"]
         (["pair", "upper.csv", "lower.csv", *OPTIONS, "--lines", "4", *REFUSED], "--lines"),
         (["pair", "upper.csv", "lower.csv", *OPTIONS, "--shifts", "4", *REFUSED], "--shifts"),
         (["pair", "upper.csv", "lower.csv", *OPTIONS, "--unit", "um", *REFUSED], "has no unit"),
-        (
-            ["pair", "upper.csv", "lower.csv", *OPTIONS, "--cutoff", "3 um", *REFUSED],
-            "rows and columns must be pressed",
-        ),
+        (["pair", "upper.csv", "lower.csv", *OPTIONS, "--cutoff", "3 um", *REFUSED], "rows and columns are required"),
         (["characterise", "upper.csv", "--output", "refused.html"], "is the spectrum of several scans"),
     ],
 )

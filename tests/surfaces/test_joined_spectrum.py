@@ -112,10 +112,10 @@ def test_surrogates_have_the_spectrum(whole):
     ("scans", "options", "said"),
     [
         ([], {}, "scans must be at least one"),
-        (None, {"tip_radii": [1.0, 2.0]}, "tip_radii must have one for each of the 1 scans, got 2"),
+        (None, {"tip_radii": [1.0, 2.0]}, "tip_radii must have one entry for each of the 1 scans, got 2"),
         (None, {"shortest_wavelengths": [-1.0]}, "shortest_wavelengths must be a finite number above 0 µm"),
-        (None, {"shortest_wavelengths": [50.0]}, "has none from 50 µm"),
-        (None, {"names": []}, "names must have one for each of the 1 scans, got 0"),
+        (None, {"shortest_wavelengths": [50.0]}, "is 50 µm (given)"),
+        (None, {"names": []}, "names must have one entry for each of the 1 scans, got 0"),
         (None, {"per_decade": 2}, "per_decade must be a whole number of at least 4"),
         ([Surface(np.ones((9, 9)), spacing=1.0)], {}, "flat surface"),
     ],

@@ -24,7 +24,7 @@ class TestLines:
     def test_each_line_of_a_map_is_taken_once_before_any_is_taken_again(self):
         body = surface((30, 64))
         pairs = LinePairs(body, body, level=None, several=True)
-        assert pairs.most() == 30
+        assert pairs.max_count() == 30
         places = [pairs.place(index) for index in range(30)]
         assert np.unique(np.round(places, 9)).size == 30
         for index in (0, 7, 29):
@@ -36,7 +36,7 @@ class TestLines:
     def test_a_pair_does_not_depend_on_how_many_there_are(self):
         profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=400, spacing=0.02)
         pairs = LinePairs(profile, profile, surrogates="both", several=True)
-        assert pairs.most() is None
+        assert pairs.max_count() is None
         first, again = pairs.pair(5), LinePairs(profile, profile, surrogates="both", several=True).pair(5)
         for one, other in zip(first, again, strict=True):
             np.testing.assert_array_equal(one.heights, other.heights)

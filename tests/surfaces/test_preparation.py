@@ -75,10 +75,10 @@ def test_a_position_between_points_takes_the_next():
 @pytest.mark.parametrize(
     ("start", "stop", "match"),
     [
-        (0.5, 0.5, "in this order and within the extent of 1 µm, got 0.5 and 0.5 µm"),
+        (0.5, 0.5, "ascending and within the extent of 1 µm, got 0.5 and 0.5 µm"),
         (-0.1, None, "within the extent"),
         (0, 1.1, "within the extent"),
-        (0.8, None, "at least 4 points must be left"),
+        (0.8, None, "at least 4 points must remain"),
         (np.nan, None, "start must be a finite number"),
         (0, "1", "stop must be .number unit"),
     ],

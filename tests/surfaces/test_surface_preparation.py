@@ -64,7 +64,7 @@ def test_pieces_of_a_surface_make_up_the_whole():
     assert np.array_equal(cropped(surface, (1.0, 2.0)).heights, surface.heights[5:, 20:])
     for start, stop, said in (
         ((0, 7.0), (9, 9.0), "within the extent of 8 µm along x"),
-        ((0, 0), (0.5, 8), "at least 4 points must be left, but from 0 to 0.5 µm along y"),
+        ((0, 0), (0.5, 8), "at least 4 points must remain, but from 0 to 0.5 µm along y"),
         ((0, 0, 0), None, r"must be pairs \(y, x\)"),
     ):
         with pytest.raises(ValueError, match=said):

@@ -524,7 +524,7 @@ class Lines:
         """A slider at a position on what it is carried over."""
         pairs, offsets = self.pairs, self.offsets
         line, place = divmod(index, offsets) if pairs.several else (0, index)
-        most = pairs.most()
+        most = pairs.max_count()
         if most is not None and line >= most:
             raise ValueError(f"the surfaces have {most} pairs of lines, and member {index} is on pair {line + 1}")
         slider, track = pairs.pair(line)
@@ -679,8 +679,8 @@ class Areas:
             return Member(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
         assert isinstance(pairs, MapPairs)
         shift = index - made
-        if shift >= pairs.most():
-            raise ValueError(f"the maps have {pairs.most()} relative positions, and member {index} is beyond them")
+        if shift >= pairs.max_count():
+            raise ValueError(f"the maps have {pairs.max_count()} relative positions, and member {index} is beyond them")
         return Member(pairs.pair(shift), *pairs.moved(shift))
 
     def facts(self) -> Facts:

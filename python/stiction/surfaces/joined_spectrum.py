@@ -1,4 +1,4 @@
-"""One spectrum of several scans of a surface, each where its instrument is to be trusted."""
+"""Spectrum of a surface combined from several scans, each used in its reliable band of wavelengths."""
 
 from __future__ import annotations
 
@@ -18,37 +18,37 @@ from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_sha
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 MIN_POINTS_PER_WAVELENGTH = (
-    8  # points of the shortest wave taken from a scan: a pixel that takes a mean leaves 95 % of its power
+    8  # points per shortest wavelength of a scan: averaging over a pixel transmits 95 % of the power
 )
 MAX_WAVELENGTH_FRACTION = (
     1 / 3
-)  # longest wave that is taken from a scan, of its shortest side: longer ones are of the window
-_WAVES_OF_ONE = 4.0  # waves of a scan in one independent value: opposite ones are the same, a window joins neighbours
+)  # longest wavelength used over the shortest side of a scan: longer ones depend on the window
+_WAVES_PER_VALUE = 4.0  # wave vectors per independent value: opposite ones are equal, the window correlates others
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JoinedSpectrum(Readable):
-    """Spectrum of an isotropic surface over all wavelengths that several scans resolve.
+    """Spectrum of an isotropic surface over all wavelengths that its scans resolve.
 
     Attributes
     ----------
     wave_number : (n,) ndarray of float, 1/µm
-        Middles of bins of equal width in log q, rising.
+        Centres of bins of equal width in log q, ascending.
     density : (n,) ndarray of float, µm⁴
-        C2D, the mean over the scans that resolve it, by the number of their waves; between scans that leave a gap, the
-        power law that joins them.
+        C2D: mean over the scans that resolve the bin, weighted by their number of wave vectors; in a gap between scans,
+        a power law.
     count : (n,) ndarray of float
-        Waves in each bin, 0 in a gap.
+        Number of wave vectors in every bin, 0 in a gap.
     contribution : (scans, n) ndarray of float
-        Fraction of the waves of a bin that is of each scan.
+        Fraction of the wave vectors of a bin that comes from a scan.
     ratio : (scans, n) ndarray of float
-        Density of each scan over the joined one; NaN where it has none.
+        Density of a scan over the combined density; NaN where the scan has no data.
     bands : tuple of (float, float), µm
-        Shortest and longest wavelength that is taken of each scan.
+        Shortest and longest wavelength used from every scan.
     reasons : tuple of str
-        What ends each scan at short waves: "pixels", "noise floor", "tip" or "given".
+        Limit of every scan at short wavelengths: "pixels", "noise floor", "tip" or "given".
     names : tuple of str
-        What each scan is called.
+        Names of the scans.
 
     Examples
     --------
@@ -70,22 +70,22 @@ class JoinedSpectrum(Readable):
 
     @property
     def shortest(self) -> float:
-        """Shortest wavelength of the spectrum, µm: the end of its last bin."""
-        return float(2 * math.pi / (self.wave_number[-1] * self._half))
+        """Shortest wavelength of the spectrum, µm: the edge of its last bin."""
+        return float(2 * math.pi / (self.wave_number[-1] * self._half_width))
 
     @property
     def longest(self) -> float:
         """Longest wavelength of the spectrum, µm."""
-        return float(2 * math.pi / (self.wave_number[0] / self._half))
+        return float(2 * math.pi / (self.wave_number[0] / self._half_width))
 
     @property
-    def _half(self) -> float:
-        """From the middle of a bin to its end."""
+    def _half_width(self) -> float:
+        """Ratio of the edge of a bin to its centre."""
         return math.sqrt(self.wave_number[1] / self.wave_number[0])
 
     @property
     def history(self) -> tuple[str, ...]:
-        """What it was made of, in words."""
+        """Description of the scans and their bands."""
         scans = (
             f"{name} ({shortest:.4g} to {longest:.4g} µm)"
             for name, (shortest, longest) in zip(self.names, self.bands, strict=True)
@@ -95,27 +95,27 @@ class JoinedSpectrum(Readable):
 
     @property
     def disagreement(self) -> Floats:
-        """(scans,) factor by which a scan is off the others where they overlap, in the mean; NaN without overlap."""
+        """(scans,) mean ratio of a scan to the other scans where they overlap; NaN without overlap."""
         shared = (self.contribution > 0).sum(axis=0) > 1
-        off = np.full(len(self.bands), np.nan)
+        ratios = np.full(len(self.bands), np.nan)
         for scan, ratio in enumerate(self.ratio):
             there = shared & np.isfinite(ratio)
             weight = self.contribution[scan, there]
             if there.any() and (weight < 1).any():
-                # The scan itself is a part of what it is compared with.
+                # The combined density contains the scan itself: remove it for the comparison.
                 others = (1 - weight * ratio[there]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     logs = np.log(ratio[there] / others)
-                off[scan] = (
+                ratios[scan] = (
                     math.exp(float(np.average(logs, weights=self.count[there]))) if (others > 0).all() else np.inf
                 )
-        return read_only(off)
+        return read_only(ratios)
 
     @property
     def chance(self) -> Floats:
-        """(scans,) standard deviation of the logarithm of `disagreement` that comes of the number of waves alone."""
+        """(scans,) standard deviation of the logarithm of `disagreement` that is expected by chance."""
         shared = (self.contribution > 0).sum(axis=0) > 1
-        own = self.contribution * self.count / _WAVES_OF_ONE
+        own = self.contribution * self.count / _WAVES_PER_VALUE
         found = np.full(len(self.bands), np.nan)
         for scan, waves in enumerate(own):
             there = shared & (waves > 0)
@@ -126,12 +126,12 @@ class JoinedSpectrum(Readable):
         return read_only(found)
 
     def roughness(self) -> ScaleDependentRoughness:
-        """Slope and curvature over wavelength, of all waves of the spectrum."""
+        """Return rms slope and curvature of all wavelengths of the spectrum down to a wavelength."""
         step = math.log(self.wave_number[1] / self.wave_number[0])
         found = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             part = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
-            # Half of the last bin is not yet there at its middle.
+            # Integrate up to the centre of a bin: exclude half of it.
             found.append(np.sqrt(part.cumsum() - part / 2))
         return ScaleDependentRoughness(
             wavelength=read_only(2 * math.pi / self.wave_number), gradient=read_only(found[0]),
@@ -142,13 +142,13 @@ class JoinedSpectrum(Readable):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """A random Gaussian surface of this spectrum, periodic; waves outside of it are left out.
+        """Generate a periodic Gaussian surface with this spectrum, and no wavelengths beyond it.
 
         Parameters
         ----------
         seed, repetition : int
         side : {"lower", "upper"}
-            The random numbers are `random_phases` of these three.
+            The random numbers are those of `random_phases` with these three arguments.
         shape : (int, int)
             Rows and columns, at least 4 each.
         spacing : float or (float, float), µm
@@ -157,7 +157,7 @@ class JoinedSpectrum(Readable):
         steps = parse_lengths("spacing", spacing)
         q_y, q_x = (2 * math.pi * np.fft.fftfreq(size, step) for size, step in zip((rows, columns), steps, strict=True))
         q = np.hypot(q_y[:, np.newaxis], q_x)
-        inside = (q >= self.wave_number[0] / self._half) & (q <= self.wave_number[-1] * self._half)
+        inside = (q >= self.wave_number[0] / self._half_width) & (q <= self.wave_number[-1] * self._half_width)
         with np.errstate(divide="ignore"):
             density = np.exp(np.interp(np.log(q), np.log(self.wave_number), np.log(self.density)))
         power = np.where(inside, density, 0.0) * (rows * columns / (steps[0] * steps[1]))
@@ -173,32 +173,33 @@ def joined_spectrum(
     names: Sequence[str] | None = None,
     per_decade: int = 10,
 ) -> JoinedSpectrum:
-    """One spectrum of several scans of a surface, by one instrument or by several.
+    """Combine the spectra of several scans of a surface, from one instrument or several.
 
     Parameters
     ----------
     scans : sequence of Profile or Surface
-        Of one surface that is alike everywhere and in all directions; a profile's spectrum is turned into that of the
-        surface by `isotropic_spectrum`. Their lines or planes are taken off.
+        Scans of one surface, which must be homogeneous and isotropic. The spectrum of a profile is converted to that of
+        the surface by `isotropic_spectrum`. Least-squares lines or planes are subtracted.
     shortest_wavelengths : sequence of float or None, µm, optional
-        Of each scan, the shortest wave to take; None is what `instrument_limit` finds, at least eight points.
+        Shortest wavelength to use from every scan. None: the limit from `instrument_limit`, at least eight points.
     tip_radii : sequence of float or None, µm, optional
-        Of the tip of each scan.
+        Tip radius of every scan.
     names : sequence of str, optional
-        Of each scan; by default "scan 1" and so on.
+        Name of every scan; by default "scan 1", "scan 2", ...
     per_decade : int
-        Bins of the wave number.
+        Number of wave number bins per decade.
 
     Raises
     ------
     ValueError
-        If there is no scan, one is flat or has no wave that is to be trusted, or the options are not one for each.
+        If there is no scan, if a scan is flat or has no reliable band, or if an option has the wrong length.
 
     Notes
     -----
-    Waves are taken from a scan between the wavelength at which pixels, noise or tip end it, see `instrument_limit`, and
-    a third of its shortest side. A constant factor between scans, in `disagreement`, is a calibration of heights; a
-    ratio that falls towards short waves is a lens, a filter or a worn tip, for which a limit should be given.
+    The band of a scan extends from its limit by pixels, noise or tip (see `instrument_limit`) to a third of its
+    shortest side. A constant factor between scans (`disagreement`) indicates a wrong height calibration. A ratio that
+    decreases towards short wavelengths indicates the optics, a filter or a worn tip: specify a shortest wavelength
+    then.
 
     Jacobs, Junge & Pastewka, Surface Topography: Metrology and Properties 5 (2017) 013001.
 
@@ -218,9 +219,9 @@ def joined_spectrum(
         raise ValueError("scans must be at least one profile or surface, got none")
     per_decade = whole_number("per_decade", per_decade, least=4)
     if names is not None and len(names) != len(bodies):
-        raise ValueError(f"names must have one for each of the {len(bodies)} scans, got {len(names)}")
-    limits = _one_each("shortest_wavelengths", shortest_wavelengths, len(bodies))
-    tips = _one_each("tip_radii", tip_radii, len(bodies))
+        raise ValueError(f"names must have one entry for each of the {len(bodies)} scans, got {len(names)}")
+    limits = _check_list("shortest_wavelengths", shortest_wavelengths, len(bodies))
+    tips = _check_list("tip_radii", tip_radii, len(bodies))
     parts, bands, reasons = [], [], []
     for body, limit, tip in zip(bodies, limits, tips, strict=True):
         band, reason = _band(body, limit, tip)
@@ -238,7 +239,7 @@ def joined_spectrum(
     there = all_waves > 0
     density = np.exp(
         np.interp(np.log(q), np.log(q[there]), np.log(total.sum(axis=0)[there] / all_waves[there]))
-    )  # also over gaps
+    )  # interpolates over gaps
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
             wave_number=read_only(q), density=read_only(density), count=read_only(all_waves),
@@ -248,16 +249,16 @@ def joined_spectrum(
         )  # fmt: skip
 
 
-def _one_each(name: str, values: Sequence[float | None] | None, size: int) -> list[float | None]:
+def _check_list(name: str, values: Sequence[float | None] | None, size: int) -> list[float | None]:
     if values is None:
         return [None] * size
     if len(values) != size:
-        raise ValueError(f"{name} must have one for each of the {size} scans, got {len(values)}")
+        raise ValueError(f"{name} must have one entry for each of the {size} scans, got {len(values)}")
     return [None if value is None else number(name, value, unit="µm", above=0) for value in values]
 
 
 def _band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:
-    """Shortest and longest wave to take of a scan, and what ends it."""
+    """Return the band of wavelengths to use from a scan, and the reason for its lower limit."""
     spacing, side = max(body.spacings), float(np.min(body.extent))
     if limit is not None:
         shortest, reason = limit, "given"
@@ -268,14 +269,14 @@ def _band(body: Profile | Surface, limit: float | None, tip: float | None) -> tu
     longest = MAX_WAVELENGTH_FRACTION * side
     if not shortest < longest:
         raise ValueError(
-            f"each of the scans must have waves to be trusted, but one of {side:g} µm has none from {shortest:g} µm "
-            f"({reason}) to {longest:g} µm, a third of it"
+            f"scans must have a reliable band, but the lower limit of a scan of {side:g} µm is {shortest:g} µm "
+            f"({reason}) and the upper limit is {longest:g} µm, a third of its side"
         )
     return (shortest, longest), reason
 
 
 def _binned(body: Profile | Surface, band: tuple[float, float], per_decade: int) -> dict[int, tuple[float, float]]:
-    """Number of waves and mean density, referred to the middle of the bin, in each bin of a band."""
+    """Return number of wave vectors and mean density, for every bin of a band."""
     shortest, longest = (2 * math.pi / length for length in reversed(band))
     if isinstance(body, Profile):
         ring = isotropic_spectrum(levelled(body, "line"))
@@ -290,10 +291,10 @@ def _binned(body: Profile | Surface, band: tuple[float, float], per_decade: int)
     for each in np.unique(index).tolist():
         here = index == each
         middle = 10 ** ((each + 0.5) / per_decade)
-        # A spectrum falls within a bin; q^3 C hardly does.
+        # A spectrum decreases within a bin; q³ C is nearly constant.
         level = float(np.average(density[here] * (q[here] / middle) ** 3, weights=waves[here]))
         if level > 0:
             found[int(each)] = float(waves[here].sum()), level
     if not found:
-        raise ValueError(f"each of the scans must have waves to be trusted, but one has none from {band[0]:g} µm on")
+        raise ValueError(f"scans must have a reliable band, but a scan has no power above {band[0]:g} µm")
     return found

@@ -1,4 +1,4 @@
-"""Roughness of a measured surface along its lines, as a stylus would find it."""
+"""Roughness of a measured surface along its rows or columns, as a stylus measures it."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, in_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat
 
-MAX_FITTED_LINES = 64  # lines that a Hurst exponent is fitted to; neighbours are alike, so more of them say little more
+MAX_FITTED_LINES = 64  # lines to fit a Hurst exponent to: neighbouring lines are correlated, so more add little
 _BOTH: tuple[Along, Along] = ("x", "y")
-MAX_MISFIT = 1.5  # factor by which a spectrum is off its power law, at which it is none
-_SAME_BAND = 1.5
-_OF_CHANCE = 0.04  # variance of a bin's logarithm from which on chance makes the bin count less
-_FEWEST_POINTS = 7  # points that a seven-point slope needs
+MAX_MISFIT = 1.5  # largest rms factor between a spectrum and its power law
+_MAX_BAND_RATIO = 1.5  # largest ratio between the ends of two bands that count as equal
+_MODEL_VARIANCE = 0.04  # model variance of the logarithm of a bin, which is added to its statistical variance
+_MIN_LINE_POINTS = 7  # points that a seven-point slope needs
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRoughness(Readable):
-    """Roughness of the parallel lines of a surface, each about its own least-squares line.
+    """Roughness of the parallel lines of a surface, each levelled by its least-squares line.
 
     Attributes
     ----------
@@ -34,21 +34,21 @@ class LineRoughness(Readable):
     Pq : float, µm
         Root-mean-square height over all lines.
     Pdq, Pdq_neighbours : float
-        Root-mean-square slope over all lines, by seven points and by differences of neighbours.
+        Root-mean-square slope over all lines, with the seven-point formula and with differences of neighbours.
     spectrum : PowerSpectrum
-        Mean over the lines, after a Hann window.
+        Mean spectrum of the lines, after a Hann window.
     band : (float, float), µm, or None
-        Wavelengths that the Hurst exponents are fitted to, shortest and longest: those given, or the medians of what is
-        found line by line. None if it is found in less than half of the lines.
+        Shortest and longest wavelength for the fit of the Hurst exponents: given, or the median over the lines. None if
+        fewer than half of the lines have a self-affine band.
     fitted : int
-        Lines that a band was looked for in and a Hurst exponent fitted to, evenly spread over all.
+        Number of lines, evenly spaced, that were searched for a band and fitted.
     with_band : int
-        Those of them in which a band was found; all, if it was given.
+        Number of fitted lines with a band; all of them if the band was given.
     hurst_exponents : (k,) ndarray of float
-        Of the fitted lines, all in the same band; empty without one. Lines without roughness have none.
+        Exponents of the fitted lines in the common band; empty without a band. Flat lines have no exponent.
     misfit : float
-        Factor by which the mean spectrum, in ten bins to a decade of the band, is off the power law of the mean
-        exponent, as a root mean square of logarithms: 1 for a straight spectrum. NaN without exponents.
+        Rms factor between the mean spectrum, in ten bins per decade, and the power law of the mean exponent; 1 for an
+        exact power law, NaN without exponents.
 
     Examples
     --------
@@ -71,31 +71,31 @@ class LineRoughness(Readable):
 
     @property
     def is_straight(self) -> bool:
-        """Whether there are exponents, and the mean spectrum is a power law."""
+        """Whether the mean spectrum follows a power law."""
         return self.misfit <= MAX_MISFIT
 
 
 def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] | None = None) -> LineRoughness:
-    """Roughness of the lines of a surface along one axis.
+    """Compute the roughness of the lines of a surface along one axis.
 
     Parameters
     ----------
     surface : Surface
-        Not flat; levelling does not matter, because each line is levelled by a line of its own.
+        Not flat. Levelling has no effect, because every line is levelled separately.
     along : {"x", "y"}
-        The rows, or the columns.
+        Direction of the lines: "x" for the rows, "y" for the columns.
     band : (float, float), µm, optional
         Shortest and longest wavelength to fit Hurst exponents to.
 
     Raises
     ------
     ValueError
-        If the surface is flat, its lines have fewer than 7 points, or a given band holds too few harmonics.
+        If the surface is flat, if its lines have fewer than 7 points, or if a given band has too few harmonics.
 
     Notes
     -----
-    A self-affine band is rarely found well in a line of some hundred points, and exponents of different bands must not
-    be averaged. So the band is the median one, and all lines are fitted in it.
+    The self-affine band of a single line of a few hundred points is uncertain, and exponents from different bands must
+    not be averaged. Therefore all lines are fitted in the median band.
 
     Examples
     --------
@@ -108,8 +108,8 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
     choice("along", along, Along)
     reject_flat(surface)
     count, points = surface.heights.shape if along == "x" else surface.heights.shape[::-1]
-    if points < _FEWEST_POINTS:
-        raise ValueError(f"lines along {along} must have at least {_FEWEST_POINTS} points, got {points}")
+    if points < _MIN_LINE_POINTS:
+        raise ValueError(f"lines along {along} must have at least {_MIN_LINE_POINTS} points, got {points}")
     squares, density = np.zeros(3), np.zeros(points // 2)
     chosen = set(np.linspace(0, count - 1, min(count, MAX_FITTED_LINES)).round().astype(int).tolist())
     fitted = []
@@ -126,7 +126,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
             fitted.append(measured)
     found = [fit for line in fitted if (fit := _fit(line, band)) is not None]
     if band is not None and not found and (rough := [line for line in fitted if not line.is_flat]):
-        estimate_hurst_exponent(rough[0], band=band)  # which says why
+        estimate_hurst_exponent(rough[0], band=band)  # raises the error
     estimates = found
     if band is None and 2 * len(found) >= len(fitted):
         ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in found], axis=0)
@@ -146,7 +146,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
 def lines_along_both(
     surface: Surface, *, band: tuple[float, float] | None = None
 ) -> tuple[LineRoughness, LineRoughness]:
-    """Roughness of the lines along x and along y, their exponents fitted in one band.
+    """Compute the roughness of the lines along x and along y, with exponents fitted in a common band.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def lines_along_both(
         return along_x, along_y
     if along_x.band is not None and along_y.band is not None:
         ends = np.array([along_x.band, along_y.band])
-        if (ends.max(axis=0) < _SAME_BAND * ends.min(axis=0)).all():
+        if (ends.max(axis=0) < _MAX_BAND_RATIO * ends.min(axis=0)).all():
             if along_x.band != along_y.band:
                 shortest, longest = np.sqrt(ends.prod(axis=0)).tolist()
                 along_x, along_y = (line_roughness(surface, along, band=(shortest, longest)) for along in _BOTH)
@@ -189,19 +189,19 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Factor by which a spectrum in bins is off a power law in a band, as rms of logarithms, less its `chance`."""
+    """Return the rms factor between a binned spectrum and a power law in a band, minus the variance `chance`."""
     inside = in_band(bins.wave_number, *band) & (bins.density > 0)
     if not inside.any():
         return math.nan
     ratio = np.log(bins.density[inside] * bins.wave_number[inside] ** (dimensions + 2 * exponent))
     scatter = chance / bins.count[inside]
-    weight = 1 / (scatter + _OF_CHANCE)
+    weight = 1 / (scatter + _MODEL_VARIANCE)
     square = np.square(ratio - np.average(ratio, weights=weight)) - scatter
     return math.exp(math.sqrt(max(0.0, float(np.average(square, weights=weight)))))
 
 
 def _fit(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
-    """None if the line is flat, or no band is found in it."""
+    """Estimate the Hurst exponent of a line; return None if the line is flat or has no self-affine band."""
     try:
         return estimate_hurst_exponent(line, band=band)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Material ratio (bearing) curve of a profile or a surface: ratios, heights, volumes and the core line."""
+"""Material ratio curve (bearing curve) of a profile or a surface: ratios, heights, volumes and core parameters."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from stiction._checks import Floats, float_array
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, as_body
 
-CORE_FRACTION = 0.4  # fraction of the points over which the material ratio curve is least steep
-PEAKS, VALLEYS = 0.1, 0.8  # material ratios that part peaks from core and core from valleys: defaults of ISO 25178-3
-EXTREME_PEAK_RATIOS = 0.025, 0.5  # material ratios of the extreme peak height: defaults of ISO 25178-3
+CORE_FRACTION = 0.4  # width of the core in material ratio
+PEAKS, VALLEYS = 0.1, 0.8  # material ratios that separate peaks, core and valleys: defaults of ISO 25178-3
+EXTREME_PEAK_RATIOS = 0.025, 0.5  # material ratios for the extreme peak height: defaults of ISO 25178-3
 
 
 def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
-    """Return the heights (µm) above which given ratios of a body lie, from its highest point at 0 to its lowest at 1.
+    """Return the heights (µm) at given material ratios, from the highest point at 0 to the lowest point at 1.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
 
 
 def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
-    """Return the ratios of a body that lie above given heights (µm); Rmr(c) and Smr(c) of heights about the mean line.
+    """Return the material ratios at given heights (µm): Rmr(c) or Smr(c) for heights about the mean line or plane.
 
     Parameters
     ----------
@@ -60,12 +60,12 @@ def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
 
 
 def heights_at(heights: Floats, ratios: ArrayLike) -> Floats:
-    """Return the heights above which given ratios of the points lie."""
+    """Return the heights at given material ratios."""
     return np.asarray(np.quantile(heights, 1 - np.asarray(ratios)))
 
 
 class Volumes(NamedTuple):
-    """Material and void volumes per area of the material ratio curve, in the unit of the heights."""
+    """Material and void volumes per area, in the unit of the heights."""
 
     peak_material: float
     core_material: float
@@ -82,7 +82,7 @@ def volumes(heights: Floats) -> Volumes:
 
 
 class CoreParameters(NamedTuple):
-    """Core of the material ratio curve: its height, the reduced peaks and valleys, and the ratios at its ends."""
+    """Core height, reduced peak height and pit depth, and the material ratios at both ends of the core."""
 
     height: float
     peaks: float
@@ -92,7 +92,7 @@ class CoreParameters(NamedTuple):
 
 
 def core_parameters(heights: Floats) -> CoreParameters:
-    """Compute the parameters of stratified surfaces: core height, reduced peak height and valley depth, and ratios."""
+    """Compute the parameters of stratified surfaces from the material ratio curve."""
     height, upper, lower = _core_line(heights)
     peaks, valleys = np.maximum(heights - upper, 0), np.maximum(lower - heights, 0)
     above, below = float(np.mean(heights > upper)), float(np.mean(heights < lower))
@@ -102,7 +102,7 @@ def core_parameters(heights: Floats) -> CoreParameters:
 
 
 def _core_line(deviation: Floats) -> tuple[float, float, float]:
-    """Fall of the straight line through the core of the material ratio curve, and its heights at 0 and 100 %."""
+    """Fit the straight line through the core; return its drop, and its heights at material ratios 0 and 100 %."""
     heights = np.sort(deviation, axis=None)[::-1]
     points = heights.size
     core_points = max(2, round(CORE_FRACTION * points))

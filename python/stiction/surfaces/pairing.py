@@ -1,7 +1,7 @@
-"""Two scans as pairs of bodies: lines that are paired, pieces of two maps, and stand-ins of the same spectrum.
+"""Pairs of surfaces from two scans: pairs of lines, pairs of map pieces, and pairs of surrogates.
 
-Pair `index` depends on the scans, the choices and the index alone, so that any number of pairs begins with the same
-ones, wherever each is made.
+Pair number `index` depends only on the scans, the options and the index. It is independent of the number of pairs and
+of the process that computes it.
 """
 
 from __future__ import annotations
@@ -29,25 +29,23 @@ from stiction.surfaces.profile import Along, Profile, Side, index_mask
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-DEFAULT_LINES = 128  # pairs of lines by default: a second or two of computing, and enough for an interval
-SHIFT_DIVISOR = (
-    4  # maps are moved over each other by a quarter of their length at most: three quarters lie above each other
-)
-MIN_PIECE_POINTS = 16  # rows and columns that are pressed
-MAX_SURROGATE_POINTS = 512  # rows and columns of the surfaces that are made of profiles
+DEFAULT_LINES = 128  # default number of pairs of lines: takes a second or two, and suffices for an interval
+SHIFT_DIVISOR = 4  # maps are shifted by at most a quarter of their length, so that three quarters overlap
+MIN_PIECE_POINTS = 16  # smallest number of rows and columns of a piece
+MAX_SURROGATE_POINTS = 512  # largest number of rows and columns of an areal surrogate
 Surrogates = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN = (5**0.5 - 1) / 2
-_PLASTIC = 1.324717957244746
-_OF_FOUR = 1.1673039782614187  # the real root of x^5 = x + 1
-GRID_POINTS_PER_WAVELENGTH = 4  # points of the shortest wave of the surfaces that are made
+_PLASTIC = 1.324717957244746  # real root of x^3 = x + 1
+_QUINTIC_ROOT = 1.1673039782614187  # real root of x^5 = x + 1
+GRID_POINTS_PER_WAVELENGTH = 4  # grid points per shortest wavelength of generated surfaces
 
 
 def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
-    """Point `index` of a sequence that fills the unit cube evenly, by powers of the golden ratio and its kin."""
+    """Return point `index` of a low-discrepancy sequence in the unit cube (additive recurrence, golden ratio)."""
     if dimensions == 1:
         return ((index * _GOLDEN) % 1,)
-    base = _PLASTIC if dimensions == 2 else _OF_FOUR
+    base = _PLASTIC if dimensions == 2 else _QUINTIC_ROOT
     return tuple((0.5 + index * base**-power) % 1 for power in range(1, dimensions + 1))
 
 
@@ -56,7 +54,7 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LinePairs:
-    """Pairs of lines of two scans, or of surrogates of lines, as `paired_lines` makes them."""
+    """Pairs of lines of two scans, or of surrogates of the lines; see `paired_lines`."""
 
     upper: Profile | Surface
     lower: Profile | Surface
@@ -66,36 +64,36 @@ class LinePairs:
     surrogates: Surrogates = "none"
     seed: int = 2016
     several: bool = False
-    count: int | None = None  # how many there will be, in equal distances; else evenly spread however many there are
+    count: int | None = None  # number of equally spaced pairs; None for a sequence of any length
 
-    def most(self) -> int | None:
-        """How many different pairs there are; None without end."""
+    def max_count(self) -> int | None:
+        """Return the number of different pairs, or None if it is unlimited."""
         if self.surrogates != "none":
             return None
         widths = [self._width(each) for each in (self.upper, self.lower) if isinstance(each, Surface)]
         return min(widths, default=1)
 
     def place(self, index: int) -> float:
-        """Where the upper line of a pair lies across its surface, µm; 0 of profiles."""
+        """Return the position of the upper line of a pair across its surface, µm; 0 for profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
         across = self.upper.spacing[0 if self.along == "x" else 1]
         return self._row(self.upper, index) * across
 
     def pair(self, index: int) -> tuple[Profile, Profile]:
-        """One pair, both on the same spacing."""
+        """Return a pair of profiles with equal spacing."""
         apart = isinstance(self.upper, Surface) and isinstance(self.lower, Surface)
         lines = self._line(self.upper, index), self._line(self.lower, index, apart=apart)
         if self.level is not None:
             lines = levelled(lines[0], self.level), levelled(lines[1], self.level)
         above, below = (
-            self._stand_in(line, index, side) if self.surrogates in (side, "both") else line
+            self._surrogate(line, index, side) if self.surrogates in (side, "both") else line
             for line, side in zip(lines, SIDES, strict=True)
         )
         spacing = min(above.spacing, below.spacing)
         above, below = resampled(flipped(above), spacing), resampled(below, spacing)
         if self.several and self.travel is None:
-            return _of_one_length(above, below, index, self.level)
+            return _crop_to_equal_length(above, below, index, self.level)
         return self._slider(above, len(below)), below
 
     def _slider(self, above: Profile, track: int) -> Profile:
@@ -106,27 +104,28 @@ class LinePairs:
             left = round(number("travel", self.travel, unit="µm") / spacing)
         slider = min(points, track - left)
         if left < 0 or 2 * slider < min(points, track) - 1:
-            most = (track - min(points, track) // 2) * spacing
+            longest = (track - min(points, track) // 2) * spacing
             raise ValueError(
-                f"travel must be from 0 to {most:g} µm, or too little is left of the slider, got {self.travel!r}"
+                f"travel must be from 0 to {longest:g} µm, which leaves half of the shorter profile as slider, "
+                f"got {self.travel!r}"
             )
         short = above if slider == points else cropped(above, 0.0, slider * spacing)
         return short if self.level is None else levelled(short, self.level)
 
     def _line(self, body: Profile | Surface, index: int, *, apart: bool = False) -> Profile:
-        """A line of a surface, evenly spread over it, or a third of the width further on and going round."""
+        """Return line `index` of a surface; `apart` shifts it by a third of the width, with wrap-around."""
         if isinstance(body, Profile):
             return body
         line = body.row if self.along == "x" else body.column
         return line(self._row(body, index, apart=apart))
 
     def _row(self, surface: Surface, index: int, *, apart: bool = False) -> int:
-        """Which of the lines of a surface; each is taken once before any is taken again."""
+        """Return the row or column number of line `index`; no line repeats before all have been used."""
         width = self._width(surface)
         start = max(width // 3, 1) if apart else 0
         if self.count is not None:
             return (start + index * width // self.count) % width
-        # About the golden ratio of the width, but a step that shares no factor with it.
+        # A step near the golden ratio times the width, and coprime to the width.
         step = max(1, round(width * _GOLDEN))
         while math.gcd(step, width) > 1:
             step += 1
@@ -135,9 +134,9 @@ class LinePairs:
     def _width(self, surface: Surface) -> int:
         return int(surface.heights.shape[0 if self.along == "x" else 1])
 
-    def _stand_in(self, profile: Profile, index: int, side: Side) -> Profile:
-        made = surrogate(profile, self.seed, repetition=index, side=side)
-        return profile.changed(made.heights, f"replaced by its surrogate of seed {self.seed}, repetition {index}")
+    def _surrogate(self, profile: Profile, index: int, side: Side) -> Profile:
+        random = surrogate(profile, self.seed, repetition=index, side=side)
+        return profile.changed(random.heights, f"replaced by its surrogate of seed {self.seed}, repetition {index}")
 
 
 def paired_lines(
@@ -151,37 +150,37 @@ def paired_lines(
     surrogates: Surrogates = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Two scans as what `traverse` takes: sliders, turned over, and what they are carried over, a pair for each line.
+    """Convert two scans to the arguments of `traverse`: flipped sliders and their counterfaces, one pair per line.
 
     Parameters
     ----------
     upper, lower : Profile or Surface
-        Scans, both with heights out of the material; of different grids the finer is taken for both.
+        Scans, both with heights out of the material. If the grids differ, the finer one is used for both.
     travel : float, µm, optional
-        The largest offset that shall be possible: sliders are shortened to leave it. By default one pair has half of
-        the lower profile, or what the upper one leaves of it. Several pairs have none: of lines of different lengths
-        the longer is cut to the shorter, each at another place, so that together they are from all over it.
+        Largest offset; sliders are shortened to allow it. The default for a single pair is half of the lower profile,
+        or the part that exceeds the upper profile if that is longer. The default for several pairs is no travel: the
+        longer line of a pair is cropped to the shorter one, at positions that vary from pair to pair.
     level : {"line", "mean", "quadratic"} or None
-        What is taken off each line, and off each slider once more when it has its length, so that it lies level.
+        Trend to subtract from every line, and again from every slider after it is cropped.
     lines : int
-        How many pairs of lines are taken from surfaces, evenly spread, or of surrogates; two profiles are one pair.
-        Lines of two surfaces are a third of their width apart, so that a surface can be paired with itself.
+        Number of pairs, evenly spaced over the surfaces, or of surrogates; two profiles are one pair. The lines of two
+        surfaces are offset by a third of the width, so that a surface can be paired with itself.
     along : {"x", "y"}
-        Whether lines of surfaces are rows or columns.
+        Direction of the lines: "x" for rows, "y" for columns.
     surrogates : {"none", "upper", "lower", "both"}
-        Which of the two are replaced by their `surrogate`, a new one for each line.
+        Bodies to replace by their `surrogate`, a new one for every line.
     seed : int
-        Of the surrogates.
+        Seed of the surrogates.
 
     Returns
     -------
     (list of Profile, list of Profile)
-        All sliders on the same grid, and so are the lower profiles.
+        Sliders and counterfaces, all with equal spacing.
 
     Raises
     ------
     ValueError
-        If an argument is outside its range, or travel leaves less than half of the shorter profile as a slider.
+        If an argument is outside its range, or if travel leaves less than half of the shorter profile as a slider.
 
     Examples
     --------
@@ -199,15 +198,17 @@ def paired_lines(
     count = whole_number("lines", lines, least=1)
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
-    most = LinePairs(upper, lower, along=along, surrogates=surrogates).most()
+    most = LinePairs(upper, lower, along=along, surrogates=surrogates).max_count()
     count = count if most is None else min(count, most)
     pairs = LinePairs(upper, lower, travel, level, along, surrogates, seed, several=count > 1, count=count)
-    made = [pairs.pair(index) for index in range(count)]
-    return [above for above, _ in made], [below for _, below in made]
+    profiles = [pairs.pair(index) for index in range(count)]
+    return [above for above, _ in profiles], [below for _, below in profiles]
 
 
-def _of_one_length(upper: Profile, lower: Profile, index: int, level: ProfileTrend | None) -> tuple[Profile, Profile]:
-    """A pair of which the longer profile is cut to the shorter, at a place of its own, and levelled again."""
+def _crop_to_equal_length(
+    upper: Profile, lower: Profile, index: int, level: ProfileTrend | None
+) -> tuple[Profile, Profile]:
+    """Crop the longer profile of a pair to the shorter, at a position that depends on `index`, and level it again."""
     length = min(len(upper), len(lower))
 
     def cut(profile: Profile) -> Profile:
@@ -221,7 +222,7 @@ def _of_one_length(upper: Profile, lower: Profile, index: int, level: ProfileTre
 
 
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
-    """What is below a slider at an offset (µm)."""
+    """Return the part of the lower profile below a slider at an offset (µm)."""
     first = round(offset / lower.spacing)
     below = slice(first, first + len(slider))
     return Profile(lower.heights[below], spacing=lower.spacing, missing=index_mask(lower.missing, below))
@@ -232,26 +233,27 @@ def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profil
 
 @dataclass(frozen=True, eq=False)
 class MapPairs:
-    """Pairs of pieces of two maps that are moved over each other, or of their surrogates, all of one size.
+    """Pairs of pieces of two maps at varying relative shifts, or of surrogates of the pieces, all of equal size.
 
-    Pieces have three quarters of the shorter length along each axis, on the finer spacing, and lie all over both maps.
-    Of maps of one size the upper is moved so that a map on itself never lies on itself nor on its mirror image.
+    A piece has three quarters of the shorter length along each axis, on the finer spacing. The positions of the pieces
+    are spread over both maps. For maps of equal size, the shifts avoid contact of a map with itself or its mirror
+    image.
     """
 
-    upper: Surface  # heights of the upper body are up, as `flipped` makes them
+    upper: Surface  # flipped: heights of the upper body are upwards
     lower: Surface
-    level: SurfaceTrend = "plane"  # what is taken off each piece
+    level: SurfaceTrend = "plane"  # trend to subtract from every piece
     seed: int = 2016  # of surrogates
 
     @cached_property
     def spacing(self) -> tuple[float, float]:
-        """µm, of rows and columns: the finer of both maps."""
+        """Spacings of rows and columns, µm: the finer of both maps."""
         (uy, ux), (ly, lx) = self.upper.spacing, self.lower.spacing
         return min(uy, ly), min(ux, lx)
 
     @cached_property
     def _points(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Points along y and x that each map has on the finer spacing."""
+        """Points along y and x of both maps on the finer spacing."""
         return tuple(  # type: ignore[return-value]
             tuple(
                 points if own == step else math.floor((points - 1) * own / step + 1e-9) + 1
@@ -262,7 +264,7 @@ class MapPairs:
 
     @cached_property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns of each piece; a `ValueError` if these are too few to be pressed."""
+        """Rows and columns of every piece. Raises ValueError if there are too few."""
         rows, columns = (
             (least := min(lengths)) - least // SHIFT_DIVISOR for lengths in zip(*self._points, strict=True)
         )
@@ -275,7 +277,7 @@ class MapPairs:
 
     @property
     def area(self) -> float:
-        """Nominal area of each piece, µm²."""
+        """Nominal area of a piece, µm²."""
         return float(np.prod(self.shape) * np.prod(self.spacing))
 
     @property
@@ -284,7 +286,7 @@ class MapPairs:
         pieces = np.prod(self.shape)
         return tuple(float(pieces / np.prod(points)) for points in self._points)  # type: ignore[return-value]
 
-    def most(self) -> int:
+    def max_count(self) -> int:
         """How many relative positions there are at the most: of maps of one size those that the shifts can take."""
         rooms = [max(upper, lower) - size for upper, lower, size in zip(*self._points, self.shape, strict=True)]
         same = self._points[0] == self._points[1]
@@ -328,40 +330,40 @@ class MapPairs:
 
 
 class SquarePairs:
-    """Pairs of square pieces of random surfaces, of so many points along each side and a step (µm) between them."""
+    """Pairs of square pieces of random surfaces with equal spacing along both axes."""
 
     _whole: int
     _step: float
 
     @property
     def spacing(self) -> tuple[float, float]:
-        """µm, of rows and columns."""
+        """Spacings of rows and columns, µm."""
         return self._step, self._step
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns of each piece; a `ValueError` if these are too few to be pressed."""
+        """Rows and columns of every piece. Raises ValueError if there are too few."""
         points = self._whole - self._whole // SHIFT_DIVISOR
         if points < MIN_PIECE_POINTS:
             raise ValueError(
-                f"at least {MIN_PIECE_POINTS} rows and columns must be pressed, got {points} at a spacing of "
+                f"at least {MIN_PIECE_POINTS} rows and columns are required, got {points} at a spacing of "
                 f"{self._step:g} µm"
             )
         return points, points
 
     @property
     def area(self) -> float:
-        """Nominal area of each piece, µm²."""
+        """Nominal area of a piece, µm²."""
         return float(np.prod(self.shape) * np.prod(self.spacing))
 
 
 @dataclass(frozen=True, eq=False)
 class IsotropicPairs(SquarePairs):
-    """Pairs of isotropic surfaces of which two profiles may be sections."""
+    """Pairs of isotropic surfaces, generated from the spectra of two profiles."""
 
-    upper: Profile  # levelled, heights of the upper body up
+    upper: Profile  # levelled; heights of the upper body are upwards
     lower: Profile
-    level: SurfaceTrend = "plane"  # what is taken off each piece
+    level: SurfaceTrend = "plane"  # trend to subtract from every piece
     seed: int = 2016
 
     @cached_property
@@ -379,12 +381,12 @@ class IsotropicPairs(SquarePairs):
 
     @property
     def used(self) -> tuple[float, float]:
-        """The length of a surface over that of the upper and of the lower profile."""
+        """Side of the surface over the length of the upper and of the lower profile."""
         upper, lower = (self._whole / len(each) for each in self._both)
         return upper, lower
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Pieces of a pair, both levelled."""
+        """Return the levelled pieces of a pair."""
         shape = (self._whole, self._whole)
         upper, lower = (
             levelled(
@@ -400,23 +402,25 @@ class IsotropicPairs(SquarePairs):
 
 
 def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:
-    """The spectrum of a scan that is to be pressed on one of several: alike in all directions, where it is trusted."""
+    """Return the isotropic spectrum of a scan over its reliable band; a spectrum is returned unchanged."""
     return scan if isinstance(scan, JoinedSpectrum) else joined_spectrum([scan], names=["one scan"])
 
 
 @dataclass(frozen=True, eq=False)
 class SpectrumPairs(SquarePairs):
-    """Pairs of pieces of random, periodic surfaces of two spectra, alike in all directions.
+    """Pairs of pieces of random, periodic, isotropic surfaces with two spectra.
 
-    Points are a quarter of the shortest wave apart, so that with a cut-off the surfaces are the larger.
+    The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
 
-    upper: JoinedSpectrum  # random phases are the same whether a surface is turned over or not
+    upper: JoinedSpectrum  # not flipped: flipping does not change the statistics of random phases
     lower: JoinedSpectrum
-    level: SurfaceTrend = "plane"  # what is taken off each piece
+    level: SurfaceTrend = "plane"  # trend to subtract from every piece
     seed: int = 2016
     cut_off: tuple[float, float] = (0.0, 0.0)  # µm, cutoff wavelengths of the upper and the lower body; 0 for none
-    finest: float = 0.0  # µm, shortest of several cut-offs, which decides the grid: members are the same at each
+    finest: float = (
+        0.0  # µm, shortest cutoff of a study: it determines the grid, so that members are equal at all cutoffs
+    )
 
     @cached_property
     def _step(self) -> float:  # type: ignore[override]
@@ -429,17 +433,17 @@ class SpectrumPairs(SquarePairs):
 
     @property
     def side(self) -> float:
-        """Side of the surfaces that pieces are taken from, µm."""
+        """Side of the complete surfaces, µm."""
         return self._whole * self._step
 
     @property
     def used(self) -> tuple[float, float]:
-        """The fraction of a surface that a piece is."""
+        """Area of a piece over the area of the complete surface, for both bodies."""
         fraction = float(np.prod(self.shape)) / self._whole**2
         return fraction, fraction
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Pieces of a pair, both levelled."""
+        """Return the levelled pieces of a pair."""
         return self._piece(self.upper, index, "upper"), self._piece(self.lower, index, "lower")
 
     def _piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:
@@ -453,5 +457,5 @@ class SpectrumPairs(SquarePairs):
 
 
 def _middle(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
-    """First row and column of a piece in the middle."""
+    """Return the first row and column of a centred piece."""
     return (points[0] - shape[0]) // 2, (points[1] - shape[1]) // 2

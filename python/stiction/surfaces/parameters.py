@@ -1,4 +1,4 @@
-"""The table of roughness parameters: name, standard, formula, unit and needs of each, and sets of their values."""
+"""Table of roughness parameters (name, standard, formula, unit, requirements), and sets of parameter values."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from stiction._shown import Readable, in_unit, table
 
-NOT_LEVELLED = "no: as they are"  # levelling of heights of which nothing was taken off
+NOT_LEVELLED = "no: as they are"  # description of heights that were not levelled
 
 
 @dataclass(frozen=True)
@@ -19,13 +19,13 @@ class Parameter:
     name : str
     meaning : str
     source : str
-        Standard and clause; a clause is named by its subject where its number is not certain.
+        Standard and clause; the subject of the clause where its number is uncertain.
     formula : str
         In LaTeX, with z the height about the mean line or plane.
     unit : str
         "µm", "", "degrees", "1/µm" or "1/µm²".
     needs : str
-        Without it there is no value; empty if the parameter always exists.
+        Requirement for a value; empty if the parameter always exists.
     is_fraction : bool
         Whether text shows the value in percent.
     """
@@ -155,19 +155,20 @@ SURFACE_PARAMETERS = (
 """Parameters of a surface."""
 
 PARAMETERS = {
-    each.name: each for each in (*(one for all_ in PROFILE_PARAMETERS.values() for one in all_), *SURFACE_PARAMETERS)
+    parameter.name: parameter
+    for parameter in (*(p for group in PROFILE_PARAMETERS.values() for p in group), *SURFACE_PARAMETERS)
 }
 """All parameters by name."""
 
 
 @dataclass(frozen=True, repr=False)
 class ParameterSet(Readable):
-    """Values of roughness parameters, each an attribute by its name.
+    """Values of roughness parameters, available as attributes.
 
     Attributes
     ----------
     values : dict
-        Values by the names of the parameters, in the order of their table; NaN where a parameter does not exist.
+        Values by parameter name, in the order of the table; NaN where a parameter does not exist.
     levelled : str
         Form that was subtracted from the heights, or "no: as they are".
     """
@@ -176,8 +177,8 @@ class ParameterSet(Readable):
     levelled: str = NOT_LEVELLED
 
     def __getattr__(self, name: str) -> float:
-        """Return the value of a parameter."""
-        values: Mapping[str, float] = self.__dict__.get("values", {})  # empty while an object is being copied
+        """Return the value of a parameter by name."""
+        values: Mapping[str, float] = self.__dict__.get("values", {})  # not yet set while an object is copied
         if name in values:
             return values[name]
         raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")
@@ -189,7 +190,7 @@ class ParameterSet(Readable):
         return {"levelled": self.levelled}
 
     def __repr__(self) -> str:
-        """Show a line for each parameter, with its unit."""
+        """Return one line per parameter, with its unit."""
         lines = {name: f"{value} {unit}".strip() for name, value, unit in self._shown_values()} | self._shown_words()
         width = max(map(len, lines))
         return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in lines.items())])

@@ -1,4 +1,4 @@
-"""What is done to measured heights before they touch: levelling, cropping, a common grid."""
+"""Preparation of measured heights: levelling, flipping, cropping, rotation and resampling."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-Align = Literal["start", "middle"]  # which part two bodies of different size are cut to
-GRID_TOLERANCE = 1e-9  # spacings within which a position is that of a point: 0.3 is the third point of a spacing of 0.1
-ROUND_OFF = 1e-14  # residue of a straight line after it has been subtracted, as a fraction of the largest height
+Align = Literal["start", "middle"]  # part of the larger body to keep
+GRID_TOLERANCE = 1e-9  # tolerance of positions on a grid, in spacings: 0.3 µm is point 3 at a spacing of 0.1 µm
+ROUND_OFF = 1e-14  # residual of a subtracted straight line, over the largest height
 _DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
@@ -30,9 +30,9 @@ _LEVELLED = {
     "plane": "levelled by a plane",
 }
 
-_BEYOND = 32  # points on each side from which on a natural spline does not feel its end
+_SPLINE_MARGIN = 32  # points beyond which the end condition of a spline has no effect
 _KEPT = {"start": "first", "middle": "middle"}
-_SIDES = (np.floor, np.ceil)
+_ROUNDINGS = (np.floor, np.ceil)
 
 
 @overload
@@ -47,24 +47,24 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
     Parameters
     ----------
     body : Profile, Surface or array_like
-        Missing points have no weight. Heights in an array need the `spacing` (µm, or text such as "39 nm"), and have
-        the `unit`.
+        Missing points have no weight. An array requires `spacing` (µm, or text such as "39 nm"); its heights are in
+        `unit`.
     trend : str
         For a profile "mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic" or "circle"; for a surface
-        "plane" instead of "line", and "sphere" or "cylinder" instead of "circle". A line or a plane is the tilt of the
-        instrument; a polynomial of higher degree (total degree in x and y) is also the bow of its guide or the form of
-        the body. Each polynomial contains those before it. A circle, a sphere and a cylinder have a tilt of their own.
+        "plane" instead of "line", and "sphere" or "cylinder" instead of "circle". A line or a plane removes
+        the tilt of the instrument. A polynomial of higher degree (total degree in x and y) also removes the bow of its
+        guide or the form of the body. A circle, a sphere and a cylinder include a tilt.
 
     Returns
     -------
     Profile or Surface
-        Of the same spacing, with a mean of zero over the measured points; the step is added to its history.
+        The body minus the trend, with a mean of zero over the measured points; the step is added to its history.
 
     Notes
     -----
-    On a uniform grid the polynomials are made orthogonal by their three-term recurrence, so each coefficient of the
-    least-squares fit is a quotient of two sums; over an area so are their products. Circles, spheres and cylinders are
-    fitted along the height, not along their normals.
+    The polynomials are orthogonal on the uniform grid, from their three-term recurrence, so each coefficient of the
+    least-squares fit is a quotient of two sums. On surfaces the basis functions are products of them. Circles, spheres
+    and cylinders are fitted along the height, not along their normals.
 
     Examples
     --------
@@ -78,23 +78,23 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
     scan: Profile | Surface = as_body("body", body, spacing=spacing, unit=unit)
     choice("trend", trend, ProfileForm if isinstance(scan, Profile) else SurfaceForm)
     if trend not in _DEGREES:
-        form, words = round_form(scan.heights, scan.spacings, scan.missing, trend)
+        form, description = round_form(scan.heights, scan.spacings, scan.missing, trend)
         rest = scan.heights - form
         mean = rest.mean() if scan.missing is None else rest[~scan.missing].mean()
-        return scan.changed(rest - mean, f"levelled by a {words}")
+        return scan.changed(rest - mean, f"levelled by a {description}")
     degree = _DEGREES[trend]
     axes = [_orthogonal(points, degree) for points in scan.heights.shape]
     if isinstance(scan, Profile):
         basis = axes[0]
-        words = _LEVELLED.get(trend, f"levelled by a polynomial of {_ORDINALS.get(degree)} degree")
+        description = _LEVELLED.get(trend, f"levelled by a polynomial of {_ORDINALS.get(degree)} degree")
     else:
         basis = [axes[0][j][:, np.newaxis] * axes[1][i] for j in range(degree + 1) for i in range(degree + 1 - j)]
-        words = f"levelled by a polynomial of {_ORDINALS[degree]} degree" if degree > 1 else _LEVELLED[trend]
-    return scan.changed(_without(scan.heights, basis, scan.missing), words)
+        description = f"levelled by a polynomial of {_ORDINALS[degree]} degree" if degree > 1 else _LEVELLED[trend]
+    return scan.changed(_without(scan.heights, basis, scan.missing), description)
 
 
 def _orthogonal(points: int, degree: int) -> list[Floats]:
-    """Polynomials of degree 0 to `degree` that are orthogonal on a uniform grid, of size about one."""
+    """Return polynomials of degree 0 to `degree`, of magnitude about 1, that are orthogonal on a uniform grid."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):
@@ -104,11 +104,11 @@ def _orthogonal(points: int, degree: int) -> list[Floats]:
 
 
 def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
-    """Heights less their fit by orthogonal functions where measured; zero where only round-off is left."""
+    """Subtract the least-squares fit of orthogonal functions; return zero where only round-off remains."""
     rest = heights
     if missing is not None:
-        there = np.stack([np.broadcast_to(function, heights.shape)[~missing] for function in basis], axis=1)
-        for factor, function in zip(np.linalg.lstsq(there, heights[~missing])[0].tolist(), basis, strict=True):
+        values = np.stack([np.broadcast_to(function, heights.shape)[~missing] for function in basis], axis=1)
+        for factor, function in zip(np.linalg.lstsq(values, heights[~missing])[0].tolist(), basis, strict=True):
             rest = rest - factor * function
         return rest
     for function in basis:
@@ -118,9 +118,9 @@ def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | 
 
 
 def flipped(body: AnyBody) -> AnyBody:
-    """A profile or a surface as that of the upper body: heights out of the material are then heights down.
+    """Flip a profile or a surface for use as the upper body: heights out of the material then point down.
 
-    The body is turned about the x axis, so that x stays, and the last row of a surface becomes the first.
+    The body is rotated by 180° about the x axis: x is unchanged, and the last row of a surface becomes the first.
 
     Examples
     --------
@@ -139,23 +139,23 @@ def cropped(body: Profile, start: float = ..., stop: float | None = ...) -> Prof
 @overload
 def cropped(body: Surface, start: tuple[float, float] = ..., stop: tuple[float, float] | None = ...) -> Surface: ...
 def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Profile | Surface:
-    """The points with start <= x < stop, so that neighbouring pieces share no point; of a surface along y and x.
+    """Crop a profile to start <= x < stop, or a surface along y and x; adjacent pieces share no point.
 
     Parameters
     ----------
     body : Profile or Surface
     start, stop : float, µm, or (float, float) for a surface
-        Within the extent, of a surface along y and along x; without `stop`, to the end.
+        Positions within the extent, along y and x for a surface; by default to the end.
 
     Returns
     -------
     Profile or Surface
-        Whose x (and y) start at zero again; the step is added to its history.
+        The piece, with x (and y) starting at zero; the step is added to its history.
 
     Raises
     ------
     ValueError
-        If the positions are not in this order within the extent, or fewer than 4 points are left along an axis.
+        If the positions are not ascending within the extent, or if fewer than 4 points remain along an axis.
 
     Examples
     --------
@@ -180,20 +180,20 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """First point, the point behind the last, and words."""
+    """Return the first point, the exclusive end, and a description."""
     extent = points * spacing
     start = number("start", start, unit="µm")
     stop = extent if stop is None else number("stop", stop, unit="µm")
     slack = GRID_TOLERANCE * spacing
     if not -slack <= start < stop <= extent + slack:
         raise ValueError(
-            f"start and stop must be in this order and within the extent of {extent:g} µm{along}, "
+            f"start and stop must be ascending and within the extent of {extent:g} µm{along}, "
             f"got {start:g} and {stop:g} µm"
         )
     first, end = (min(max(math.ceil(place / spacing - GRID_TOLERANCE), 0), points) for place in (start, stop))
     if end - first < MIN_POINTS:
         raise ValueError(
-            f"at least {MIN_POINTS} points must be left, but from {start:g} to {stop:g} µm{along} there are "
+            f"at least {MIN_POINTS} points must remain, but from {start:g} to {stop:g} µm{along} there are "
             f"{end - first} at a spacing of {spacing:g} µm"
         )
     return first, end, f"{start:g} to {stop:g} µm{along}"
@@ -204,31 +204,31 @@ def on_common_grid(a: Profile, b: Profile, *, align: Align = ...) -> tuple[Profi
 @overload
 def on_common_grid(a: Surface, b: Surface, *, align: Align = ...) -> tuple[Surface, Surface]: ...
 def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Two profiles, or two surfaces, on the finer of their grids, over the length that both have.
+    """Resample two profiles or two surfaces to the finer of their grids, over their common length.
 
     Parameters
     ----------
     a, b : Profile, or both Surface
     align : {"start", "middle"}
-        Which part of the longer one is kept along each axis: that from 0 on, or, to half a spacing, that about the
-        middle, as for a map that was turned about it.
+        Part of the longer body to keep along each axis: the part from 0, or the middle part (to half a spacing), which
+        is useful after a rotation.
 
     Returns
     -------
     (Profile, Profile) or (Surface, Surface)
-        Of the same spacing and number of points, along each axis. What has the finer grid keeps its heights to the bit;
-        the other is interpolated by its natural cubic spline, the curve that contact mechanics sees in it anyway, along
-        one axis after the other. The steps are added to their histories.
+        Bodies with equal spacing and number of points along each axis. Heights on the finer grid are unchanged; the
+        coarser body is interpolated by natural cubic splines, which the contact models use as well, along one axis
+        after the other. The steps are added to their histories.
 
     Raises
     ------
     ValueError
-        If one is a profile and the other a surface, or the common grid would be too large.
+        If one body is a profile and the other a surface, or if the common grid is too large.
 
     Notes
     -----
-    The finer grid, because no measured point is lost and nothing is folded back from above a Nyquist frequency. What
-    was measured coarsely has no roughness below its own spacing on the finer grid either.
+    On the finer grid no measured point is lost and nothing is aliased. Resampling a coarse scan does not add roughness
+    below its spacing.
 
     Examples
     --------
@@ -253,32 +253,32 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
 
 
 def _points(length: float, spacing: float) -> int:
-    """Points of a spacing from 0 to a length (µm), its end included whatever the round-off."""
+    """Return the number of points from 0 to a length (µm), including the end despite round-off."""
     return math.floor(length / spacing + GRID_TOLERANCE) + 1
 
 
 def _on_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: Align) -> Any:
-    """A profile or a surface at spacings (µm) along each axis, of a shape; its own grid as it is."""
-    own = body.spacings
-    if (own, body.heights.shape) == (spacing, shape):
+    """Resample a body to spacings (µm) and a shape; return it unchanged if they are equal to its own."""
+    old_spacings = body.spacings
+    if (old_spacings, body.heights.shape) == (spacing, shape):
         return body
     heights, missing = body.heights, body.missing
-    for axis, (old, new, points) in enumerate(zip(own, spacing, shape, strict=True)):
+    for axis, (old, new, points) in enumerate(zip(old_spacings, spacing, shape, strict=True)):
         heights, missing = (_splined(each, old, new, points, axis, align) for each in (heights, missing))
     is_line, size = len(shape) == 1, " rows of ".join(map(str, shape))
     steps = " and ".join(f"{step:g}" for step in spacing)
-    if own == spacing:
-        said = f"cropped to its {_KEPT[align]} {size} points"
+    if old_spacings == spacing:
+        step = f"cropped to its {_KEPT[align]} {size} points"
     else:
-        grid = f"from a spacing of {own[0]:g} to {steps}" if is_line else f"to spacings of {steps}"
-        said = f"splined {grid} µm, {size} points{' about its middle' if align == 'middle' else ''}"
-    return body.changed(heights, said, spacing=spacing[0] if is_line else spacing, missing=missing)
+        grid = f"from a spacing of {old_spacings[0]:g} to {steps}" if is_line else f"to spacings of {steps}"
+        step = f"splined {grid} µm, {size} points{' about its middle' if align == 'middle' else ''}"
+    return body.changed(heights, step, spacing=spacing[0] if is_line else spacing, missing=missing)
 
 
 def resampled_piece(
     surface: Surface, spacing: tuple[float, float], origin: tuple[int, int], shape: tuple[int, int]
 ) -> Surface:
-    """A piece of a surface from an origin on, on a grid (µm), by natural splines from enough points beyond it."""
+    """Resample a piece of a surface that starts at `origin` (row, column) to spacings (µm), by natural splines."""
     heights, missing = surface.heights, surface.missing
     for axis in (0, 1):
         own, step, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
@@ -290,9 +290,9 @@ def resampled_piece(
 
         size = heights.shape[axis]
         places = np.minimum((first + np.arange(points)) * (step / own), size - 1)
-        missing = _beside_missing(missing, places, axis)
-        begin = max(0, math.floor(places[0]) - _BEYOND)
-        end = min(size, math.ceil(places[-1]) + 1 + _BEYOND)
+        missing = _mask_between(missing, places, axis)
+        begin = max(0, math.floor(places[0]) - _SPLINE_MARGIN)
+        end = min(size, math.ceil(places[-1]) + 1 + _SPLINE_MARGIN)
         there = np.take(heights, np.arange(begin, end), axis=axis)
         heights = CubicSpline(np.arange(begin, end), there, axis=axis, bc_type="natural")(places)
     (rows, columns), (dy, dx) = shape, spacing
@@ -303,20 +303,20 @@ def resampled_piece(
     return surface.changed(np.asarray(heights), step_taken, spacing=spacing, missing=missing)
 
 
-def _beside_missing(missing: Any, places: Floats, axis: int) -> Any:
-    """A mask at places between the points of an axis: missing where one of the two points beside a place is."""
+def _mask_between(missing: Any, places: Floats, axis: int) -> Any:
+    """Return a mask at positions between points: missing where one of the two adjacent points is missing."""
     if missing is None:
         return None
-    below, above = (np.take(missing, side(places).astype(np.intp), axis=axis) for side in _SIDES)
+    below, above = (np.take(missing, side(places).astype(np.intp), axis=axis) for side in _ROUNDINGS)
     return below | above
 
 
 def _splined(heights: Any, own: float, spacing: float, points: int, axis: int, align: Align = "start") -> Any:
-    """Heights along an axis at another spacing, by natural cubic splines, or a mask; the same spacing as it is."""
+    """Resample heights by natural cubic splines, or a mask, along an axis; equal spacing is only cropped."""
     if heights is None:
         return None
     last = heights.shape[axis] - 1
-    # In steps of its own grid.
+    # Position of the first point, in points of the old grid.
     ratio = spacing / own
     start = max(0.0, (last - (points - 1) * ratio) / 2) if align == "middle" else 0.0
     if own == spacing:
@@ -324,37 +324,37 @@ def _splined(heights: Any, own: float, spacing: float, points: int, axis: int, a
         return heights[kept] if axis == 0 else heights[:, kept]
     from scipy.interpolate import CubicSpline
 
-    # A position a rounding beyond the last point is the last point.
+    # Round-off must not put a position beyond the last point.
     places = np.minimum(start + np.arange(points) * ratio, last)
     if heights.dtype == np.bool_:
-        return _beside_missing(heights, places, axis)
+        return _mask_between(heights, places, axis)
     return np.asarray(CubicSpline(np.arange(last + 1), heights, axis=axis, bc_type="natural")(places))
 
 
 def rotated(surface: Surface, angle: float) -> Surface:
-    """A surface turned in its plane: what ran along +x runs at the angle from +x towards +y.
+    """Rotate a surface in its plane by an angle from +x towards +y.
 
     Parameters
     ----------
     surface : Surface
     angle : float, degrees
-        Multiples of 90 keep every height; any other angle interpolates between points.
+        Multiples of 90 preserve every height; other angles require interpolation.
 
     Returns
     -------
     Surface
-        Of the same spacings (at odd multiples of 90, exchanged), over the largest rectangle along the axes that is
-        inside of the turned surface. What was cut off is said in its history.
+        The largest axis-parallel rectangle within the rotated surface, with the same spacings (exchanged at odd
+        multiples of 90). The fraction that was cut off is added to its history.
 
     Raises
     ------
     ValueError
-        If fewer than 4 points are left along an axis, or there are fewer before.
+        If the surface or the result has fewer than 4 points along an axis.
 
     Notes
     -----
-    By the cubic splines of `scipy.interpolate.RectBivariateSpline`, which damp wavelengths near twice the spacing, and
-    unlike those of `scipy.ndimage` assume no mirror image beyond the sides.
+    Heights are interpolated with `scipy.interpolate.RectBivariateSpline`. Its cubic splines attenuate wavelengths near
+    twice the spacing; unlike `scipy.ndimage` it does not extend the surface by reflection.
 
     Examples
     --------
@@ -373,7 +373,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
         missing = None if surface.missing is None else np.rot90(surface.missing, -int(quarters) % 4)
         return surface.changed(heights, f"rotated by {angle:g} degrees", spacing=spacing, missing=missing)
     if min(surface.heights.shape) < MIN_POINTS:
-        raise ValueError(f"a surface of {surface.heights.shape} points can only be turned by multiples of 90 degrees")
+        raise ValueError(f"a surface of {surface.heights.shape} points can only be rotated by multiples of 90 degrees")
     from scipy.interpolate import RectBivariateSpline
 
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
@@ -387,14 +387,14 @@ def rotated(surface: Surface, angle: float) -> Surface:
         )
     y = (np.arange(shape[0]) - (shape[0] - 1) / 2)[:, np.newaxis] * dy
     x = (np.arange(shape[1]) - (shape[1] - 1) / 2) * dx
-    # Where a point was before: turned back about the middle.
+    # Position of a point before the rotation about the middle.
     from_y = (own[0] / 2 - x * math.sin(radians) + y * math.cos(radians)) / dy
     from_x = (own[1] / 2 + x * math.cos(radians) + y * math.sin(radians)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
-    from_y, from_x = np.clip(from_y, 0, rows - 1), np.clip(from_x, 0, columns - 1)  # of round-off at the sides
+    from_y, from_x = np.clip(from_y, 0, rows - 1), np.clip(from_x, 0, columns - 1)  # because of round-off at the sides
     heights, missing = spline.ev(from_y, from_x), None
     if surface.missing is not None:
-        ways = [(up(from_y).astype(np.intp), over(from_x).astype(np.intp)) for up in _SIDES for over in _SIDES]
+        ways = [(up(from_y).astype(np.intp), over(from_x).astype(np.intp)) for up in _ROUNDINGS for over in _ROUNDINGS]
         missing = np.logical_or.reduce([surface.missing[way] for way in ways])
     lost = 1 - shape[0] * shape[1] / surface.heights.size
     step = f"rotated by {angle:g} degrees, {100 * lost:.0f} % cut off"
@@ -402,24 +402,24 @@ def rotated(surface: Surface, angle: float) -> Surface:
 
 
 def _inscribed(height: float, width: float, angle: float) -> tuple[float, float]:
-    """Height and width of the largest rectangle along the axes inside of one that is turned."""
+    """Return height and width of the largest axis-parallel rectangle within a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer, shorter = max(height, width), min(height, width)
-    if shorter <= 2 * sine * cosine * longer:  # two of its corners lie on the longer sides
+    if shorter <= 2 * sine * cosine * longer:  # two corners lie on the longer sides
         half = shorter / 2
-        across, along = half / cosine, half / sine  # of the longer side, by which the rectangle is bounded
+        across, along = half / cosine, half / sine  # limited by the shorter side
         return (along, across) if height >= width else (across, along)
     span = cosine**2 - sine**2
     return (height * cosine - width * sine) / span, (width * cosine - height * sine) / span
 
 
 def resampled(profile: Profile, spacing: float) -> Profile:
-    """A profile at another spacing (µm), over its own length, by its natural cubic spline; its own grid as it is."""
+    """Resample a profile to a spacing (µm) by its natural cubic spline; an equal spacing leaves it unchanged."""
     points = _points((len(profile) - 1) * profile.spacing, spacing)
     if points > MAX_POINTS:
         raise ValueError(
-            f"{profile.extent:g} µm at a spacing of {spacing:g} µm are {points} points, and at most {MAX_POINTS} "
-            "can be used"
+            f"{profile.extent:g} µm at a spacing of {spacing:g} µm require {points} points, but at most {MAX_POINTS} "
+            "are allowed"
         )
     resampled: Profile = _on_grid(profile, (spacing,), (points,), "start")
     return resampled
