@@ -181,6 +181,27 @@ def test_form_has_a_field_for_each_option_of_a_pair(fresh):
     assert [value for name, value in options if name == "columns"] == ["", "x,z"]
     names = set(fresh.execute_script("return [...document.querySelectorAll('#pair [name]')].map(({name}) => name)"))
     assert names == set(OPTIONS["pair"])
+    fill(fresh, {"missing-value": "-9999,NaN", "accept": "whole-numbers", "width": "1,5 mm"})
+    options = fresh.execute_script("return optionsOfPair()")
+    assert ["width", "1.5 mm"] in options
+    assert [value for name, value in options if name == "missing-value"] == ["-9999,NaN", ""]
+    assert [value for name, value in options if name == "accept"] == ["whole-numbers", ""]
+
+
+def test_caveat_about_a_file_is_settled_by_its_field(fresh, tmp_path):
+    heights = np.round(np.random.default_rng(0).standard_normal((32, 32)) * 20)
+    heights[3, 4:20] = -9999
+    np.savetxt(tmp_path / "map.txt", heights, fmt="%d")
+    for name, value in {"unit": "um", "spacing": "10 um"}.items():
+        fresh.execute_script(f"document.querySelector('#upper-drop [name={name}]').value = '{value}'")
+    assert "-9999" in choose(fresh, "upper", tmp_path / "map.txt")["wrong"]
+    fresh.execute_script(
+        "for (const [name, value] of [['missing-value', '-9999'], ['accept', 'whole-numbers'], "
+        "['missing', 'interpolate']]) {"
+        "const field = document.querySelector(`#upper-drop [name=${name}]`); field.value = value;"
+        "field.dispatchEvent(new Event('change', {bubbles: true})); }"
+    )
+    until(lambda: seen(fresh, "upper"), lambda said: "Sq 20" in said["hint"] and not said["wrong"])
 
 
 def test_table_of_several_columns_is_read_by_the_columns_field(fresh, tmp_path):

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 from small import SMALL, empty_dataset
-from stiction import Profile, Study, levelled, self_affine
+from stiction import Profile, Study, levelled, pair, self_affine
 from stiction.studies.study import study_of
 from stiction.views.report import ReportError, report_page, save_report
 from stiction.views.report.page import MARK
@@ -93,3 +93,23 @@ def test_a_page_of_a_scan_doubts_what_pair_would_doubt_and_text_of_a_file_is_tex
     assert "alert(1)</script>" not in page
     assert "<b>" not in page
     assert "<code>&lt;i&gt;</code>" in page
+
+
+def test_page_lists_how_each_file_was_read(tmp_path):
+    rows = np.column_stack([0.5 * np.arange(64), np.random.default_rng(0).standard_normal(64)])
+    np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header="x (um),height (um)", comments="")
+    (tmp_path / "b.csv").write_text((tmp_path / "a.csv").read_text().replace("(um)", "(nm)"))
+    files = [str(tmp_path / f"{name}.csv") for name in "ab"]
+    result = pair(*files, load="1 MPa", mu0=0.2, effective_modulus=100.0, offsets=4, onset=0, accept="tall")
+    page = html.unescape(report_page(result.source))
+    assert [name in page for name in ("How a.csv was read", "How b.csv was read")] == [True, True]
+    table = page[page.index("How a.csv was read") :]
+    cells = dict(re.findall(r'<th scope="row">(.*?)</th><td>(.*?)</td>', table[: table.index("</table>")]))
+    assert cells["layout"] == "positions and heights"
+    assert cells["spacing"] == "0.5 µm along x"
+    assert cells["unit of heights in the file"] == "um"
+    assert cells["missing points"] == "0 of 64"
+    assert cells["lines"] == "2 to 65; 1 above and 0 below skipped"
+    assert cells["given, not read from the file"] == "accept = tall"
+    (tmp_path / "a.csv").unlink()
+    assert "How a.csv was read" not in html.unescape(report_page(result.source))

@@ -118,7 +118,7 @@ async function demo() {
 }
 
 const UNITS = {young: " GPa", hardness: " GPa", tau0: " MPa", adhesion: " mJ/m^2"};
-const TEXTS = ["spacing", "unit", "columns", "channel", "cutoff"]; // in which a comma separates
+const TEXTS = ["spacing", "unit", "columns", "channel", "cutoff", "missing-value", "accept"]; // in which a comma separates
 const number = (name) => form[name].value.trim().replace(",", ".");
 
 /** The options of `stiction pair` that the form stands for; its fields have their names, twice if of both bodies. */

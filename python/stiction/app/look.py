@@ -28,8 +28,8 @@ COLOURS = ("#7a8490", "#8a63c7")  # of lower and upper lines; both are seen on l
 
 def look(file: str, reading: dict[str, str]) -> dict[str, Any]:
     """What a scan holds, as `stiction characterise` says it, with a small picture; or why it cannot be read."""
-    given: dict[str, Any] = {name: text for name, text in reading.items() if text}
-    for name in ("unit", "spacing", "columns"):
+    given: dict[str, Any] = {name.replace("-", "_"): text for name, text in reading.items() if text}
+    for name in ("unit", "spacing", "columns", "missing_value", "accept"):
         if "," in given.get(name, ""):
             given[name] = tuple(part.strip() for part in given[name].split(","))
     with warnings.catch_warnings(record=True) as caught:

@@ -42,13 +42,14 @@ KEY = "x-stiction-key"
 OPEN = ("/", "/app.js", "/app.css")  # paths that hold nothing private, for which the cookie will do
 
 OPTIONS = {
-    "pair": ("unit", "spacing", "missing", "channel", "columns", "upper", "lower", "young", "poisson", "hardness",
-             "mu0", "tau0", "load", "adhesion", "mechanics", "lay", "cutoff", "tip", "level", "rotate", "shifts"),
+    "pair": ("unit", "spacing", "missing", "channel", "columns", "missing-value", "accept", "upper", "lower", "young",
+             "poisson", "hardness", "mu0", "tau0", "load", "width", "adhesion", "mechanics", "lay", "cutoff", "tip",
+             "level", "rotate", "shifts"),
     "run": ("set",),
 }  # fmt: skip
 """What the page may ask of each command."""
 
-READING = ("unit", "spacing", "missing", "channel", "columns")  # how a scan is read
+READING = ("unit", "spacing", "missing", "channel", "columns", "missing-value", "accept")  # how a scan is read
 
 CHANGES = re.compile(
     r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"

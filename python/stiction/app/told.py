@@ -20,14 +20,15 @@ from stiction.views.rows import answer_record, csv_text, record_text
 _ARGUMENTS = {"upper": "upper_material", "lower": "lower_material", "adhesion": "work_of_adhesion"}
 """Arguments of `Pair` that are called otherwise than their options."""
 
-_REPEATED = ("load", "unit", "spacing", "channel", "columns", "tip")  # options that may be given more than once
+_REPEATED = ("load", "unit", "spacing", "channel", "columns", "missing_value", "accept", "tip")
+"""Arguments whose options may be given more than once."""
 
 
 def first_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
     """The study of a first answer, by asperities, of what a command line of `pair` would ask for with these options."""
     given: dict[str, Any] = {}
     for name, text in options:
-        given.setdefault(_ARGUMENTS.get(name, name), []).append(text)
+        given.setdefault(_ARGUMENTS.get(name, name.replace("-", "_")), []).append(text)
     asked = {name: each if name in _REPEATED else each[0] for name, each in given.items()}
     asked |= {name: kind(asked[name]) for name, kind in (("shifts", int), ("rotate", float)) if name in asked}
     return Pair(upper=files[0], lower=files[1], **asked).first_study

@@ -145,6 +145,7 @@ def characterise(
             what = f", {len(files)} files"
             new_text(path, views.characterisation_csv(told))
         elif path.suffix.lower() == ".html":
+            from stiction.views.report.reading import reading_table
             from stiction.views.report.surface import surface_page
 
             what = ", the page alone" if len(outputs) == 1 else ""
@@ -152,7 +153,9 @@ def characterise(
             for each in context.command.params:
                 if each.name not in ("files", "output", "as_json") and given(context, each.name):
                     same += [each.opts[0], str(context.params[each.name])]
-            surface_page(found[0], name=printable(files[0].name), command=shlex.join(same)).save(path)
+            table = reading_table(readings[0], reading)
+            name = printable(files[0].name)
+            surface_page(found[0], name=name, command=shlex.join(same), reading=table).save(path)
         else:
             from stiction.views.figures.roughness import characterisation_figure
 

@@ -347,7 +347,7 @@ class Characterisation:
         below = f"those below {with_unit(2 * limit.pixels, 'um')} make {percent(share)} of the mean square slope"
         limits = entry("noise_floor_below", limit.noise, "um"), entry("tip_follows_down_to", limit.tip, "um")
         return [
-            Row("waves", (f"{with_unit(limit.pixels, 'um')} (two points) to {with_unit(longest, 'um')}",), (shortest,)),
+            Row("waves", (f"{with_unit(limit.pixels, 'um')} (two points) to {length_text(longest)}",), (shortest,)),
             Row("", (below,), (octave,)), Row("slope of waves", (slopes,)), *self._period_rows(),
             Row("instrument", (words,), limits),
         ]  # fmt: skip

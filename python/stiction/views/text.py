@@ -262,8 +262,7 @@ def budget_text(one: Answer) -> str:
     now, then = (from_to(low, high) for low, high in ((one.lower, one.upper), (most.lower, most.upper)))
     if now == then:
         return ""
-    digits = "" if " to " in then else " in all these digits"
-    return f"{_MEASURES.get(most.words, f'measure {most.words}')}: {now} becomes {then}{digits}"
+    return f"{_MEASURES.get(most.words, f'measure {most.words}')}: {now} becomes {then}"
 
 
 _MEASURES = {

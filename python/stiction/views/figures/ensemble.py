@@ -62,6 +62,7 @@ MOST_BAND = 2.0  # times the highest or lowest value, as far as an axis goes for
 HEADLINE = 4.0  # millimetres that a line above a figure takes
 MOST_IN_ROW = 4  # entries of a legend
 
+MIN_TICKS = 3  # ticks of a colour bar below which others are chosen
 TICKS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100)
 """Round coefficients of friction on a scale of colours."""
 
@@ -230,6 +231,9 @@ def _colour_bar(figure: Figure, place: tuple[float, float, float, float], norm: 
     axes = figure.add_axes(place, label="<colorbar>")
     bar = figure.colorbar(ScalarMappable(norm, FRICTION_MAP), cax=axes, orientation="horizontal", extend="both")
     ticks = [tick for tick in TICKS if norm.vmin <= tick * (1 + 1e-9) and tick <= norm.vmax * (1 + 1e-9)]
+    if len(ticks) < MIN_TICKS:
+        inside = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
+        ticks = [float(tick) for tick in inside if norm.vmin <= tick <= norm.vmax]
     ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # no closer than their labels are long
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.ax.minorticks_off()

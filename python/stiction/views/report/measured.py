@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from inspect import signature
 from typing import Any
@@ -18,6 +19,7 @@ from stiction.studies.at_load import at_load
 from stiction.studies.budget import with_uncertainty
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.maps import MOTIONS
+from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.onset import onset_beside
 from stiction.studies.resolution import seen
 from stiction.studies.store import Stored
@@ -43,6 +45,7 @@ from stiction.views.report.page import (
     packed,
 )
 from stiction.views.report.pictures import adhesion_panel, onset_panels, positions_panel, touching_panel
+from stiction.views.report.reading import GIVEN, reading_table
 from stiction.views.resolution import waves_text
 from stiction.views.sticking import sticking_of
 from stiction.views.text import budget_text, waited_text
@@ -149,8 +152,23 @@ def _head(study: Study, facts: dict[str, Any]) -> list[str]:
 
 def _history(side: str, history: str, study: Study) -> str:
     lines = "".join(f"<li>{escaped(line)}</li>" for line in history.splitlines()[:20])
-    file = escaped(getattr(study.surfaces, side).name)
-    return f"<p>The {side} body: <code>{file}</code></p>" + (f"<ul>{lines}</ul>" if lines else "")
+    part = getattr(study.surfaces, side)
+    readings = "".join(_reading_table(scan) for scan in part.scans[:MAX_READINGS])
+    more = len(part.scans) - MAX_READINGS
+    readings += f"<p>{more} more scans are in the JSON of <code>stiction pair</code>.</p>" if more > 0 else ""
+    body = f"<p>The {side} body: <code>{escaped(part.name)}</code></p>"
+    return body + (f"<ul>{lines}</ul>" if lines else "") + readings
+
+
+MAX_READINGS = 4  # scans of a part whose reading a page lists
+
+
+def _reading_table(scan: MeasuredFile) -> str:
+    """Return how a file was read as a table; empty of a body in memory and of a file that is gone."""
+    with contextlib.suppress(ValueError, OSError):
+        if (reading := scan.reading) is not None:
+            return reading_table(reading, {name: getattr(scan, name) for name in GIVEN})
+    return ""
 
 
 def _kinds(dataset: xarray.Dataset) -> list[dict[str, Any]]:

@@ -17,14 +17,19 @@ from stiction.views.report.pictures import inline
 MUCH = 0.1  # fraction of the mean square slope in the shortest octave from which on a finer scan would find much more
 
 
-def surface_page(body: Profile | Surface | Characterisation, *, name: str, command: str, **options: Any) -> Page:
-    """The page of a levelled profile or surface, with the command that makes it; options of `characterisation_text`."""
+def surface_page(
+    body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
+) -> Page:
+    """The page of a levelled profile or surface, with the command that makes it and, as markup, how it was read.
+
+    `options` are those of `characterisation_text`.
+    """
     found = characterisation_of(body, **options)
     main = Template(part("surface.html")).substitute(
         meaning=_meaning(found), command=escaped(command), table=_table([*found.rows, *found.line_rows]),
         figure=inline(characterisation_figure(found), "Heights, their distribution, and spectra"),
     )  # fmt: skip
-    return Page(name, list(found.body.history), main, f"Characterised by stiction {__version__}")
+    return Page(name, list(found.body.history), main + reading, f"Characterised by stiction {__version__}")
 
 
 def _meaning(found: Characterisation) -> str:

@@ -1,0 +1,54 @@
+"""How a file was read, as a table of fields: layout, points, columns, units, spacing, missing points and caveats."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from stiction.views.report.page import escaped
+
+if TYPE_CHECKING:
+    from stiction.surfaces.measured.reading import Reading
+
+GIVEN = ("unit", "spacing", "columns", "channel", "missing_value", "missing", "outliers", "crop", "accept")
+"""Options that say how a file is read."""
+
+
+def reading_table(reading: Reading[Any], given: Mapping[str, Any]) -> str:
+    """Return the fields of a reading as markup, with the options that were given for it."""
+    rows = "".join(
+        f'<tr><th scope="row">{escaped(name)}</th><td>{escaped(value)}</td></tr>'
+        for name, value in reading_rows(reading, given)
+    )
+    return f'<table class="texts"><caption>How {escaped(reading.file)} was read</caption>{rows}</table>'
+
+
+def reading_rows(reading: Reading[Any], given: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return names and values of what was understood of a file, and of the options that were given for it."""
+    source, body = reading.source, reading.body
+    steps = [f"{step:.6g} µm along {axis}" for axis, step in zip("xy", body.spacings[::-1], strict=False)]
+    own = {name: given.get(name) for name in GIVEN}
+    own = {name: value for name, value in own.items() if value and value not in ("error", "keep")}
+    rows = [
+        ("layout", source.layout or "not named"),
+        ("points", " × ".join(map(str, body.heights.shape))),
+        ("spacing", ", ".join(steps)),
+        ("column or channel of heights", source.column or "the only one"),
+        ("unit of heights in the file", reading.unit),
+        ("missing points", f"{reading.missing} of {reading.points}"),
+    ]
+    if source.lines is not None:
+        text = [source.encoding, source.separator, f"decimal {'comma' if source.decimal_mark == ',' else 'point'}"]
+        skipped = f"{source.lines_above} above and {source.lines_below} below skipped"
+        rows += [
+            ("text", ", ".join(word for word in text if word)),
+            ("lines", f"{source.lines[0]} to {source.lines[1]}; {skipped}"),
+        ]
+    rows.append(("given, not read from the file", ", ".join(_given(*item) for item in own.items()) or "nothing"))
+    rows += [("caveat", f"{each.text}; {each.cure}") for each in reading.caveats]
+    return rows
+
+
+def _given(name: str, value: Any) -> str:
+    values = value if isinstance(value, (list, tuple)) else [value]
+    return f"{name.replace('_', ' ')} = {', '.join(str(getattr(each, 'text', each)) for each in values)}"
