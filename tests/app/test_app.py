@@ -201,7 +201,7 @@ def test_caveat_about_a_file_is_settled_by_its_field(fresh, tmp_path):
         "const field = document.querySelector(`#upper-drop [name=${name}]`); field.value = value;"
         "field.dispatchEvent(new Event('change', {bubbles: true})); }"
     )
-    until(lambda: seen(fresh, "upper"), lambda said: "Sq 20" in said["hint"] and not said["wrong"])
+    until(lambda: seen(fresh, "upper"), lambda said: "Sq 19.4 µm" in said["hint"] and not said["wrong"])
 
 
 def test_table_of_several_columns_is_read_by_the_columns_field(fresh, tmp_path):
