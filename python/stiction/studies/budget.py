@@ -66,11 +66,11 @@ def with_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool = True)
             with_uncertainty(at.isel(load=np.flatnonzero(each)), result, budget=budget) for each in (is_own, ~is_own)
         ]
         return _merged(parts)
-    inputs, strength = inputs_of(study), None
+    inputs, strengths = inputs_of(study), []
     if (known := interface_of(study)) is not None:
         fit, hardness = known.fits[0], inputs.get("hardness")
         joint = hardness is not None and hardness.known.says(known.about.get(HARDNESS, ""))
-        strength = fit.mu0, fit.tau0, fit.hardness if joint else None
+        strengths = [(*each, fit.hardness if joint else None) for each in ((fit.mu0, fit.tau0), *known.at_bounds)]
         gone = ("mu0", "tau0", *(("hardness",) if joint else ()))
         inputs = {name: each for name, each in inputs.items() if name not in gone}
     dims = tuple(str(dim) for dim in at["friction_all_round"].dims if dim != "statistic")
@@ -82,7 +82,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool = True)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
         scans = surfaces.scans_of(table["repetition"].values)
         scatters = {place: of_scans(table.values[place], *scans) for place in np.ndindex(*shape)}
-    order = [*([] if strength is None else [INTERFACE]), *inputs, *(PLACES if scatters else (POSITIONS,)), FINER]
+    order = [*([INTERFACE] if strengths else []), *inputs, *(PLACES if scatters else (POSITIONS,)), FINER]
     whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited = np.full((*shape, len(study.friction.wait), 3), np.nan)
@@ -91,7 +91,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool = True)
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))
         sums = {str(name): each.values[tuple(where[str(dim)] for dim in each.dims)] for name, each in six.items()}
-        one = _Point(read.isel(where), where, study, inputs, PerLoad.of(sums), areas, strength, scatters.get(place))
+        one = _Point(read.isel(where), where, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(place))
         if not one.names:
             continue
         whole[place] = one.value, *one.interval()
@@ -151,7 +151,7 @@ class _Point:
 
     def __init__(
         self, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: PerLoad, areas: Areas,
-        strength: Strength | None = None, of_parts: OfScans | None = None,
+        strengths: Sequence[Strength] = (), of_parts: OfScans | None = None,
     ) -> None:  # fmt: skip
         self.study, self.friction, self.areas, self.load = study, friction, areas, where.get("load", 0)
         self.mu0, self.tau0 = float(point["mu0"]), float(point["tau0"])
@@ -170,8 +170,9 @@ class _Point:
             middle = self.inputs[name].value if name in self.inputs and of_interface is None else of_interface
             if middle is not None and abs(middle - own) > 1e-3 * own:
                 self.inputs.pop(name, None)
-                strength = None
-        self.strength = strength  # draws of mu0 and tau0 jointly, and of the hardness where they have it
+                strengths = ()
+        # Draws of mu0 and tau0 jointly, and of the hardness where they have it; then those with either at its bound.
+        self.strengths = strengths
         hardness = study.contact.hardness
         self.finest: tuple[float, float] | None = None  # between which ends finer scans lie
         free = study.by_half_space and not study.contact.adheres
@@ -193,7 +194,7 @@ class _Point:
             self.scatter, self.freedom = of_parts.test / value, min(of_parts.test_freedom, MOST_FREEDOM)
         self.places = {name: each for name, each in places.items() if each > 0}
         finer = (FINER,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
-        self.names = (*self.inputs, *((INTERFACE,) if strength else ()), *self.places, *finer)
+        self.names = (*self.inputs, *((INTERFACE,) if strengths else ()), *self.places, *finer)
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
         """The 95 % interval, with some inputs at quantiles of theirs.
@@ -217,7 +218,13 @@ class _Point:
     def _sampled_interval(self, fixed: Mapping[str, float]) -> tuple[float, float]:
         if self.names == tuple(self.places) and not fixed:
             return max(self.sampling[0], 0.0), self.sampling[1]
-        return _ends(self._draws(fixed))
+        return self._ends(fixed)
+
+    def _ends(self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0) -> tuple[float, float]:
+        """Ends of the 95 % interval of the samples times a factor, over those with mu0 or tau0 at its bound too."""
+        strengths = self.strengths[:1] if INTERFACE in fixed else self.strengths
+        ends = [_ends(self._draws(fixed, wait, strength) * factor) for strength in strengths or (None,)]
+        return min(low for low, _ in ends), max(high for _, high in ends)
 
     def next_test(self) -> tuple[float, float]:
         """The 95 % prediction interval of one more member in one direction.
@@ -231,7 +238,7 @@ class _Point:
             self.areas.kept[key] = stdtrit(self.freedom, strata(len(self.names) + 1)[:, -1])
         scatter = math.sqrt(math.log1p(self.scatter**2))
         factor = np.exp(np.minimum(self.areas.kept[key] * scatter, MAX_EXPONENT))
-        return containing(_ends(self._draws(dict.fromkeys(self.places, 0.5)) * factor), self.value)
+        return containing(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
         """The coefficient after seconds under a nominal pressure (GPa), with its interval; NaN where it yields."""
@@ -244,9 +251,9 @@ class _Point:
         area = self.areas.factor(self.load, np.array([left]), 1.0)
         own = self.friction.coefficient(self.mu0, self.tau0)
         value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / own
-        return float(value[0]), *containing(_ends(self._draws({}, wait)), float(value[0]))
+        return float(value[0]), *containing(self._ends({}, wait), float(value[0]))
 
-    def _draws(self, fixed: Mapping[str, float], wait: float = 1.0) -> Floats:
+    def _draws(self, fixed: Mapping[str, float], wait: float = 1.0, strength: Strength | None = None) -> Floats:
         from scipy.special import ndtri
 
         key = self.names, tuple(fixed.items()), self.load, wait
@@ -254,12 +261,12 @@ class _Point:
             self.areas.kept[key] = self._drawn(fixed, wait)
         columns, drawn, hardness, area = self.areas.kept[key]
         mu0, tau0 = drawn.get("mu0", self.mu0), drawn.get("tau0", self.tau0)
-        if self.strength is not None:  # in the order of what they give here, so that their quantiles are its
-            own = self.strength[2]
+        if strength is not None:  # in the order of what they give here, so that their quantiles are its
+            own = strength[2]
             with_own = 1.0 if own is None else self.areas.factor(self.load, own, 1.0)
-            order = np.argsort(self.friction.coefficient(*self.strength[:2], with_own))
+            order = np.argsort(self.friction.coefficient(*strength[:2], with_own))
             place = order[(columns[INTERFACE] * order.size).astype(int)]
-            mu0, tau0 = self.strength[0][place], self.strength[1][place]
+            mu0, tau0 = strength[0][place], strength[1][place]
             if own is not None:
                 hardness = own[place] * hardness / float(self.areas.hardness or 1.0)
                 area = self.areas.factor(self.load, hardness, relative_modulus(self.study, drawn))

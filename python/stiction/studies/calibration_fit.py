@@ -273,8 +273,13 @@ class CalibrationProblem:
         named = {name: scores[:, place] for place, name in enumerate(self.nuisances) if name not in (GAIN, SPREAD)}
         return Fit(
             self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend, mu0, tau0,
-            self._hardness(named), named,
+            self._hardness(named), self._ratio_of(scores), named,
         )  # fmt: skip
+
+    def _ratio_of(self, scores: Floats) -> Floats:
+        """(draws,) A/F of the tests (1/GPa), each with its weight, at scores (draws, nuisances)."""
+        rub, stick, _ = self._columns(scores)
+        return np.asarray(np.average(stick / rub, axis=1, weights=self._weight))
 
     @cached_property
     def shared_hardness(self) -> Any:

@@ -42,6 +42,8 @@ MEMBERS, LARGE, LINES = 4, 2, 16
 LARGE_POINTS = 2**19
 """Points of a large area: members of 384² points differ by 0.1 % where they yield, and by 2 % where they begin to."""
 
+MIN_MEMBERS = 2  # members from whose scatter the error of the area over hardness is estimated
+
 NODES = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
 """Parts of the range of ln H that are solved, by the number of moduli, beside the study's own and elastic bodies."""
 
@@ -231,6 +233,7 @@ class Areas:
     elastic: Floats  # (loads, m) e A/F of bodies that do not yield
     moduli: Floats  # (m,) e, E* over that of the study
     growth: Floats  # (loads,) d ln(A/F) / d ln F
+    errors: Floats  # (loads, n) relative standard error of A at the nodes over that of the study
     kept: dict[Any, Any] = field(default_factory=dict)  # draws that several points share
 
     @classmethod
@@ -248,15 +251,18 @@ class Areas:
             if borne[-1] and (own is None or borne.sum() > 1):
                 finite = borne & np.isfinite(nodes)
                 table = nodes[finite], over.values[..., finite], over.values[..., -1]
-                return cls(own, *table, moduli, growth if moduli.size == 1 else np.zeros(loads.size))
+                growth = growth if moduli.size == 1 else np.zeros(loads.size)
+                return cls(own, *table, moduli, growth, _errors_over_hardness(solved, own, loads)[:, finite])
         area = at["contact_area"].sel(statistic="mean")
         ratio = (area.mean([dim for dim in area.dims if dim != "load"]).values / loads)[:, np.newaxis]
         if own is None:
-            return cls(None, np.zeros(0), np.zeros((loads.size, 1, 0)), ratio, np.ones(1), growth)
+            none = np.zeros((loads.size, 0))
+            return cls(None, np.zeros(0), none[:, np.newaxis], ratio, np.ones(1), growth, none)
         # Without solutions at other hardnesses the area follows the one formula through that of the study.
         gradient = float(at["rms_gradient"].sel(statistic="mean").mean())
         elastic = np.full((loads.size, 1), KAPPA / (float(study.contact.effective_modulus) * gradient))
-        return cls(own, np.array([own]), ratio[..., np.newaxis], elastic, np.ones(1), growth)
+        none = np.zeros((loads.size, 1))
+        return cls(own, np.array([own]), ratio[..., np.newaxis], elastic, np.ones(1), growth, none)
 
     def factor(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
         """True area over that of the study, for hardnesses (GPa) and E* over that of the study."""
@@ -267,6 +273,21 @@ class Areas:
             now, own = (area_per_load(np.ravel(each), *known) for each in (hardness / modulus, self.hardness))
         scale = np.power(modulus, -(1.0 + self.growth[load]))
         return np.asarray(scale * _between(now, self.moduli, modulus) / own[self.moduli.size // 2])
+
+    def error(self, load: int, hardness: Floats) -> Floats:
+        """Relative standard error of `factor` at hardnesses over the relative modulus (GPa), from the members."""
+        return np.asarray(np.interp(np.log(hardness), np.log(self.nodes), self.errors[load]))
+
+
+def _errors_over_hardness(solved: xarray.Dataset, own: float | None, loads: Floats) -> Floats:
+    """(loads, n) relative standard errors over members of the area at the nodes over that at the study's hardness."""
+    area = solved["contact_area"].sel(load=loads).sel(relative_modulus=1.0, method="nearest")
+    area = area.transpose("load", "hardness", "repetition")
+    count = area.sizes["repetition"]
+    if own is None or count < MIN_MEMBERS:
+        return np.zeros(area.shape[:2])
+    relative = np.log((area / area.sel(hardness=own, method="nearest")).values)
+    return np.asarray(relative.std(axis=-1, ddof=1) / np.sqrt(count))
 
 
 def _between(values: Floats, moduli: Floats, wanted: Floats | float) -> Floats:

@@ -1,7 +1,7 @@
 """Friction tests, the strengths of interfaces that they tell, and these as files and by names from sources.
 
-A file is a table of draws, mu0, tau0 and hardness, under a head of lines that begin with "# ": who reads it elsewhere
-skips these.
+A file is a table of draws, mu0, tau0, hardness and A/F of the tests, under a head of lines that begin with "# ": other
+programs skip these.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import csv
 import io
 import math
 import tomllib
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, lru_cache
 from importlib import resources
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     import pandas
 
 HEAD = "# stiction interface"  # first line of a file
-COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)")
+COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)", "area per load of the tests (1/GPa)")
 LONGEST_FILE = 50_000_000  # largest number of bytes of a file of an interface
 _NUMBERS = ("area_per_load", "variation")
 
@@ -51,6 +51,8 @@ RULES: tuple[Sliding, ...] = ("all", "opposing")
 
 HARDNESS = "hardness of the draws"
 """Line of `Interface.about` with the range that all tests had, whose values the draws keep."""
+
+_AREA_ERROR = "area over hardness"
 
 Interval = tuple[float, float, float]  # a value with the ends of its 95 % interval
 
@@ -129,12 +131,16 @@ class _Yields:
         """Names of all nuisances."""
         return [self.key(name) for name in self.known]
 
+    def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
+        """Return values of the inputs, of probabilities by the names of the nuisances."""
+        return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
+
     def area(self, columns: Mapping[Any, Floats]) -> Floats:
-        """True area over the computed one, of probabilities by `key`."""
-        return self.area_of({name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()})
+        """True area over the computed one, of probabilities by the names of the nuisances."""
+        return self.area_of(self.values(columns))
 
     def area_of(self, drawn: Mapping[str, Floats]) -> Floats:
-        """The same of values of the inputs."""
+        """True area over the computed one, of values of the inputs."""
         raise NotImplementedError
 
 
@@ -156,6 +162,7 @@ class _ResultYields(_Yields):
     areas: Areas
     study: Study
     wait: float
+    error: str | None  # name of the nuisance that is the error of the area over hardness; None if there is none
 
     @classmethod
     def of(cls, result: Any, load: float, wait: float) -> _ResultYields | None:
@@ -170,14 +177,31 @@ class _ResultYields(_Yields):
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
         at = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
-        return cls(known | ({} if fall is None else {"creep": fall}), Areas.of(at, study, source), study, wait)
+        areas, dataset = Areas.of(at, study, source), getattr(result, "dataset", result)
+        error = f"{_AREA_ERROR} after {wait:g} s, {dataset.attrs['study']}" if areas.errors.any() else None
+        return cls(known | ({} if fall is None else {"creep": fall}), areas, study, wait, error)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all nuisances; tests after the same dwell time share the error of the area over hardness."""
+        return [*super().names, *([] if self.error is None else [self.error])]
+
+    def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
+        """Return values of the inputs, and the normal score of the error of the area over hardness."""
+        from scipy.special import ndtri
+
+        scores = {} if self.error is None else {_AREA_ERROR: ndtri(columns[self.error])}
+        return super().values(columns) | scores
 
     def area_of(self, drawn: Mapping[str, Floats]) -> Floats:
         """True area over the computed one, of values of the inputs."""
         hardness = drawn.get("hardness", np.asarray(self.areas.hardness or math.nan))
         hardness = hardness * self.wait ** -drawn["creep"] if "creep" in drawn else hardness
         modulus = relative_modulus(self.study, drawn)
-        return self.areas.factor(0, None if self.areas.hardness is None else hardness, modulus)
+        factor = self.areas.factor(0, None if self.areas.hardness is None else hardness, modulus)
+        if _AREA_ERROR in drawn:
+            factor = factor * np.exp(self.areas.error(0, hardness / modulus) * drawn[_AREA_ERROR])
+        return factor
 
 
 @dataclass(frozen=True)
@@ -274,6 +298,7 @@ class Fit:
     mu0: Floats  # draws
     tau0: Floats  # of the same draws, GPa
     hardness: Floats  # of the same draws, GPa; NaN where there is none, or another in other tests
+    area_per_load: Floats  # A/F of the tests of the same draws, 1/GPa; NaN where it is unknown
     scores: Mapping[Hashable, Floats] = field(default_factory=dict)  # normal scores of nuisances of the same draws
 
 
@@ -330,17 +355,55 @@ class Interface:
     @property
     def identified(self) -> Interval:
         """mu0 + tau0 A/F at the A/F of the tests, and its 95 % interval."""
-        return credible_interval(self.fits[0].mu0 + self.fits[0].tau0 * self.area_per_load, 0.0)
+        return self.at(self.area_per_load)
 
     @property
     def mu0(self) -> Interval:
         """Molecular friction coefficient and its interval; NaN where the two are not separated."""
-        return credible_interval(self.fits[0].mu0, 0.0) if self.separated else (math.nan,) * 3
+        return self.strength_intervals[0] if self.separated else (math.nan,) * 3
 
     @property
     def tau0(self) -> Interval:
         """Adhesive shear strength (GPa) and its interval; NaN where the two are not separated."""
-        return credible_interval(self.fits[0].tau0, 0.0) if self.separated else (math.nan,) * 3
+        return self.strength_intervals[1] if self.separated else (math.nan,) * 3
+
+    @cached_property
+    def strength_intervals(self) -> tuple[Interval, Interval]:
+        """mu0 and tau0 (GPa) with their intervals, though they may not be separated."""
+        return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
+
+    @cached_property
+    def at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
+        """Draws of mu0 and tau0 (GPa) moved onto mu0 = 0, and onto tau0 = 0, if the interval of either begins there.
+
+        Their sum mu0 + tau0 A/F at the A/F of the tests is unchanged.
+        """
+        fit = self.fits[0]
+        ratio = fit.area_per_load
+        is_joint = np.isfinite(ratio).all() and np.ptp(fit.mu0) > 0 and np.ptp(fit.tau0) > 0
+        zero = np.zeros(fit.mu0.size)
+        strengths = []
+        if is_joint and credible_interval(fit.mu0, 0.0)[1] == 0:
+            strengths.append((zero, fit.tau0 + fit.mu0 / ratio))
+        if is_joint and credible_interval(fit.tau0, 0.0)[1] == 0:
+            strengths.append((fit.mu0 + fit.tau0 * ratio, zero))
+        return tuple(strengths)
+
+    def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> Interval:
+        """Return the median and the 95 % interval of a coefficient, a function of draws of mu0 and tau0 (GPa).
+
+        The interval contains those at mu0 = 0 and at tau0 = 0 if the tests do not exclude these values.
+        """
+        fit = self.fits[0]
+        value, low, high = credible_interval(coefficient(fit.mu0, fit.tau0), 0.0)
+        for strength in self.at_bounds:
+            _, low_at_bound, high_at_bound = credible_interval(coefficient(*strength), 0.0)
+            low, high = min(low, low_at_bound), max(high, high_at_bound)
+        return value, low, high
+
+    def at(self, area_per_load: float) -> Interval:
+        """mu0 + tau0 A/F at an A/F (1/GPa), and its 95 % interval."""
+        return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
 
     @property
     def excluded(self) -> tuple[Sliding, ...]:
@@ -381,11 +444,11 @@ class Interface:
 
         area = np.exp(found.scatter * scores(found.surfaces))
         if (own := found.yields) is not None:
-            drawn = {name: each.quantile(ndtr(scores(own.key(name)))) for name, each in own.known.items()}
+            drawn = own.values({name: ndtr(scores(name)) for name in own.names})
             if "hardness" in drawn and own.known["hardness"].says(self.about.get(HARDNESS, "")):
                 drawn["hardness"] = fit.hardness
             area = area * own.area_of(drawn)
-        return credible_interval(found.coefficient(fit.mu0, fit.tau0, area), 0.0)
+        return self.interval_of(lambda mu0, tau0: found.coefficient(mu0, tau0, area))
 
 
 def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
@@ -500,7 +563,8 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     text = io.StringIO()
     text.write("\n".join([HEAD, *(f"# {key}: {value}" for key, value in head.items()), ",".join(COLUMNS)]) + "\n")
     fit = interface.fits[0]
-    np.savetxt(text, np.stack([fit.mu0, fit.tau0, fit.hardness], axis=1), fmt="%.9g", delimiter=",")
+    columns = [fit.mu0, fit.tau0, fit.hardness, fit.area_per_load]
+    np.savetxt(text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
     with replaced_file(Path(path), HEAD.encode(), ValueError) as file:
         file.write_text(text.getvalue(), encoding="utf-8")
 
@@ -539,16 +603,16 @@ def read_interface(path: str | Path) -> Interface:
         sliding, separated = head.pop("sliding"), head.pop("separated") == "yes"
         choice("sliding", sliding, Sliding)
     except (ValueError, KeyError, csv.Error, StopIteration):
-        said = "an entry of its head is missing or unknown, or a row is not of three numbers"
+        said = "an entry of its head is missing or unknown, or a row is not of four numbers"
         raise ValueError(f"{named(path)}: is a damaged interface: {said}") from None
-    if table.ndim != 2 or table.shape[1] != 3 or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all():
+    if table.ndim != 2 or table.shape[1] != len(COLUMNS) or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all():
         raise ValueError(f"{named(path)}: is a damaged interface: mu0 and tau0 must be numbers of at least 0")
     fit = _fit(sliding, *table.T)
     return Interface((fit,), ratio, variation, separated, about=head)
 
 
-def _fit(sliding: Any, mu0: Any, tau0: Any, hardness: Any) -> Fit:
-    return Fit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, hardness)
+def _fit(sliding: Any, mu0: Any, tau0: Any, hardness: Any, area_per_load: Any) -> Fit:
+    return Fit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, hardness, area_per_load)
 
 
 @cache
@@ -575,10 +639,9 @@ def interfaces_in(folder: str | Path) -> dict[str, dict[str, str]]:
     for path in paths:
         with contextlib.suppress(ValueError):
             own = read_interface(path)
-            fit, about = own.fits[0], {"kind": "measured", **own.about}
-            low, high = zip(*(credible_interval(each, 0.0)[1:] for each in (fit.mu0, 1e3 * fit.tau0)), strict=True)
-            found[path.name] = about | {
-                "mu0": f"{low[0]:.3g}..{high[0]:.3g}", "tau0": f"{low[1]:.3g}..{high[1]:.3g} MPa",
+            (_, *mu0), (_, *tau0) = own.strength_intervals
+            found[path.name] = {"kind": "measured", **own.about} | {
+                "mu0": f"{mu0[0]:.3g}..{mu0[1]:.3g}", "tau0": f"{1e3 * tau0[0]:.3g}..{1e3 * tau0[1]:.3g} MPa",
                 "area_per_load": f"{own.area_per_load:.3g} /GPa",
             }  # fmt: skip
     return found
@@ -608,7 +671,8 @@ def interface(name_or_path: str | Path) -> Interface:
         raise ValueError(f"interface must be a file or one of {names}, got {str(name_or_path)!r}")
     ranges: dict[str, Known] = {"mu0": known("mu0", table["mu0"]), "tau0": known("tau0", table["tau0"], "pressure")}
     values = draws(ranges)
-    fit = _fit("all", values["mu0"], values["tau0"], np.full(values["mu0"].size, math.nan))
+    unknown = np.full(values["mu0"].size, math.nan)
+    fit = _fit("all", values["mu0"], values["tau0"], unknown, unknown)
     about = {key: text for key, text in table.items() if key not in ranges}
     return Interface((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **about})
 

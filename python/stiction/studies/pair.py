@@ -31,7 +31,7 @@ from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.mechanics.model import THICKNESS
 from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
-from stiction.studies.interfaces import Interface, credible_interval, interface, interfaces, medians
+from stiction.studies.interfaces import Interface, interface, interfaces, medians
 from stiction.studies.known import KINDS, NO_NUMBER, Known, read_known
 from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, About, Body, MeasuredFile
 from stiction.studies.members import about
@@ -334,9 +334,9 @@ class Pair:
         if self.strength is not None:
             name = str(self.interface)
             table["interface"] = name if name in interfaces() else str(Path(name).resolve())
-            fit = self.strength.fits[0]
-            for name, values, unit in (("mu0", fit.mu0, ""), ("tau0", 1e3 * fit.tau0, " MPa")):
-                low, high = (f"{end:.4g}" for end in credible_interval(values, 0.0)[1:])
+            mu0, tau0 = self.strength.strength_intervals
+            for name, interval, scale, unit in (("mu0", mu0, 1.0, ""), ("tau0", tau0, 1e3, " MPa")):
+                low, high = (f"{scale * end:.4g}" for end in interval[1:])
                 table |= {name: f"{low}..{high}{unit}"} if float(low) < float(high) else {}
         return table
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from stiction._shown import png_of
 from stiction.studies.calibration_fit import MIN_VARIATION
-from stiction.studies.interfaces import EXCLUDED, UNLIKELY, Fit, Interface, credible_interval
+from stiction.studies.interfaces import EXCLUDED, UNLIKELY, Fit, Interface
 from stiction.views.digits import finite, percent, with_interval, with_unit
 from stiction.views.point import RULES
 from stiction.views.rows import entry, record
@@ -144,11 +144,10 @@ def calibration_figure(interface: Interface) -> Figure:
 
 
 def _tests_panel(axes: Axes, interface: Interface) -> None:
-    fit = interface.fits[0]
     points = np.array(interface.tests, dtype=float).reshape(-1, 4)
     largest = 1.15 * max(points[:, 0].max(initial=0.0), interface.area_per_load)
     ratio = np.linspace(0.0, largest, 60)
-    band = np.array([credible_interval(fit.mu0 + fit.tau0 * each, 0.0) for each in ratio])
+    band = np.array([interface.at(each) for each in ratio])
     axes.fill_between(ratio, band[:, 1], band[:, 2], color=ALL, alpha=0.15, linewidth=0, label="95 %")
     axes.plot(ratio, band[:, 0], color=ALL, linewidth=1, label="$\\mu_0 + \\tau_0 A/F$")
     slid = points[:, 3] > 0
