@@ -536,3 +536,161 @@ def test_digits_are_needed_for_rounded_positions_alone(tmp_path):
     path.write_text("x (um),z (um)\n" + "\n".join(lines))
     with pytest.raises(FormatError, match="is not uniform: point 500"):
         read_measurement(path)
+
+
+# ---- Facts in headers of every shape ---------------------------------------------------------------------------------
+
+
+def shaped(shape, heights):
+    """Return the lines of a map, or of its first profile, in one of the shapes of tables; positions are 0.5 apart."""
+    count, width = heights.shape
+    if shape == "column":
+        return [f"{value:.4f}" for value in heights.ravel()]
+    if shape == "positions":
+        return [f"{0.5 * at:.1f} {value:.4f}" for at, value in enumerate(heights.ravel())]
+    if shape == "triplets":
+        return [f"{0.5 * x:.1f} {0.5 * y:.1f} {heights[y, x]:.4f}" for y, x in np.ndindex(count, width)]
+    if shape == "labelled":
+        labels = "\t".join(["", *(f"{0.5 * x:.1f}" for x in range(width))])
+        return [labels, *("\t".join([f"{0.5 * y:.1f}", line]) for y, line in enumerate(rows(heights)))]
+    return rows(heights)
+
+
+@pytest.mark.parametrize("shape", ["column", "positions", "triplets", "labelled", "matrix"])
+@pytest.mark.parametrize("fact", ["factor", "code", "unit", "spacing", "scale", "count"])
+def test_declared_facts_are_applied_to_every_shape_of_table(tmp_path, shape, fact):
+    heights = HEIGHTS.copy()
+    heights[2, 3:5] = {"code": 77.25, "count": 0.0}.get(fact, 1.0)
+    line = {
+        "factor": "Z factor: 0.001 um", "code": "Missing value: 77.25", "unit": "Z unit: nm",
+        "scale": "Z scale: 500 nm", "spacing": "x spacing: 0.5 um\ny spacing: 0.5 um", "count": "Bad pixels: 0",
+    }[fact]  # fmt: skip
+    has_positions = shape not in ("column", "matrix")
+    unit = ("um", "nm") if fact == "unit" else "um"
+    options = {"unit": unit, "missing": "mask"}
+    if not has_positions and fact != "spacing":
+        options["spacing"] = "0.5 um"
+    path = tmp_path / "a.txt"
+    path.write_text("\n".join([line, *shaped(shape, heights)]), encoding="utf-8")
+    reading = reading_of(path, **options)
+    body, flat = reading.body, shape in ("column", "positions")
+    expected = heights.ravel() if flat else heights
+    scale = {"factor": 1e-3, "unit": 1e-3}.get(fact, 1.0)
+    assert body.heights.shape == expected.shape
+    assert np.atleast_1d(body.spacing) == pytest.approx(0.5)
+    known = expected != 77.25
+    assert np.allclose(body.heights[known], scale * expected[known], rtol=1e-12, atol=0)
+    assert (body.missing is None) == (fact != "code")
+    if fact == "code":
+        assert np.array_equal(body.missing, ~known)
+    assert ("scale" in [each.name for each in reading.caveats]) == (fact == "scale")
+
+
+@pytest.mark.parametrize("shape", ["triplets", "labelled"])
+@pytest.mark.parametrize("line", ["Z unit: nm", "Heights in nm", "Height [nm]"])
+def test_unit_of_heights_is_not_that_of_positions(tmp_path, shape, line):
+    path = tmp_path / "a.txt"
+    path.write_text("\n".join([line, *shaped(shape, HEIGHTS)]))
+    with pytest.raises(FormatError, match="in which unit its positions are"):
+        read_measurement(path)
+    body = read_measurement(path, unit=("um", "nm"))
+    assert body.spacing == pytest.approx((0.5, 0.5))
+    assert np.allclose(body.heights, 1e-3 * HEIGHTS)
+
+
+@pytest.mark.parametrize("fact", ["x spacing: 0.4 um\ny spacing: 0.5 um", "Width: 9 um\nHeight: 3.5 um"])
+@pytest.mark.parametrize("shape", ["triplets", "labelled"])
+def test_positions_that_contradict_the_header_are_rejected(tmp_path, shape, fact):
+    path = tmp_path / "a.txt"
+    path.write_text("\n".join([fact, *shaped(shape, HEIGHTS)]))
+    with pytest.raises(FormatError, match="but its positions"):
+        read_measurement(path, unit="um")
+
+
+@pytest.mark.parametrize(
+    ("line", "factor"),
+    [
+        ("Z scale: 500 nm", None), ("Data Scale: 5 um", None), ("Height scaling [nm]: 20", None),
+        ("Z scale: 2 nm/LSB", 2e-3), ("Z scale (-> m): 2e-9", 2e-3), ("Z scale: 2 nm per count", 2e-3),
+        ("Z conversion scale: 2 nm", 2e-3), ("Height multiplier: 2 nm", 2e-3), ("Z scale (nm/count): 2", 2e-3),
+    ],
+)  # fmt: skip
+def test_scale_is_a_factor_only_with_evidence_of_a_conversion(tmp_path, line, factor):
+    path = tmp_path / "a.txt"
+    path.write_text("\n".join([line, *rows(HEIGHTS)]))
+    if factor is None:
+        with pytest.raises(FormatError, match="in which unit its heights are"):
+            read_measurement(path, spacing="0.5 um")
+        with pytest.warns(FormatWarning, match="scale"):
+            body = read_measurement(path, unit="nm", spacing="0.5 um")
+        assert not reading_of(path, unit="nm", spacing="0.5 um", accept="scale").caveats
+    else:
+        body = read_measurement(path, spacing="0.5 um")
+    assert np.allclose(body.heights, (factor or 1e-3) * HEIGHTS, rtol=1e-12)
+
+
+def test_first_column_of_positions_is_no_column_of_heights_beside_declared_spacings(tmp_path):
+    path = tmp_path / "a.txt"
+    head = ["# x spacing: 0.25 um", "# y spacing: 0.5 um"]
+    for first in (0.5 * np.arange(ROWS), 3 + 0.5 * np.arange(ROWS)):
+        path.write_text("\n".join([*head, *rows(np.column_stack([first, HEIGHTS]))]))
+        body = reading_of(path, unit="um", accept="tall").body
+        assert np.array_equal(body.heights, HEIGHTS)
+        assert body.spacing == (0.5, 0.25)
+        assert "the first column left out: positions 0.5 um apart, as its header says" in body.history
+    for first in (np.arange(ROWS), 1 + np.arange(ROWS), 0.3 * np.arange(ROWS), -0.5 * np.arange(ROWS)):
+        path.write_text("\n".join([*head, *rows(np.column_stack([first, HEIGHTS]))]))
+        with pytest.raises(FormatError, match="first column counts evenly"):
+            read_measurement(path, unit="um")
+    path.write_text("\n".join([*head, *rows(np.vstack([0.25 * np.arange(COLUMNS), HEIGHTS]))]))
+    with pytest.raises(FormatError, match="first row counts evenly"):
+        read_measurement(path, unit="um")
+
+
+def test_short_rows_above_a_matrix_are_rejected(tmp_path):
+    path = tmp_path / "a.txt"
+    for count in (1, 2):
+        lines = rows(HEIGHTS)
+        lines[:count] = [line.rsplit("\t", 1)[0] for line in lines[:count]]
+        path.write_text("\n".join(lines))
+        with pytest.raises(FormatError, match=r"line 1 .* has 8 cells, and most lines have 9"):
+            read_measurement(path, unit="um", spacing="0.5 um")
+    path.write_text("\n".join([f"{COLUMNS} {ROWS}", *rows(HEIGHTS, " ")]))
+    body = read_measurement(path, unit="um", spacing="0.5 um")
+    assert np.array_equal(body.heights, HEIGHTS)
+    assert f"line 1 ('{COLUMNS} {ROWS}') left out as a count or a size" in body.history
+
+
+def test_counts_of_missing_points_are_no_codes(tmp_path):
+    path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um", "missing": "mask"}
+    whole = np.round(20 * HEIGHTS)
+    number = int(whole[whole > 0][0])
+    for line, is_code in (
+        (f"Bad pixels: {number}", False), (f"Missing points: {number}", False), (f"Invalid data: {number}", False),
+        (f"No data value: {number}", True), (f"Missing value = {number}", True), (f"Bad pixel code: {number}", True),
+    ):  # fmt: skip
+        path.write_text("\n".join([line, *rows(whole, form=".0f")]))
+        missing = read(path, **options).missing
+        assert (missing is not None) == is_code, line
+        assert not is_code or np.array_equal(missing, whole == number)
+    coded = np.where(np.isnan(HOLED), 32767, HOLED)
+    path.write_text("\n".join(["No data: 32767", *rows(coded)]))
+    assert np.array_equal(read(path, **options).missing, np.isnan(HOLED))
+
+
+def test_flags_of_an_unknown_sense_are_rejected(tmp_path):
+    path, flagged = tmp_path / "a.txt", (4, 5, 33)
+    for name, flag, is_read in (
+        ("flag", 1, False), ("status", 0, False), ("z ok [0/1]", 1, False), ("invalid", 1, True), ("valid", 0, True),
+        ("flag [1/0]", 0, True),
+    ):  # fmt: skip
+        body = [f"{0.5 * at};{z};{flag if at in flagged else 1 - flag}" for at, z in enumerate(LINE)]
+        path.write_text("\n".join([f"x (um);z (um);{name}", *body]))
+        if is_read:
+            assert np.flatnonzero(read_measurement(path, missing="mask").missing).tolist() == list(flagged)
+        else:
+            with pytest.raises(FormatError, match=r'name the column "valid" .* or "invalid"'):
+                read_measurement(path, missing="mask")
+    for value in (0, 1):
+        path.write_text("\n".join(["x (um);z (um);flag", *(f"{0.5 * at};{z};{value}" for at, z in enumerate(LINE))]))
+        assert read_measurement(path).heights.tolist() == LINE.tolist()

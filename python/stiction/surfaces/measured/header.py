@@ -54,10 +54,11 @@ _SIZES = tuple(
 """Height and width above a matrix, as Gwyddion and others write them."""
 
 _UNIT_OF_HEIGHTS = re.compile(
-    r"\W*(?:(?:z|data|height|value|amplitude|vertical|profile)[\s_-]*)?"
+    r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+|"
+    r"(?:(?:z|data|height|value|amplitude|vertical|profile)[\s_-]*)?"
     r"(?:units?|einheit(?:en)?|unités?|unidad(?:es)?(?: de valor)?|unità(?: valore)?|jednotk[ay](?: hodnot)?|"
     r"単位|値の単位|单位|값 단위|단위|единицы измерения)"
-    r"(?: (?:of )?(?:z|data|heights?|values?))?\s*[:=,;\t]\s*[\"']?([^\s\"',;:]{1,20})[\"']?\W*",
+    r"(?: (?:of )?(?:z|data|heights?|values?))?\s*[:=,;\t]\s*)[\"']?([^\s\"',;:]{1,20})[\"']?\W*",
     re.IGNORECASE,
 )
 _FACTOR = re.compile(
@@ -65,9 +66,12 @@ _FACTOR = re.compile(
     rf"\s*(?:\(\s*-?>?\s*({_UNIT})\s*\)|[\[(]({_UNIT})[^\])]{{0,20}}[\])])?{_SEPARATOR}({_DIGITS})\s*({_UNIT})?\W*.{{0,20}}",
     re.IGNORECASE,
 )
+_CONVERSION = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
+"""Evidence that a scale converts numbers to heights; without it, a scale is often the range of the colours."""
+
 _CODE = re.compile(
     rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
-    rf"(?:values?|data|points?|pixels?|height|code|wert)?(?: value)?{_SEPARATOR}({_DIGITS})\W*",
+    rf"(?:data|points?|pixels?|height)?[\s_-]*(values?|code|wert)?{_SEPARATOR}({_DIGITS})\W*",
     re.IGNORECASE,
 )
 _POINTS = re.compile(
@@ -92,6 +96,13 @@ NO_HEIGHT = re.compile(
 )
 """Names of quantities that are no heights."""
 
+_HEIGHT_NAME = re.compile(
+    r"(?<![^\W_])(?:z|heights?|höhen?|hauteurs?|altezz[ae]|alturas?|topograph\w*|elevations?|amplitudes?)(?![^\W_])",
+    re.I,
+)
+_POSITION_NAME = re.compile(
+    r"(?<![^\W_])(?:[xy]+|xyz|positions?|coordinates?|lateral\w*|lengths?|all|spacings?|distances?|weg)(?![^\W_])", re.I
+)
 _BRACKETS = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
 _VALUE = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
 
@@ -102,6 +113,7 @@ class Heads:
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
+    height_unit: str | None = None  # of a line that names heights alone
 
 
 def normal(line: str) -> str:
@@ -121,13 +133,15 @@ def declared(header: Sequence[str], *, below: Sequence[str] = ()) -> Declared:
     bare: list[float | None] = [_first(_AXIS_STATED[axis], lines, _bare) for axis in "yx"]
     plain_bare = _first(_STATED, lines, lambda match: _bare(match) if not match[5] else None)
     unit_line = next((line for line in lines if (match := _UNIT_OF_HEIGHTS.fullmatch(line)) and is_unit(match[1])), "")
-    factor_line = next((line for line in lines if (match := _FACTOR.fullmatch(line)) and _unit_of_factor(match)), "")
+    scales = [line for line in lines if (match := _FACTOR.fullmatch(line)) and _unit_of_factor(match)]
+    factor_line = next((line for line in scales if _CONVERSION.search(line)), "")
     unit, factor = None, None
     if unit_line and (match := _UNIT_OF_HEIGHTS.fullmatch(unit_line)):
         unit = length_unit(match[1]) or match[1]
     if factor_line and (match := _FACTOR.fullmatch(factor_line)):
         unit, factor = _unit_of_factor(match), _float(match[3])
-    codes = [_float(match[1]) for line in lines if (match := _CODE.fullmatch(line))]
+    code_lines = [match for line in lines if (match := _CODE.fullmatch(line))]
+    is_count = [match[1] is None and _float(match[2]).is_integer() and _float(match[2]) >= 0 for match in code_lines]
     points = next((int(match[1]) for line in lines if (match := _POINTS.fullmatch(line))), None)
     both = tuple(each for each in bare if each is not None)
     return Declared(
@@ -137,7 +151,9 @@ def declared(header: Sequence[str], *, below: Sequence[str] = ()) -> Declared:
         bare_spacing=both if both else None if plain_bare is None else (plain_bare,),
         unit=unit,
         factor=factor,
-        codes=tuple(codes),
+        codes=tuple(_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if not count),
+        counts=tuple(_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if count),
+        scale="" if factor_line else next(iter(scales), "").strip(),
         points=points,
         line=factor_line or unit_line,
     )
@@ -196,6 +212,40 @@ def _unit_of_factor(match: re.Match[str]) -> str | None:
     return length_unit(unit) if unit else None
 
 
+def _is_declaration(line: str) -> bool:
+    """Return whether a line declares a fact, and so is no line of column names."""
+    whole = (_UNIT_OF_HEIGHTS, _FACTOR, _CODE, _POINTS)
+    beginnings = (_STATED, *_AXIS_STATED.values(), *_SIZES)
+    return any(pattern.fullmatch(line) for pattern in whole) or any(pattern.match(line) for pattern in beginnings)
+
+
+def _last_named(lines: Sequence[str]) -> str | None:
+    """Return the last line with letters."""
+    return next((line.lstrip(COMMENT) for line in reversed(lines) if any(map(str.isalpha, line))), None)
+
+
+def _names_heights_alone(line: str) -> bool:
+    """Return whether a line names heights and their unit, and no positions or other lengths."""
+    return bool(
+        len(_units_in(line)) == 1
+        and not _has_value(line)
+        and _HEIGHT_NAME.search(line)
+        and not _POSITION_NAME.search(line)
+    )
+
+
+def _units_in(line: str) -> list[str]:
+    """Return the units in a line: in brackets, or else as words."""
+    bracketed = [word for word in _BRACKETS.findall(line) if is_unit(word)]
+    units = [length_unit(word.strip(" \"'.:")) or word for word in bracketed]
+    return units or [unit for word in re.split(r"[\s,;]+", line) if (unit := length_unit(word.strip(" \"'.:")))]
+
+
+def _has_value(line: str) -> bool:
+    """Return whether a line has a number outside brackets: "Length (um): 1500" contains no names of columns."""
+    return _VALUE.search(_BRACKETS.sub(" ", line)) is not None
+
+
 def is_unit(word: str) -> bool:
     """Return whether a word is a unit, of a length or of anything else."""
     return length_unit(word) is not None or NO_LENGTH.fullmatch(word) is not None
@@ -206,11 +256,13 @@ def is_unit(word: str) -> bool:
 
 def heads_of(header: Sequence[str], width: int, dialect: Dialect) -> Heads:
     """Return names and units of so many columns from the lines above them."""
-    lines = [normal(line) for line in header]
+    lines = [line for line in map(normal, header) if not _is_declaration(line)]
     if not lines:
         return Heads()
     names, units = _names(lines, width, dialect), _units(lines, width, dialect)
-    return Heads(names, units)
+    named = _last_named(lines)
+    is_of_heights = width > 2 and not any(units) and named is not None and _names_heights_alone(named)
+    return Heads(names, units, _units_in(named)[0] if is_of_heights and named is not None else None)
 
 
 def split_heads(line: str, width: int, dialect: Dialect) -> list[str] | None:
@@ -245,20 +297,17 @@ def _names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str, ...
 
 def _units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
     """Return the unit of each column from the line of names above the data."""
-    named = [line.lstrip(COMMENT) for line in lines if any(character.isalpha() for character in line)]
-    # A line with a number is not one of names: "Length (um): 1500" says nothing of the heights below it.
-    if not named or _VALUE.search(_BRACKETS.sub(" ", named[-1])):
+    named = _last_named(lines)
+    if named is None or _has_value(named):
         return (None,) * width
-    cells = split_heads(named[-1], width, dialect) if width > 1 else None
+    cells = split_heads(named, width, dialect) if width > 1 else None
     if cells is not None and any(unit_of(cell) for cell in cells):
         return tuple(unit_of(cell) for cell in cells)
-    bracketed = [word for word in _BRACKETS.findall(named[-1]) if is_unit(word)]
-    units = [length_unit(word.strip(" \"'.:")) or word for word in bracketed]
-    if not units:
-        units = [unit for word in re.split(r"[\s,;]+", named[-1]) if (unit := length_unit(word.strip(" \"'.:")))]
+    units = _units_in(named)
     if len(units) == width:
         return tuple(units)
-    return (units[0] if width > 2 and len(units) == 1 else None,) * width
+    is_for_all = width > 2 and len(units) == 1 and not _names_heights_alone(named)
+    return (units[0] if is_for_all else None,) * width
 
 
 def unit_of(cell: str) -> str | None:

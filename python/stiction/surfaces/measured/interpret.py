@@ -180,6 +180,7 @@ def to_surface(raw: Raw, name: str, options: ReadOptions) -> Interpreted[Surface
     elif raw.spacing is not None:
         length = _unit("positions", raw.position_unit, _given_lateral(raw, options))
         dy, dx = (_agreeing(_in_um(own, length), each) for own, each in zip(raw.spacing, options.spacing, strict=True))
+        _compare_declared(raw, (dy, dx))
     elif options.spacing[0] is not None and options.spacing[1] is not None:
         dy, dx = float(options.spacing[0]), float(options.spacing[1])
         own, off = _stated(raw) or (dx, 0.0)  # of one of the two, whichever
@@ -342,6 +343,19 @@ def _compare_bare(raw: Raw, given: tuple[float, ...]) -> None:
             f"has a spacing of {' and '.join(f'{each:g}' for each in own)} in its header, without a unit, but spacing "
             f"says {' and '.join(f'{each:g}' for each in given)} µm"
         )
+
+
+def _compare_declared(raw: Raw, spacing: tuple[float, float]) -> None:
+    """Reject positions (spacings in µm) that contradict the spacings or the size in the words of a file."""
+    for step, stated in zip(spacing, raw.stated_spacings or (), strict=False):
+        own = stated.length * LENGTH_UNITS[stated.unit]
+        if abs(own - step) > max(0.51 * stated.digit * LENGTH_UNITS[stated.unit], UNEVEN * own):
+            raise FormatError(f"says that its spacing is {own:g} µm, but its positions are {step:g} µm apart")
+    for step, points, stated in zip(spacing, raw.heights.shape, raw.size or (), strict=False):
+        own, digit = stated.length * LENGTH_UNITS[stated.unit], stated.digit * LENGTH_UNITS[stated.unit]
+        off = max(0.51 * digit, UNEVEN * own)
+        if not (points - 1) * step - off <= own <= points * step + off:
+            raise FormatError(f"says that its size is {own:g} µm, but its positions span {(points - 1) * step:g} µm")
 
 
 def _of_size(

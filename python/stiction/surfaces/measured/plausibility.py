@@ -143,7 +143,7 @@ CHECKS = (
 )
 """Checks of all scans, by name."""
 
-OF_FILES = ("x3p-increment", "numbering", "truncated", "first-number", "unit-not-needed", "spacing", "points")
+OF_FILES = ("x3p-increment", "numbering", "truncated", "first-number", "unit-not-needed", "spacing", "points", "scale")
 """Names of the doubts that readers of files have besides."""
 
 CAVEATS = (*(check.name for check in CHECKS), *OF_FILES)

@@ -83,6 +83,7 @@ class Raw:
     position_unit: str | None = None  # unit of the positions, or else of the spacing
     spacing: tuple[float, ...] | None = None  # (Δx,) or (Δy, Δx), where there are no positions
     stated: Stated | None = None  # a spacing in words
+    stated_spacings: tuple[Stated, Stated] | None = None  # spacings of an area in words, between rows and columns
     size: tuple[Stated, Stated] | None = None  # height and width of an area in words
     history: tuple[str, ...] = ()  # what was chosen of what the file holds, a short sentence for each
     source: Source = Source()
@@ -125,6 +126,8 @@ class Declared:
     unit: str | None = None  # of heights; it may be no length
     factor: float | None = None  # from the numbers to `unit`
     codes: tuple[float, ...] = ()  # values of missing points
+    counts: tuple[float, ...] = ()  # whole numbers that are values of missing points, or count missing points
+    scale: str = ""  # line with a factor or a range of heights, without evidence for either
     points: int | None = None  # of a profile
     line: str = ""  # that declares the unit or the factor
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +29,9 @@ MIN_STEP = 3.0  # printed digits of a step of positions; heights with few digits
 Chosen = str | int
 
 _NUMBERING = re.compile(r"|index|unnamed: ?0|no\.?|nr\.?|#|n|i|points?|pt\.?|punkt|zeile|line|row|dataline|trace", re.I)
-_FLAG = re.compile(r"\W*(?:valid\w*|gültig\w*|flags?|is[ _]?valid|ok|status|1/0|0/1)\b.*|.*[\[(](?:1/0|0/1)[\])]", re.I)
+_VALID = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
+_INVALID = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
+_FLAG = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)  # of either sense
 _X, _Y = (re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy")
 _Z = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).*", re.I)
 
@@ -114,14 +117,40 @@ def _chosen_columns(table: Table, chosen: Sequence[Chosen]) -> Raw:
     return replace(raw, history=(step, *raw.history))
 
 
+def _raw(table: Table, heights: Floats, unit: str | None, **more: Any) -> Raw:
+    """Return heights of a table with all facts that the words around them declare."""
+    declared = table.declared
+    counts = tuple(count for count in declared.counts if count > heights.size)  # too many to be a count
+    caveats: tuple[Caveat, ...] = ()
+    if declared.scale:
+        text = (
+            f"its header has the line {printable(declared.scale)!r}, a factor or a range of heights; it is not applied"
+        )
+        cure = "accept it if the heights are in their unit; otherwise multiply them by the factor first"
+        caveats = (Caveat("scale", text, cure),)
+    raw = Raw(
+        heights, unit=unit, factor=declared.factor, codes=(*declared.codes, *counts), stated=declared.spacing,
+        size=declared.size, bare_spacing=declared.bare_spacing, source=table.source, caveats=caveats,
+        stated_spacings=declared.spacings,
+    )  # fmt: skip
+    return replace(raw, **more)
+
+
+def _common_unit(table: Table, units: Sequence[str | None]) -> str | None:
+    """Return the unit of heights in several columns."""
+    unit = units[0] if len(set(units)) == 1 else None
+    declared = table.declared
+    return declared.unit if declared.unit is not None and (unit is None or declared.factor is not None) else unit
+
+
 def _profile(table: Table, *places: int) -> Raw:
     """Return heights of one column, or positions of one and heights of another, as far as both go."""
     heights, declared = table.values[:, places[-1]], table.declared
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
-    raw = Raw(
-        heights, unit=_height_unit(table, places[-1]), codes=declared.codes, factor=declared.factor,
+    raw = _raw(
+        table, heights, _height_unit(table, places[-1]),
         source=replace(table.source, layout=table.source.layout or layout, column=_named(table, places[-1])),
-        stated=declared.spacing or (None if declared.spacings is None else declared.spacings[1]),
+        stated=declared.spacing or (None if declared.spacings is None else declared.spacings[1]), size=None,
         bare_spacing=None if declared.bare_spacing is None else declared.bare_spacing[-1:],
     )  # fmt: skip
     if len(places) == 1:
@@ -129,7 +158,7 @@ def _profile(table: Table, *places: int) -> Raw:
         end = int(filled[-1]) + 1 if filled.size and table.values.shape[1] > 1 else heights.size
         heights, history = _without_count(heights[:end], table.values.shape[1])
         caveats = () if history else _first_number_caveat(table)
-        return replace(raw, heights=heights, history=history, caveats=caveats)
+        return replace(raw, heights=heights, history=history, caveats=(*raw.caveats, *caveats))
     positions = table.values[:, places[0]]
     both = np.isnan(positions) & np.isnan(heights)  # below the shorter of two tables side by side
     end = heights.size - int(np.argmin(both[::-1])) if not both.all() else heights.size
@@ -137,7 +166,7 @@ def _profile(table: Table, *places: int) -> Raw:
     return replace(
         raw, heights=heights[:end], positions=positions[:end], position_unit=_units(table)[places[0]],
         digits=None if digits is None else lambda: digits()[:end],
-        caveats=_numbering_caveat(table, positions[:end], places[0]),
+        caveats=(*raw.caveats, *_numbering_caveat(table, positions[:end], places[0])),
     )  # fmt: skip
 
 
@@ -216,17 +245,30 @@ def _numbering_caveat(table: Table, positions: Floats, place: int) -> tuple[Cave
 
 
 def _with_flags(table: Table) -> Table:
-    """Return a table without a column of flags, and without the heights where the flag is 0."""
+    """Return a table without a column of flags, and without the heights that it flags as invalid."""
     for place, name in enumerate(table.names):
         flags = table.values[:, place]
-        if table.values.shape[1] < 2 or not _FLAG.fullmatch(name.strip()) or not np.isin(flags, (0.0, 1.0)).all():
+        senses = [pattern.fullmatch(name.strip()) is not None for pattern in (_VALID, _INVALID, _FLAG)]
+        if table.values.shape[1] < 2 or not any(senses) or not np.isin(flags, (0.0, 1.0)).all():
             continue
+        is_valid, is_invalid, _ = senses
+        zeros, ones = int((flags == 0).sum()), int((flags == 1).sum())
+        if not is_valid and not is_invalid and zeros and ones:
+            raise FormatError(
+                f"has flags in column {place} ({printable(name)}), {zeros} of 0 and {ones} of 1, and does not say "
+                'which are missing points: name the column "valid" if 1 marks measured points, or "invalid" if 1 marks '
+                "missing points"
+            )
         kept = [at for at in range(table.values.shape[1]) if at != place]
-        values = np.where(flags[:, np.newaxis] == 0, np.nan, table.values)
+        if not is_valid and not is_invalid:
+            step = f"column {place} ({printable(name)}) left out: all its flags are alike"
+            return replace(_with_columns(table, kept), history=(*table.history, step))
+        missing = flags == (1 if is_invalid else 0)
+        values = np.where(missing[:, np.newaxis], np.nan, table.values)
         for at in kept:  # positions stay
             if counts_evenly(table.values[:, at]):
                 values[:, at] = table.values[:, at]
-        step = f"{int((flags == 0).sum())} points missing by the flags in column {place} ({printable(name)})"
+        step = f"{int(missing.sum())} points missing by the flags in column {place} ({printable(name)})"
         return replace(_with_columns(table, kept, values=values), history=(*table.history, step))
     return table
 
@@ -291,31 +333,34 @@ def _without_numbering(table: Table) -> tuple[Table, tuple[str, ...]]:
 
 def _read_matrix(table: Table) -> Raw:
     """Return a matrix of heights; a `FormatError` if some of its rows or columns are positions."""
-    units = set(_units(table))
-    unit = next(iter(units)) if len(units) == 1 else None
-    declared = table.declared
-    unit = declared.unit if declared.unit is not None and (unit is None or declared.factor is not None) else unit
-    raw = Raw(
-        table.values, unit=unit, stated=declared.spacing, size=declared.size, codes=declared.codes,
-        factor=declared.factor, source=table.source, bare_spacing=declared.bare_spacing,
-    )  # fmt: skip
-    if declared.spacings is not None:
-        spacing = tuple(stated.length * LENGTH_UNITS[stated.unit] for stated in declared.spacings)
-        raw = replace(raw, spacing=spacing, position_unit="um", size=None, stated=None, bare_spacing=None)
+    table, history = _without_positions(table)
+    raw = _raw(table, table.values, _common_unit(table, _units(table)), history=history)
+    if (spacings := table.declared.spacings) is None:
         return raw
-    _refuse_positions(table)
-    return raw
+    spacing = tuple(stated.length * LENGTH_UNITS[stated.unit] for stated in spacings)
+    return replace(
+        raw, spacing=spacing, position_unit="um", size=None, stated=None, bare_spacing=None, stated_spacings=None
+    )
 
 
-def _refuse_positions(table: Table) -> None:
-    """Refuse a matrix some of whose columns or rows are positions; a row or a column alone is heights."""
+def _without_positions(table: Table) -> tuple[Table, tuple[str, ...]]:
+    """Return a matrix without a first column of positions that are the declared spacing apart, and the step for it.
+
+    A `FormatError` if its first row or column are other positions; a row or a column alone is heights.
+    """
     heights = table.values
     if min(heights.shape) == 1:
-        return
+        return table, ()
     rows, columns = heights.shape
     row_digits = table.row_digits
     first_column = _are_positions(heights.T, table.column_digits(0))
     first_row = _are_positions(heights, None if row_digits is None else lambda: row_digits(0))
+    spacings = table.declared.spacings
+    if first_column and not first_row and spacings is not None:
+        step = float(heights[-1, 0] - heights[1, 0]) / (rows - 2)
+        if abs(step - spacings[0].length) <= max(0.51 * spacings[0].digit, UNEVEN * spacings[0].length):
+            text = f"the first column left out: positions {step:g} {spacings[0].unit} apart, as its header says"
+            return _with_columns(table, range(1, columns)), (text,)
     if first_column or first_row:
         both = first_column and first_row
         raise FormatError(
@@ -324,6 +369,7 @@ def _refuse_positions(table: Table) -> None:
             "evenly, as positions do; leave only heights in the file, or choose one column or two by columns "
             "(--columns 0,1 reads positions and the first profile)"
         )
+    return table, ()
 
 
 def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
@@ -392,12 +438,10 @@ def _read_labelled(table: Table) -> Raw:
     x, y = table.values[0, 1:], table.values[1:, 0]
     dx, dy = (float(each[-1] - each[0]) / (each.size - 1) for each in (x, y))
     heights = table.values[1:, 1:][:: 1 if dy > 0 else -1, :: 1 if dx > 0 else -1]
-    units = set(_units(table)[1:])
-    return Raw(
-        np.ascontiguousarray(heights), unit=next(iter(units)) if len(units) == 1 else table.declared.unit,
+    return _raw(
+        table, np.ascontiguousarray(heights), _common_unit(table, _units(table)[1:]),
         spacing=(abs(dy), abs(dx)), position_unit=_units(table)[0],
-        history=("the first row and column are positions along x and y",), source=table.source,
-        codes=table.declared.codes,
+        history=("the first row and column are positions along x and y",),
     )  # fmt: skip
 
 
@@ -434,9 +478,9 @@ def _triplets(table: Table, *places: int) -> Raw:
     if len(lateral) > 1:
         raise FormatError("has x and y in different units; write both in one")
     source = replace(table.source, layout="points x, y, z on a grid", column=_named(table, places[2]))
-    return Raw(
-        heights, unit=_height_unit(table, places[2]), spacing=spacing, position_unit=next(iter(lateral)),
-        history=(step,), source=source, codes=table.declared.codes, factor=table.declared.factor,
+    return _raw(
+        table, heights, _height_unit(table, places[2]), spacing=spacing, position_unit=next(iter(lateral)),
+        history=(step,), source=source,
     )  # fmt: skip
 
 

@@ -19,6 +19,7 @@ from stiction.surfaces.measured.raw import FormatError
 _SAMPLE = 60  # lines by which the separator and the decimal mark are found
 _SAMPLE_SIZE = 10_000  # characters of all of them
 _LONG = 200  # characters of a line above which lines are counted in one by one
+MAX_COUNTS = 2  # cells of a line of counts or sizes above the numbers
 _JOINT = "\x1f"  # separator of cells that were quoted
 _EXPONENT = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
@@ -86,6 +87,7 @@ class Block:
     dialect: Dialect
     values: Floats  # (rows, columns)
     short: int | None = None  # first of the lines at its end that lack cells, as of a shorter profile
+    omitted: tuple[int, ...] = ()  # lines above the rows that have one number or two: counts and sizes
 
     def row(self, at: int) -> list[str]:
         """Return the cells of a row."""
@@ -241,9 +243,9 @@ def _refuse_doubtful_commas(text: Text, first: int, last: int, dialect: Dialect)
 def numbers_of(text: Text, first: int, last: int, dialect: Dialect, *, ragged: bool = False) -> Block:
     """Return the numbers of a run of lines as a matrix.
 
-    Lines with other numbers of cells than most are left out at the beginning, where they are sizes and counts, and
-    refused elsewhere. Rows that lack cells are filled with NaN where only the height of a position is missing, and, if
-    `ragged`, at the end of a table.
+    Lines of at most `MAX_COUNTS` cells at the beginning are sizes and counts, and omitted. Other lines with another
+    number of cells than most are rejected. Rows that lack cells are filled with NaN where only the height of a position
+    is missing, and, if `ragged`, at the end of a table.
     """
     lines = _filled_lines(text, first, last, dialect)
     if not lines.size:
@@ -258,8 +260,9 @@ def numbers_of(text: Text, first: int, last: int, dialect: Dialect, *, ragged: b
             f"has lines of {usual} cells; at most {MAX_CELLS} can be read: write one number a line, or .npy"
         )
     begin = int(np.argmax(cells == usual))
-    if (cells[:begin] > usual).any() or (usual == 2 and _are_positions(blob, joint, begin)):
+    if (cells[:begin] > min(usual, MAX_COUNTS)).any() or (usual == 2 and _are_positions(blob, joint, begin)):
         begin = 0
+    omitted = tuple(lines[:begin].tolist())
     lines, cells, blob = lines[begin:], cells[begin:], blob[starts[begin] :] if begin else blob
     if (cells > usual).any():  # by separators at the end
         rows = [row.rstrip(joint) if n > usual else row for n, row in zip(cells, blob.split(b"\n"), strict=True)]
@@ -283,7 +286,7 @@ def numbers_of(text: Text, first: int, last: int, dialect: Dialect, *, ragged: b
     while values.shape[1] > max(ends | {1}) and np.isnan(values[:, -1]).all():
         values = values[:, :-1]  # separators at the end of each line
     short = int(lines[np.argmax(wrong)]) if usual != 2 and wrong.any() else None
-    return Block(text, lines, dialect, values, short)
+    return Block(text, lines, dialect, values, short, omitted)
 
 
 def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:

@@ -80,6 +80,7 @@ def _table(text: Text, block: Block, begin: int) -> Table:
     header, footer = text.lines(begin, first), text.lines(end, len(text)) if begin == 0 else []
     width = block.values.shape[1]
     heads = heads_of(header, width, block.dialect)
+    facts = declared(text.lines(0, first) if begin else header, below=footer)
     if block.short is not None and not any(heads.names):
         raise FormatError(
             f"{text.shown(block.short)} has fewer cells than the lines above it, and columns have no names; "
@@ -91,8 +92,11 @@ def _table(text: Text, block: Block, begin: int) -> Table:
         units=heads.units or (None,) * width,
         digits=block.digits,
         row_digits=block.row_digits,
-        declared=declared(text.lines(0, first) if begin else header, below=footer),
-        history=tuple(printable(step, MAX_STEP) for step in history_of(header)[:MAX_STEPS]),
+        declared=facts if facts.unit is not None else replace(facts, unit=heads.height_unit),
+        history=(
+            *(printable(step, MAX_STEP) for step in history_of(header)[:MAX_STEPS]),
+            *(f"{text.shown(at)} left out as a count or a size" for at in block.omitted[:MAX_STEPS]),
+        ),
         source=source_of(block),
     )
 
