@@ -169,6 +169,7 @@ def test_other_kinds_are_rejected_in_one_sentence(film) -> None:
         (lambda: read_interface(film).predict(3, 5.0), "result must be"),
         (lambda: write_interface("x", "y"), "interface must be an Interface"),
         (lambda: interface(3), "interface must be a name or a path"),
+        (lambda: Ball("5 mm", "0 GPa"), "effective_modulus must be above 0"),
         (lambda: FrictionTest(Ball("5 mm", "3 GPa"), 1.0, coefficient=1e300), "coefficient must be"),
     ):
         with pytest.raises(ValueError, match=words):

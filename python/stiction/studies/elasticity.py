@@ -60,6 +60,8 @@ def elasticity_of(
                 "{poisson} beside {effective_modulus} is of the softer body alone, got {got}", got=repr(poisson)
             )
         value = float(quantity_of("effective_modulus", modulus, "pressure"))
+        if not value > 0:
+            raise ArgumentError("{effective_modulus} must be above 0, got {got}", got=repr(modulus))
         return Elasticity(value, poisson_ratio=None if ratios is None else ratios[0])
     moduli = [float(each) for each in quantities_of("young", young, "pressure")]
     if len(moduli) > 2:
