@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import hashlib
 import math
@@ -174,6 +175,9 @@ class MeasuredFile(Table):
     max_cut_off: LengthOrZero | None = Field(
         default=None, description="Longest cutoff at which this scan is filtered, 0 for none; by default any."
     )
+    height_factor: float = Field(
+        default=1.0, ge=0.01, le=100, description="Factor of the heights, as another finish would change them."
+    )
     body: InMemory | None = Field(default=None, repr=False, description="The body itself, in Python.")
     others: Annotated[tuple[MeasuredFile, ...], as_tuple] | None = Field(
         default=None, description="Scans of other places on the same part; a list of files is the first and these."
@@ -238,11 +242,15 @@ class MeasuredFile(Table):
             )
             write(body, path)
         holes = not isinstance(body, JoinedSpectrum) and body.missing is not None
-        own = {name: getattr(self, name) for name in ("tip", "texture", "max_cut_off")}
+        own = {name: getattr(self, name) for name in ("tip", "texture", "max_cut_off", "height_factor")}
         return MeasuredFile(file=str(path), missing="mask" if holes else "error", **own).known()
 
     def read(self) -> Body:
         """The profile, surface or spectrum of the file, µm; a `ValueError` if its checksum is another."""
+        return _with_heights_times(self.height_factor, self._read())
+
+    def _read(self) -> Body:
+        """Return the body as it was measured."""
         if self.body is not None:
             return self.body.body  # type: ignore[no-any-return]
         if self.sha256 is not None and self.checksum() != self.sha256:
@@ -250,7 +258,11 @@ class MeasuredFile(Table):
                 f"{named(self.file)}: is another file than that which the study was made for: its SHA-256 is not "
                 f"{self.sha256[:12]}...; remove sha256 from the study to begin another one with it"
             )
-        return _body(self.model_copy(update={"sha256": self.checksum(), "others": None}))
+        return _body(self.model_copy(update={"sha256": self.checksum(), "others": None, "height_factor": 1.0}))
+
+    def with_height_factor(self, factor: float) -> MeasuredFile:
+        """Return the same scans with heights times a factor."""
+        return self._each(lambda one: one.model_copy(update={"height_factor": factor * one.height_factor}))
 
     @property
     def bodies(self) -> list[Profile | Surface]:
@@ -314,6 +326,17 @@ class MeasuredFile(Table):
         return self._each(
             lambda one: one if one.sha256 is not None else one.model_copy(update={"sha256": one.checksum()})
         )
+
+
+def _with_heights_times(factor: float, body: Any) -> Any:
+    """Return a body, or the lines of one, with heights times a factor."""
+    if factor == 1:
+        return body
+    if isinstance(body, tuple):
+        return tuple(_with_heights_times(factor, one) for one in body)
+    if isinstance(body, JoinedSpectrum):
+        return dataclasses.replace(body, density=body.density * factor**2)
+    return body.changed(body.heights * factor, f"heights times {factor:g}")
 
 
 def _checksum(bodies: Sequence[Any]) -> str:
