@@ -8,7 +8,7 @@ import pytest
 import xarray
 from command import assert_refused, stiction_command, stiction_done
 from small import SMALL
-from stiction import run, self_affine, self_affine_surface, write_profile, write_surface
+from stiction import read_result, run, self_affine, self_affine_surface, write_profile, write_surface
 from stiction.studies.at_load import at_load
 from stiction.studies.store import open_stored
 from stiction.views.answer import answers
@@ -156,6 +156,52 @@ def test_info_of_every_result_has_one_schema_and_doubts(folder, name):
     loads = [one["at"]["load"] for one in record["answers"]]
     assert loads == sorted(loads), "those of a pair need not rise"
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
+
+
+def test_scale_heights_computes_on_request_and_prints_a_table_or_json(folder, tmp_path):
+    shutil.copytree(folder / "maps", tmp_path / "maps")
+    arguments = ("at", "maps", "--scale-heights", "0.5,1,2", "--load", "10 MPa", "--mu0", "0.25")
+    assert_refused(
+        stiction_command(*arguments, cwd=tmp_path),
+        "--scale-heights needs 2 factors from 0.5 to 2 computed, about ", "give --compute",
+    )  # fmt: skip
+    text = said(*arguments, "--compute", cwd=tmp_path)
+    rows = [line.split() for line in text.splitlines() if line[:1].isdigit()]
+    assert [row[0] for row in rows[:3]] == ["0.5", "1", "2"]
+    assert said(*arguments, cwd=tmp_path) == text
+    record = json.loads(said(*arguments, "--json", cwd=tmp_path))
+    assert (record["kind"], record["scaled"], record["solved"]) == ("pair", "both", [0.5, 1.0, 2.0])
+    load = 10e-3 * record["nominal_area"]
+    at = read_result(tmp_path / "maps").at(load, mu0=0.25, height_scale=[0.5, 1, 2])
+    names = {value["name"] for value in record["values"]}
+    assert {"friction_combined", "contact_area_fraction", "rms_gradient", "upper_rms", "lower_rms"} <= names
+    for value in record["values"]:
+        if value["name"] == "friction_combined":
+            where = {name: value["at"][name] for name in ("height_scale", "tau0", "sliding")}
+            assert value["value"] == pytest.approx(
+                float(at["friction_combined"].sel(where | {"statistic": "mean"}).item())
+            )
+    assert "height_scale" in said("plot", "maps", "--output", "figures", cwd=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "words"),
+    [
+        ("maps", ("--scale-heights", "0"), "--scale-heights must be from 0.01 to 100, got '0'"),
+        ("maps", ("--scale-heights=-1",), "--scale-heights must be from 0.01 to 100, got '-1'"),
+        ("maps", ("--scale-heights", "a..b"), "--scale-heights must be factors"),
+        ("maps", ("--scale-heights", "4..0.25"), "--scale-heights must be factors"),
+        ("maps", ("--scale-heights", "x"), "--scale-heights must be"),
+        ("maps", ("--scale-heights", "2", "--scaled", "left"), "scaled must be one of"),
+        ("maps", ("--scale-heights", "2", "--direction", "0"), "--direction does not apply to --scale-heights"),
+        ("maps", ("--scaled", "upper"), "--scaled is for --scale-heights"),
+        ("maps", ("--compute",), "--compute is for --scale-heights"),
+        ("study", ("--scale-heights", "2", "--load", "1 uN"), "--scale-heights needs two measured surfaces"),
+        ("study", ("--scale-heights", "2", "--load", "1 uN", "--compute"), "needs two measured surfaces"),
+    ],
+)  # fmt: skip
+def test_scale_heights_rejects_bad_input_in_a_sentence(folder, name, arguments, words):
+    assert_refused(stiction_command("at", name, *arguments, cwd=folder), words)
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])

@@ -219,7 +219,7 @@ def command(name: str, *lines: str) -> Callable[[Function], Function]:
 
 _OPTIONS = {
     "upper": "UPPER", "lower": "LOWER", "upper_material": "--upper", "lower_material": "--lower",
-    "work_of_adhesion": "--adhesion",
+    "work_of_adhesion": "--adhesion", "height_scale": "--scale-heights", "compute=True": "--compute",
 }  # fmt: skip
 """Options that are called otherwise than their arguments."""
 

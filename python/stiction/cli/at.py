@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from stiction._arguments import at_least_0, coefficients_of, load_of, quantities_of, quantity_of
 from stiction._errors import ArgumentError
-from stiction.cli.application import command, tell
-from stiction.cli.options import Json, Verbose, option
+from stiction.cli.application import announce, command, interrupted, tell
+from stiction.cli.options import Json, Verbose, option, refuse
+from stiction.cli.running import Workers
 from stiction.cli.showing import opened
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import UNCERTAINTY
@@ -35,6 +37,13 @@ Direction = Annotated[
     float | None, option("--direction DEGREES", "Where the upper body is about to move.", "the mean of all")
 ]
 
+_heights = partial(option, panel="Another finish")
+ScaleHeights = Annotated[
+    str | None, _heights("--scale-heights FACTORS", 'Heights times factors, "0.5,1,2" or "0.25..4".', False)
+]
+ScaledSurfaces = Annotated[str, _heights("--scaled both|upper|lower", "Surfaces whose heights are scaled.")]
+Compute = Annotated[bool, _heights("--compute", "Compute the factors that are missing, and keep them in DIR.", False)]
+
 
 @command(
     "at",
@@ -42,8 +51,10 @@ Direction = Annotated[
     "stiction at figure6 --load '1 uN' --d 1.1 --mu0 0.4 --tau0 '200 MPa' --json",
     "stiction at pair                            # at the loads of the pair",
     "stiction at pair --load '10 MPa' --mu0 0.2,0.3",
+    "stiction at pair --scale-heights 0.25..4 --compute",
 )
 def at(
+    context: typer.Context,
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")],
     load: Loads = None,
     width: Width = None,
@@ -53,12 +64,17 @@ def at(
     mu0: Mu0 = None,
     tau0: Tau0 = None,
     direction: Direction = None,
+    scale_heights: ScaleHeights = None,
+    scaled: ScaledSurfaces = "both",
+    compute: Compute = False,
+    workers: Workers = None,
     verbose: Verbose = False,
     as_json: Json = False,
 ) -> None:
     """Coefficient of static friction, true contact area and stiffness of a result at one load, with intervals.
 
-    Loads, mu0 and tau0 that are not given are those of the study. Others need nothing pressed again.
+    Loads, mu0 and tau0 that are not given are those of the study. Others need nothing pressed again. Each factor of
+    --scale-heights is solved once and stored with the result.
     """
     from stiction.studies.at_load import at_load
     from stiction.studies.budget import with_uncertainty
@@ -71,6 +87,14 @@ def at(
     strengths = None
     if tau0 is not None:
         strengths = at_least_0("tau0", quantities_of("tau0", tau0, "pressure"), tau0)
+    if scale_heights is None:
+        refuse(context, "is for --scale-heights", "scaled", "compute", "workers")
+    else:
+        refuse(context, "does not apply to --scale-heights", "fractal_dimension", "hurst", "amplitude", "direction")
+        loads = _loads(stored, load, width)
+        _at_height_scale(stored, scale_heights, scaled, loads, rubbing, strengths, compute=compute, workers=workers,
+                         as_json=as_json)  # fmt: skip
+        return
     length = None if amplitude is None else quantity_of("amplitude", amplitude, "length")
     found = with_uncertainty(
         at_load(in_memory(stored), _loads(stored, load, width), mu0=rubbing, tau0=strengths), stored
@@ -89,6 +113,27 @@ def at(
         if own := text.own_values_text(stored.study, mu0=mu0 is None, tau0=tau0 is None):
             tell(own)
         tell(text.result_text(found, stored.study, verbose=verbose, beside=beside))
+
+
+def _at_height_scale(
+    stored: Stored, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
+    workers: int | None, as_json: bool,
+) -> None:  # fmt: skip
+    """Print a result over factors of its heights; those that are missing are computed on request."""
+    from stiction.studies.executors import threads
+    from stiction.studies.height_scale import at_height_scale, checked_factors, compute_factors
+    from stiction.views.height_scale import height_scale_record, height_scale_text
+
+    asked: Any = scaled
+    factors = checked_factors(text)
+    if compute:
+        try:
+            with threads(workers) as executor:
+                compute_factors(stored, factors, asked, executor, progress=True, announce=announce)
+        except KeyboardInterrupt:
+            raise interrupted("; finished factors are kept: the same command goes on from there") from None
+    at = at_height_scale(stored, factors, loads, mu0=mu0, tau0=tau0, scaled=asked)
+    tell((height_scale_record if as_json else height_scale_text)(at, stored.study))
 
 
 def _loads(stored: Stored, texts: list[str] | None, width: str | None) -> list[float]:

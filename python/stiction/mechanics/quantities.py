@@ -317,6 +317,13 @@ QUANTITIES: dict[str, Quantity] = {
         unit="GPa", words="pressures over the true area", brief="pressure", kind="statistic",
         along=("step", "fraction_below"), column_unit="MPa", column_factor=1000.0, stored=_MEASURED,
     ),
+    **{
+        f"{side}_rms": Quantity(
+            unit="um", words=f"root-mean-square height of the {side} body", brief=f"Sq of the {side} body",
+            kind="statistic",
+        )
+        for side in ("upper", "lower")
+    },
     "rms_gradient": Quantity(
         unit="1", words="root-mean-square gradient of the gap", brief="rms gradient of the gap", kind="statistic",
         stored=_MEASURED,
@@ -371,6 +378,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     # ---- Coordinates -----------------------------------------------------------------------------------------------
     "cut_off": _coordinate("um", "wavelength below which waves are taken off; 0 is the scan itself", "cut-off"),
+    "height_scale": _coordinate("1", "factor of the heights"),
     "fraction_below": _coordinate("1", "fraction that is smaller"),
     "axis": _coordinate("degree", "axis of the motion, both senses together, from +x towards +y"),
     "x": _coordinate("um", "how far the upper body is moved along +x"),

@@ -1,23 +1,36 @@
 """Friction and true area of a measured pair over the scale of its heights, as another finish would leave them.
 
-Each factor of the heights is a study of its own, stored alongside the result; between factors, results are interpolated.
+Each factor of the heights is a study of its own, stored alongside the result. Between factors, results are
+interpolated.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from stiction._arguments import numbers_of, reject_decimal_commas
 from stiction._checks import Floats, choice, float_array
-from stiction.studies.at_load import at_load
+from stiction._errors import ArgumentError
+from stiction._text import duration_text
+from stiction._units import shortened
+from stiction.mechanics.friction import STATUS_OK
+from stiction.mechanics.quantities import attributes_of
+from stiction.studies.at_load import ABOVE_NOMINAL, at_load, is_unloaded
 from stiction.studies.budget import with_uncertainty
+from stiction.studies.complete import remove_result
+from stiction.studies.executors import given_or_threads
 from stiction.studies.hardness import FILE as HARDNESS
-from stiction.studies.hardness import areas_over_hardness, bodies_wanted, hardness_beside
-from stiction.studies.pressed import cost_of_member
+from stiction.studies.hardness import areas_over_hardness, bodies_wanted, count_solutions, hardness_beside
+from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
+from stiction.studies.measured_surfaces import MIN_HEIGHT_FACTOR as MIN_FACTOR
+from stiction.studies.members import first_pair
+from stiction.studies.pressed import cost_of_member, cost_of_solution
 from stiction.studies.runner import fill
 from stiction.studies.store import STUDY, Stored, StoreError, export, open_stored
 from stiction.studies.study import Study, computed_otherwise
@@ -29,49 +42,110 @@ if TYPE_CHECKING:
 FOLDER = "height_scale"
 """In the folder of a result: a folder for each factor of the heights."""
 
-NUM_FACTORS = 9
-"""Factors that are solved over a range of 16, from 0.25 to 4, in equal ratios."""
+STEP = 0.5
+"""Steps of log2 of the factors that are solved over a range; results are interpolated between neighbors so close."""
 
-MIN_FACTOR, MAX_FACTOR = 0.01, 100.0
+DIGITS = 6  # significant digits of a factor, by which its folder is named
 
 Scaled = Literal["both", "upper", "lower"]
 """Surfaces whose heights are scaled."""
 
 _SHOWN = (
-    "friction_coefficient", "friction_by_axis", "friction_all_round", "friction_known", "spread_low", "spread_high",
+    "friction_all_round", "friction_by_axis", "friction_combined", "friction_next_test", "spread_low", "spread_high",
     "contact_area", "contact_area_fraction", "contact_count", "mean_pressure", "normal_stiffness",
     "stiffness_per_area", "rms_gradient", "rms_slope", "pull_off", "pull_off_pressure",
 )  # fmt: skip
 """Variables of `at_load` that are given over factors."""
 
 
-class NotComputedError(ValueError):
+class NotComputedError(ArgumentError):
     """Factors of the heights are not computed yet.
 
     Attributes
     ----------
+    factors : ndarray of float
+        Factors to compute.
     seconds : float
         Estimated time of one core to compute them.
     """
 
-    def __init__(self, message: str, seconds: float) -> None:
-        super().__init__(message)
-        self.seconds = seconds
+    def __init__(self, factors: Floats, seconds: float) -> None:
+        several = f"{factors.size} factors from {factors[0]:g} to {factors[-1]:g}"
+        which = several if factors.size > 1 else f"the factor {factors[0]:g}"
+        super().__init__(
+            "{height_scale} needs {which} computed, about {time} of one core: give {compute=True}",
+            which=which, time=duration_text(seconds),
+        )  # fmt: skip
+        self.factors, self.seconds = factors, seconds
 
 
 def checked_factors(factors: Any) -> Floats:
-    """Return factors of the heights in rising order; a `ValueError` if one is outside its range."""
-    values = np.unique(np.atleast_1d(float_array("height_scale", factors)))
+    """Return factors of the heights in rising order, rounded to `DIGITS` significant digits.
+
+    Parameters
+    ----------
+    factors : float, array_like or str
+        Factors from 0.01 to 100, also as text, "0.5,1,2", or a range, "0.25..4", of which there are the ends and the
+        powers of the square root of 2 between them.
+
+    Raises
+    ------
+    ArgumentError
+        If a factor is no number or outside its range, or a range does not rise.
+    """
+    values = _parse_factors(factors) if isinstance(factors, str) else float_array("height_scale", factors)
+    values = np.unique([float(f"{each:.{DIGITS}g}") for each in np.ravel(values).tolist()])
     if not values.size or not ((values >= MIN_FACTOR) & (values <= MAX_FACTOR)).all():
-        raise ValueError(f"height_scale must be from {MIN_FACTOR:g} to {MAX_FACTOR:g}, got {factors!r}")
+        allowed = f"from {MIN_FACTOR:g} to {MAX_FACTOR:g}"
+        raise ArgumentError("{height_scale} must be {allowed}, got {got}", allowed=allowed, got=shortened(factors))
     return values
 
 
-def factors_between(lowest: float, highest: float) -> Floats:
-    """Return the factors to solve for a range, in equal ratios, and 1."""
-    count = max(2, math.ceil(math.log(highest / lowest) / math.log(16) * (NUM_FACTORS - 1)) + 1)
-    between = [float(f"{each:.6g}") for each in np.geomspace(lowest, highest, count)]
-    return np.unique([*between, 1.0])
+def _parse_factors(text: str) -> Floats:
+    """Return the factors of a text: of a list, or the ends of a range and those that are solved between them."""
+    try:
+        if ".." not in text:
+            if text.count(",") == 1:
+                reject_decimal_commas("height_scale", text)
+            return np.array(numbers_of("height_scale", text, whole=True))
+        low, high = (float(each) for each in text.split(".."))
+        if not MIN_FACTOR <= low < high <= MAX_FACTOR:
+            raise ValueError
+    except ArgumentError:
+        raise
+    except ValueError:
+        raise ArgumentError(
+            '{height_scale} must be factors, as in "0.5,1,2", or a rising range from {least:g} to {most:g}, as in '
+            '"0.25..4", got {got}',
+            least=MIN_FACTOR, most=MAX_FACTOR, got=shortened(text),
+        ) from None  # fmt: skip
+    nodes = _nodes(low, high)
+    return np.array([low, *nodes[(nodes > low) & (nodes < high)], high])
+
+
+def _nodes(low: float, high: float) -> Floats:
+    """Return powers of 2, in steps of `STEP` of the exponent, that enclose a range of factors."""
+    first, last = math.floor(math.log2(low) / STEP), math.ceil(math.log2(high) / STEP)
+    powers = np.exp2(STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
+    return np.unique([float(f"{each:.{DIGITS}g}") for each in powers.tolist()])
+
+
+def missing_factors(factors: Floats, solved: Floats) -> Floats:
+    """Return the factors to solve, so that each one is solved or lies between neighbors a step apart."""
+    wanted = np.array([each for each in factors.tolist() if _neighbors(solved, each) is None])
+    if not wanted.size:
+        return wanted
+    nodes = np.setdiff1d(_nodes(wanted[0], wanted[-1]), solved)
+    return nodes if nodes.size < wanted.size else wanted
+
+
+def _neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
+    """Return the places of the solved factors around one, twice the same if it is solved; None if they are too far."""
+    right = int(np.searchsorted(solved, factor))
+    if right < solved.size and solved[right] == factor:
+        return right, right
+    near = 0 < right < solved.size and math.log2(solved[right] / solved[right - 1]) < STEP * 1.001
+    return (right - 1, right) if near else None
 
 
 def scaled_study(study: Study, factor: float, scaled: Scaled) -> Study:
@@ -83,12 +157,12 @@ def scaled_study(study: Study, factor: float, scaled: Scaled) -> Study:
         If the study is not of two measured bodies.
     """
     if not study.is_measured or study.is_gap:
-        raise ValueError("height_scale is for two measured surfaces")
+        kind = "the gap of one body" if study.is_measured else "generated surfaces"
+        raise ArgumentError("{height_scale} needs two measured surfaces, got {kind}", kind=kind)
     choice("scaled", scaled, Scaled)
     sides = SIDES if scaled == "both" else (scaled,)
-    changed: Any = study.surfaces.with_files(
-        lambda file, side: file.with_height_factor(factor) if side in sides else file
-    )
+    surfaces: Any = study.surfaces
+    changed = surfaces.with_files(lambda file, side: file.with_height_factor(factor) if side in sides else file)
     return study.model_copy(update={"surfaces": changed})
 
 
@@ -98,7 +172,10 @@ def folder_of(path: Path, factor: float, scaled: Scaled) -> Path:
 
 
 def stored_factors(result: Stored, scaled: Scaled) -> dict[float, Stored]:
-    """Return the finished studies of a result over factors, in rising order; that of 1 is the result itself."""
+    """Return the finished studies of a result over factors, in rising order, each with the friction of the result.
+
+    That of 1 is the result itself.
+    """
     found = {1.0: result}
     for folder in (result.path / FOLDER).glob(f"{scaled}-*"):
         try:
@@ -107,28 +184,47 @@ def stored_factors(result: Stored, scaled: Scaled) -> dict[float, Stored]:
         except (StoreError, ValueError):
             continue
         wanted = scaled_study(result.study, factor, scaled)
-        if stored.count == wanted.ensemble.repetitions and not computed_otherwise(stored.study, wanted):
+        if computed_otherwise(stored.study, wanted):
+            continue
+        stored = Stored(stored.path, wanted, stored.blocks)  # with the friction of the result
+        if stored.count == wanted.ensemble.repetitions and not _lacks_hardness(stored):
             found[factor] = stored
     return dict(sorted(found.items()))
 
 
+def _lacks_hardness(stored: Stored) -> bool:
+    """Return whether a study has ranges of hardness or E*, and is not solved over them yet."""
+    wants = bool(bodies_wanted(stored.study)[0].size) and not is_unloaded(stored)
+    return wants and hardness_beside(stored) is None
+
+
 def seconds_to_compute(study: Study, count: int) -> float:
     """Estimate the time of one core that so many factors take."""
-    hardnesses, moduli = bodies_wanted(study)
-    return count * cost_of_member(study) * (study.ensemble.repetitions + hardnesses.size * moduli.size)
+    others = count_solutions(study) * cost_of_solution(study) if study.by_half_space else 0.0
+    return count * (study.ensemble.repetitions * cost_of_member(study) + others)
 
 
 def compute_factors(
-    result: Stored, factors: Floats, scaled: Scaled, executor: Executor, *, progress: bool = False
-) -> None:
-    """Compute the factors that are not stored alongside a result, each with its range of hardness."""
-    there = stored_factors(result, scaled)
-    for factor in factors.tolist():
-        if factor not in there:
+    result: Stored, factors: Any, scaled: Scaled = "both", executor: Executor | None = None, *,
+    progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
+) -> None:  # fmt: skip
+    """Compute factors of the heights, or others around them, that a stored result lacks.
+
+    Each factor is a stored study of its own, so that whoever is interrupted keeps those that are finished. `announce`
+    is given a line before each. Errors are those of `at_height_scale` and of `fill`.
+    """
+    missing = missing_factors(checked_factors(factors), np.array(list(stored_factors(result, scaled))))
+    with given_or_threads(executor) as workers:
+        for number, factor in enumerate(missing.tolist(), 1):
+            announce(f"heights times {factor:g} ({number} of {missing.size})")
             study, folder = scaled_study(result.study, factor, scaled), folder_of(result.path, factor, scaled)
-            fill(study, folder, executor=executor, progress=progress)
+            there = open_stored(folder) if (folder / STUDY).exists() else None
+            if there and computed_otherwise(there.study, study):
+                remove_result(there)  # of another pair
+                (folder / HARDNESS).unlink(missing_ok=True)
+            fill(study, folder, executor=workers, progress=progress)
             stored = open_stored(folder)
-            if hardness_beside(stored) is None and (areas := areas_over_hardness(stored.study, executor)) is not None:
+            if _lacks_hardness(stored) and (areas := areas_over_hardness(stored.study, workers)) is not None:
                 export(areas, folder / HARDNESS, replace=True)
 
 
@@ -143,8 +239,8 @@ def at_height_scale(
     Parameters
     ----------
     result : Stored
-    factors : array_like of float
-        From 0.01 to 100, within those that are stored; 1 is the pair as measured.
+    factors : float, array_like or str
+        From 0.01 to 100, as `checked_factors` reads them; 1 is the pair as measured.
     loads : array_like of float, mN
     mu0, tau0 : array_like of float, optional
         Those of the study by default; GPa.
@@ -154,73 +250,87 @@ def at_height_scale(
     Returns
     -------
     xarray.Dataset
-        Of the quoted cutoff, over height_scale and the dimensions of `at_load`: coefficients with the sampling interval
-        and, as friction_known, with the combined one, true area, number of contacts, mean pressure, stiffness, and
-        rms_gradient and rms_slope of the gap.
+        Of the quoted cutoff, over height_scale and the dimensions of `at_load`: friction_all_round and friction_by_axis
+        with the sampling interval, friction_combined with the combined one, true area, number of contacts, mean
+        pressure, stiffness, and rms_gradient and rms_slope of the gap; upper_rms and lower_rms (µm) are the
+        root-mean-square heights of the two bodies of the first member, where their files are there. The attribute
+        solved has the factors that are computed.
 
     Raises
     ------
     NotComputedError
-        If a factor is outside of those that are stored.
+        If a factor is neither computed nor between computed ones a step apart.
     ValueError
-        If the study is not of two measured surfaces, or a factor is outside its range.
+        If the study is not of two measured surfaces or not finished, or a factor is outside its range.
 
     Notes
     -----
-    Between stored factors, positive variables are read off on a cubic spline of their logarithms over the logarithm of
-    the factor, others on that of their values.
+    Between computed factors, positive variables are interpolated by a monotone cubic of their logarithms over the
+    logarithm of the factor, and others by one of their values.
     """
     import xarray
 
-    factors = checked_factors(factors)
+    factors, study = checked_factors(factors), result.study
+    scaled_study(study, 1.0, scaled)
+    if result.count < study.ensemble.repetitions:
+        raise ArgumentError("{height_scale} needs a finished result")
     there = stored_factors(result, scaled)
     solved = np.array(list(there))
-    if factors[0] < solved[0] or factors[-1] > solved[-1]:
-        missing = factors_between(min(factors[0], solved[0]), max(factors[-1], solved[-1]))
-        count = missing.size - int(np.isin(missing, solved).sum())
-        raise NotComputedError(
-            f"heights are solved times {solved[0]:g} to {solved[-1]:g}, and {factors[0]:g} to {factors[-1]:g} is wanted",
-            seconds_to_compute(result.study, count),
-        )
-    points = [_at_quoted(one, loads, mu0=mu0, tau0=tau0) for one in there.values()]
+    if (missing := missing_factors(factors, solved)).size:
+        raise NotComputedError(missing, seconds_to_compute(study, missing.size))
+    around = [places for each in factors.tolist() if (places := _neighbors(solved, each))]
+    points = [
+        with_uncertainty(at_load(each, loads, mu0=mu0, tau0=tau0), each, budget=False).isel(cut_off=0)
+        for each in there.values()
+    ]
     first = points[list(there).index(1.0)]
     variables: dict[str, Any] = {}
     for name in (each for each in _SHOWN if all(each in point for point in points)):
         values = np.stack([point[name].transpose(*first[name].dims).values for point in points])
-        read = np.stack([_between(values, solved, factor) for factor in factors.tolist()])
+        read = np.stack([_between(values, solved, *each) for each in zip(factors, around, strict=True)])
+        if "statistic" in first[name].dims:  # which is the last dimension
+            read[..., 1], read[..., 2] = np.minimum(read[..., 1], read[..., 0]), np.maximum(read[..., 2], read[..., 0])
         variables[name] = (("height_scale", *first[name].dims), read, first[name].attrs)
-    coordinates = {
-        name: each for name, each in first.coords.items() if name == "nominal_area" or set(each.dims) <= set(first.dims)
-    }
-    coordinates["height_scale"] = ("height_scale", factors, {"units": "1", "long_name": "factor of the heights"})
+    if all("contact_status" in point for point in points):
+        dims = first["contact_status"].dims
+        statuses = np.stack([point["contact_status"].transpose(*dims).values for point in points])
+        other = STATUS_OK if study.by_half_space else ABOVE_NOMINAL
+        read = np.stack([np.where(statuses[i] == statuses[j], statuses[i], other) for i, j in around])
+        variables["contact_status"] = (("height_scale", *dims), read, first["contact_status"].attrs)
+    for side, rms in _rms_heights(study).items():
+        own = rms * (factors if scaled in ("both", side) else np.ones(factors.size))
+        variables[f"{side}_rms"] = ("height_scale", own, attributes_of(f"{side}_rms"))
+    own_dims = set(np.concatenate([np.ravel(each[0]) for each in variables.values()]).tolist())
+    coordinates: dict[str, Any] = {str(name): each for name, each in first.coords.items() if set(each.dims) <= own_dims}
+    coordinates["height_scale"] = ("height_scale", factors, attributes_of("height_scale"))
     return xarray.Dataset(variables, coordinates, first.attrs | {"scaled": scaled, "solved": solved})
 
 
-def _at_quoted(result: Stored, loads: Any, **material: Any) -> xarray.Dataset:
-    """Return the reading to quote, whose interval covers the other one where wavelengths are doubtful."""
-    at = with_uncertainty(at_load(result, loads, **material), result)
-    first = at.isel(cut_off=0)
-    if not result.study.surfaces.both_readings:
-        return first
-    ends = {"lower": at["friction_known"].min("cut_off"), "upper": at["friction_known"].max("cut_off")}
-    known = first["friction_known"].copy()
-    for name, each in ends.items():
-        known.loc[{"statistic": name}] = each.sel(statistic=name)
-    return first.assign(friction_known=known)
+def _rms_heights(study: Study) -> dict[str, float]:
+    """Return the root-mean-square heights (µm) of the bodies of the first member; none where files are gone."""
+    try:
+        return {side: float(np.std(body.heights)) for side, body in zip(SIDES, first_pair(study), strict=True)}
+    except (ValueError, OSError):
+        return {}
 
 
-def _between(values: Floats, solved: Floats, factor: float) -> Floats:
-    """Return values over solved factors (first axis) at another factor."""
-    from scipy.interpolate import CubicSpline, interp1d
+def _between(values: Floats, solved: Floats, factor: float, around: tuple[int, int]) -> Floats:
+    """Return values over solved factors (first axis) at another one; NaN where they are at one of its neighbors."""
+    from scipy.interpolate import PchipInterpolator
 
-    place = np.flatnonzero(np.isclose(solved, factor, rtol=1e-9))
-    if place.size:
-        return np.asarray(values[place[0]])
-    spline = CubicSpline if solved.size > 3 else interp1d
-    known = np.isfinite(values).all(axis=0)
-    positive = known & (values > 0).all(axis=0)
-    x, at = np.log(solved), math.log(factor)
-    found = np.full(values.shape[1:], np.nan)
-    found[positive] = np.exp(spline(x, np.log(values[:, positive]), axis=0)(at))
-    found[known & ~positive] = spline(x, values[:, known & ~positive], axis=0)(at)
-    return found
+    left, right = around
+    if left == right:
+        return np.asarray(values[left])
+    flat = values.reshape(solved.size, -1)
+    finite = np.isfinite(flat)
+    found = np.full(flat.shape[1], np.nan)
+    answered = finite[left] & finite[right]
+    x = np.log(solved)
+    for there in np.unique(finite[:, answered], axis=1).T:
+        own = answered & (finite == there[:, np.newaxis]).all(axis=0)
+        positive = own & (flat[there] > 0).all(axis=0)
+        for which, to, back in ((positive, np.log, np.exp), (own & ~positive, np.asarray, np.asarray)):
+            if which.any():
+                curve = PchipInterpolator(x[there], to(flat[np.ix_(there, which)]))
+                found[which] = back(curve(math.log(factor)))
+    return found.reshape(values.shape[1:])

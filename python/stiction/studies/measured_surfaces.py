@@ -121,6 +121,9 @@ def _one_or_two(read: Callable[[object], Any], most: int = 2) -> PlainValidator:
     return PlainValidator(values)
 
 
+MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # factors of the heights of a file
+
+
 class InMemory:
     """A body that no file holds; the checksum beside it says which it is, so all of these are equal, and equal None."""
 
@@ -176,7 +179,10 @@ class MeasuredFile(Table):
         default=None, description="Longest cutoff at which this scan is filtered, 0 for none; by default any."
     )
     height_factor: float = Field(
-        default=1.0, ge=0.01, le=100, description="Factor of the heights, as another finish would change them."
+        default=1.0,
+        ge=MIN_HEIGHT_FACTOR,
+        le=MAX_HEIGHT_FACTOR,
+        description="Factor of the heights, as another finish would change them.",
     )
     body: InMemory | None = Field(default=None, repr=False, description="The body itself, in Python.")
     others: Annotated[tuple[MeasuredFile, ...], as_tuple] | None = Field(
@@ -247,7 +253,7 @@ class MeasuredFile(Table):
 
     def read(self) -> Body:
         """The profile, surface or spectrum of the file, µm; a `ValueError` if its checksum is another."""
-        return _with_heights_times(self.height_factor, self._read())
+        return _with_heights_times(self.height_factor, self._read())  # type: ignore[no-any-return]
 
     def _read(self) -> Body:
         """Return the body as it was measured."""
@@ -261,7 +267,11 @@ class MeasuredFile(Table):
         return _body(self.model_copy(update={"sha256": self.checksum(), "others": None, "height_factor": 1.0}))
 
     def with_height_factor(self, factor: float) -> MeasuredFile:
-        """Return the same scans with heights times a factor."""
+        """Return the same scans with heights times a factor; a `ValueError` if the product is out of range."""
+        whole = factor * self.height_factor
+        if not MIN_HEIGHT_FACTOR <= whole <= MAX_HEIGHT_FACTOR:
+            limits = f"from {MIN_HEIGHT_FACTOR:g} to {MAX_HEIGHT_FACTOR:g}"
+            raise ValueError(f"height_factor must be {limits}, got {whole:g} of {self.name}")
         return self._each(lambda one: one.model_copy(update={"height_factor": factor * one.height_factor}))
 
     @property

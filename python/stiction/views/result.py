@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from numpy.typing import ArrayLike
 
+from stiction._checks import truth
 from stiction._shown import picture_of, png_of, words
 from stiction._units import in_core_units, loads_in_core_units
 from stiction.studies.at_load import at_load
@@ -136,12 +137,17 @@ class Result:
 
     def at(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
-        reading: Any = None,
+        reading: Any = None, height_scale: str | ArrayLike | None = None,
+        scaled: Literal["both", "upper", "lower"] = "both", compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
         """Return what `at_load` gives at other loads and materials; nothing is computed again.
 
         Of measured bodies at elastic loads, `friction_combined` has the combined 95 % interval, and other coefficients
         have the sampling interval of the mean over positions.
+
+        With `height_scale` it is friction, true area and stiffness over factors of the heights, as another finish would
+        change them. Each factor that is not stored alongside the result, or between others that are, is one more
+        solution of the pair, which `compute` allows.
 
         Parameters
         ----------
@@ -152,11 +158,56 @@ class Result:
             Such as "50 MPa".
         reading : {"mean", "elastic", "normal"}, optional
             Which load is meant.
+        height_scale : float, array_like or str, optional
+            Factors of the heights from 0.01 to 100, such as 0.5, "0.5,1,2" or "0.25..4".
+        scaled : {"both", "upper", "lower"}
+            Surfaces whose heights are scaled.
+        compute : bool
+            Whether factors that are missing are computed.
+
+        Raises
+        ------
+        ValueError
+            If an argument is outside its range, or a factor of the heights is not computed: the error names the time
+            that it takes.
+
+        Examples
+        --------
+        >>> from stiction import pair, self_affine_surface
+        >>> a, b = (
+        ...     self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, side=side)
+        ...     for side in ("upper", "lower")
+        ... )
+        >>> result = pair(a, b, load="10 MPa", effective_modulus="80 GPa", hardness="2 GPa", mu0=0.2, shifts=2)
+        >>> at = result.at(height_scale=[0.5, 1, 2], compute=True)
+        >>> gradient = at["rms_gradient"].sel(statistic="mean").values
+        >>> (gradient / gradient[1]).round(6).tolist()
+        [0.5, 1.0, 2.0]
         """
+        if height_scale is not None:
+            return self._at_height_scale(height_scale, load, mu0, tau0, reading, scaled, compute)
         loads = asked_loads(self.source) if load is None else self._loads_of(load)
         strengths = in_core_units("tau0", tau0, "pressure")
         at = at_load(self.source, loads, mu0=mu0, tau0=strengths, reading=reading)
         return with_uncertainty(at, self.source, budget=False)
+
+    def _at_height_scale(
+        self, factors: Any, load: Any, mu0: Any, tau0: Any, reading: Any, scaled: Any, compute: bool
+    ) -> xarray.Dataset:
+        from stiction.studies.height_scale import at_height_scale, checked_factors, compute_factors
+        from stiction.studies.store import Stored
+
+        truth("compute", compute)
+        if reading not in (None, "elastic"):
+            raise ValueError(f"reading must be 'elastic' with height_scale, got {reading!r}")
+        if not isinstance(self.source, Stored):
+            raise ValueError("height_scale needs a stored result: one of `pair`, or of `read_result`")
+        factors = checked_factors(factors)
+        loads = asked_loads(self.source) if load is None else self._loads_of(load)
+        strengths = in_core_units("tau0", tau0, "pressure")
+        if compute:
+            compute_factors(self.source, factors, scaled)
+        return at_height_scale(self.source, factors, loads, mu0=mu0, tau0=strengths, scaled=scaled)
 
     @property
     def nominal_area(self) -> float | None:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 SCHEMA = 1
 _KEYS = (*CELLS, "load", "mu0", "tau0")  # coordinates that say where a row of the CSV is
 
-PLACE = (*_KEYS, "sliding", "direction", "axis", "fraction_below", "input", "wait")
+PLACE = ("height_scale", *_KEYS, "sliding", "direction", "axis", "fraction_below", "input", "wait")
 """Coordinates that say where a value is, in the order of their columns."""
 
 _FRICTION = {

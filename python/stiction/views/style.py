@@ -64,6 +64,8 @@ _LABELS = {
     "patch_area": "area of a contact (µm²)",
     "pressure": "pressure in contact (GPa)",
     "cut_off": "cut-off wavelength (µm)",
+    "rms_gradient": "rms gradient of the gap",
+    "height_scale": "factor of the heights",
     "closure": "closure (µm)",
     "closure_stiffness": "stiffness of closure (MPa/mm)",
     "x": "$x$ (µm)",

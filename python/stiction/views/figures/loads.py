@@ -59,7 +59,7 @@ def load_figure(points: xarray.Dataset, asked: Sequence[float] = (), *, title: s
         both: Any = (lambda load: 1000 * load / area, lambda pressure: pressure * area / 1000)
         top = upper.secondary_xaxis("top", functions=both)
         top.set_xlabel(label("nominal_pressure"))
-        _plain_log(top.xaxis)
+        plain_log(top.xaxis)
     return figure
 
 
@@ -202,10 +202,10 @@ def _against(
     lower.set_ylabel(label("contact_area_fraction" if has_fraction else "contact_area"))
     for ax in (upper, lower):
         few_ticks(ax)
-    _plain_log(lower.xaxis)
+    plain_log(lower.xaxis)
     low, high = lower.get_ylim()
     if lower.get_yscale() == "log" and high < 30 * low:
-        _plain_log(lower.yaxis)
+        plain_log(lower.yaxis)
     modulus = float(points["effective_modulus"]) if "effective_modulus" in points.coords else None
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
     figure.suptitle(f"{title}\n{parameters}".strip(), fontsize=6)
@@ -240,7 +240,7 @@ def _mark_incomplete(axes: Axes, points: xarray.Dataset, along: str, x: Floats) 
     axes.plot(x[some], mean[some], "x", color="0.3", markersize=4, label="some members have no answer")
 
 
-def _plain_log(axis: Any) -> None:
+def plain_log(axis: Any) -> None:
     """Numbers in place of powers of ten on an axis, several of them also within a decade."""
     low, high = axis.get_view_interval()
     several = high >= 10 * low

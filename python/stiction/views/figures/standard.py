@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from stiction.studies.at_load import at_load, member_values
 from stiction.studies.budget import with_uncertainty
 from stiction.studies.contact_picture import coming_and_going, picture_beside
+from stiction.studies.height_scale import Scaled, at_height_scale
 from stiction.studies.maps import study_of_result
 from stiction.studies.members import bodies_of
 from stiction.studies.store import Stored
@@ -27,8 +28,10 @@ from stiction.views.figures.budget import budget_figure, waiting_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.distributions import FEWEST_DIRECTIONS, compass_figure, positions_figure, sizes_figure
 from stiction.views.figures.ensemble import area_figure, friction_figure, length_scales_figure, motions, profiles_figure
+from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, load_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
+from stiction.views.height_scale import scales_beside
 from stiction.views.inputs import doubts_of_study
 from stiction.views.resolution import limits
 from stiction.views.style import STYLE, checked_formats, save_picture
@@ -44,8 +47,8 @@ def drawn(
     (a figure for each mu0), ``area`` and ``onset``; of several sliding rules or directions each has figures of its own,
     as in ``friction_mu0_0.4_all_90.png``. Of measured surfaces ``friction`` (against load), ``compass``, ``positions``,
     ``closure`` (of maps), ``budget``, ``waiting``, ``adhesion``, ``sizes``, ``cut_off``, ``onset``, ``slip``,
-    ``contact`` (of profiles) and ``contacts`` (of maps), as far as the result has what they show; further mu0 and tau0
-    have theirs, ``friction-2.png`` and so on.
+    ``contact`` (of profiles), ``contacts`` (of maps) and ``height_scale`` (over factors of the heights), as far as the
+    result has what they show; further mu0 and tau0 have theirs, ``friction-2.png`` and so on.
 
     Parameters
     ----------
@@ -150,6 +153,11 @@ def _of_measured(
         if over is not None:
             at = over.isel(mu0=m, tau0=t).sel(load=first, method="nearest")
             yield f"cut_off{of}", partial(_cut_off, at, study, title=title)
+    for scaled in scales_beside(result):
+        of_scaled = "height_scale" if scaled == "both" else f"height_scale_{scaled}"
+        for number, place in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
+            of = "" if number == 1 else f"-{number}"
+            yield of_scaled + of, partial(drawn_height_scale, result, scaled, place, title=title)
     if study.is_areal:
         yield "closure", partial(closure_figure, uncut.sel(load=slice(max(asked))), title=title)
     yield "budget", lambda: budget_figure(_headline(result, study), title=title)
@@ -177,6 +185,15 @@ def _headline(result: Any, study: Study) -> Answer:
 
 def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
     return cut_off_figure(at, title=title, limits=limits(at, study))
+
+
+def drawn_height_scale(result: Any, scaled: Scaled, place: tuple[int, ...] = (0, 0), *, title: str) -> Figure:
+    """Draw a result over the stored factors of its heights, at its first load and one place of mu0 and tau0."""
+    friction = study_of_result(result).friction
+    mu0, tau0 = [friction.mu0[place[0]]], [float(friction.tau0[place[1]])]
+    factors, load = scales_beside(result)[scaled], [float(friction.load[0])]
+    at = at_height_scale(result, factors, load, mu0=mu0, tau0=tau0, scaled=scaled)
+    return height_scale_figure(at.isel(load=0, mu0=0, tau0=0), title=title)
 
 
 def drawn_positions(result: Any, at: xarray.Dataset, *, title: str) -> Figure:

@@ -44,7 +44,13 @@ from stiction.views.report.page import (
     motions_of,
     packed,
 )
-from stiction.views.report.pictures import adhesion_panel, onset_panels, positions_panel, touching_panel
+from stiction.views.report.pictures import (
+    adhesion_panel,
+    height_scale_panels,
+    onset_panels,
+    positions_panel,
+    touching_panel,
+)
 from stiction.views.report.reading import GIVEN, reading_table
 from stiction.views.resolution import waves_text
 from stiction.views.sticking import sticking_of
@@ -92,6 +98,7 @@ def page_of_measured(
         touching="" if picture is None else touching_panel(picture, facts["directions"][0]),
         pictures=(positions_panel(result, facts["asked"][0], words_of(study)) if members > 1 else "")
         + ("" if onset is None else onset_panels(onset, words_of(study)))
+        + height_scale_panels(result, words_of(study))
         + adhesion_panel(once(result, coming_and_going), words_of(study)),
     )  # fmt: skip
 

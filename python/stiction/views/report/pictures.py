@@ -6,6 +6,7 @@ import html
 import io
 import re
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import matplotlib as mpl
@@ -21,7 +22,8 @@ from stiction.views.digits import percent, with_unit
 from stiction.views.figures.contact import climbing, contact_figure, touching_figure
 from stiction.views.figures.loads import adhesion_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
-from stiction.views.figures.standard import drawn_positions
+from stiction.views.figures.standard import drawn_height_scale, drawn_positions
+from stiction.views.height_scale import CAVEAT, SCALED, scales_beside
 from stiction.views.point import way_text
 from stiction.views.report.page import counted
 from stiction.views.style import STYLE
@@ -54,6 +56,24 @@ def adhesion_panel(ways: xarray.Dataset | None, title: str) -> str:
         "Bodies that adhere touch at no load, bear more than is pressed on them, and part at the pull-off force.",
         lambda: adhesion_figure(ways, title=title),
     )
+
+
+def height_scale_panels(result: xarray.Dataset | Stored, title: str) -> str:
+    """Panels of a result over the factors of its heights that are stored alongside it, as markup; empty without them.
+
+    They are of its first load, mu0 and tau0.
+    """
+    panels = []
+    for scaled, factors in scales_beside(result).items():
+        caption = (
+            f"Heights of {SCALED[scaled]} times {factors[0]:g} to {factors[-1]:g}, each solved anew; dashed: as "
+            f"measured. {CAVEAT} The load, μ0 and τ0 are the first ones of the study; moving the sliders does not "
+            "change it."
+        )
+        seen = "Friction coefficient and true contact area over the rms gradient of the gap."
+        draw = partial(drawn_height_scale, result, scaled, title=title)
+        panels.append(_panel(f"Another finish of {SCALED[scaled]}", seen, caption, draw))
+    return "".join(panels)
 
 
 def touching_panel(picture: xarray.Dataset, direction: float) -> str:

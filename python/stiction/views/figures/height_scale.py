@@ -1,0 +1,63 @@
+"""Friction and true contact area over factors of the heights, as another finish would change them."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray
+from matplotlib.figure import Figure
+
+from stiction._drawing import few_ticks
+from stiction.views.digits import with_unit
+from stiction.views.figures.loads import plain_log
+from stiction.views.point import STATISTICS, by_rule, is_unloaded
+from stiction.views.style import AREA, RULE_WORDS, RULES, friction_parameters_text, label, new_figure
+
+
+def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
+    """Friction coefficient by both sliding rules, and true contact area, against the rms gradient; 80 mm wide.
+
+    Parameters
+    ----------
+    points : xarray.Dataset
+        What `at_height_scale` returns, of one load, mu0 and tau0.
+    title : str
+    """
+    scales = np.asarray(points["height_scale"].values, dtype=np.float64)
+    gradient = points["rms_gradient"].sel(statistic="mean").values
+    measured = np.interp(1.0, scales, gradient)
+    loaded = np.array([not is_unloaded(points.isel(height_scale=place)) for place in range(scales.size)])
+    figure = new_figure(114)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
+    for rule in (rule for rule in RULES if rule in np.atleast_1d(points["sliding"].values)):
+        known = by_rule(points["friction_combined"], rule)
+        mean, low, high = (known.sel(statistic=each).where(loaded).values for each in STATISTICS)
+        upper.fill_between(gradient, low, high, color=RULES[rule], alpha=0.2, linewidth=0)
+        upper.plot(gradient, mean, "o-", color=RULES[rule], linewidth=1, markersize=2, label=RULE_WORDS[rule])
+    has_fraction = "contact_area_fraction" in points
+    area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
+    mean, low, high = (area.sel(statistic=each).values for each in STATISTICS)
+    lower.fill_between(gradient, low, high, color=AREA, alpha=0.2, linewidth=0)
+    lower.plot(gradient, mean, "o-", color=AREA, linewidth=1, markersize=2)
+    lower.set_xscale("log")
+    if (mean > 0).any():
+        lower.set_yscale("log")
+    for axes in (upper, lower):
+        axes.axvline(measured, color="0.5", linewidth=0.5, linestyle="--")
+        few_ticks(axes)
+    upper.set(ylim=(0, None), ylabel=label("friction_coefficient"))
+    lower.set(xlabel=label("rms_gradient"), ylabel=label("contact_area_fraction" if has_fraction else "contact_area"))
+    plain_log(lower.xaxis)
+    low, high = lower.get_ylim()
+    if lower.get_yscale() == "log" and high < 30 * low:
+        plain_log(lower.yaxis)
+    if points.attrs["scaled"] == "both":  # the gradient is that of the factor 1 times the factor
+        top = upper.secondary_xaxis("top", functions=(lambda x: x / measured, lambda x: x * measured))
+        top.set_xlabel(label("height_scale"))
+        plain_log(top.xaxis)
+    parameters = friction_parameters_text(
+        float(points["mu0"]), float(points["tau0"]), float(points["effective_modulus"])
+    )
+    figure.suptitle(f"{title}\n{parameters}, $F_N$ = {with_unit(float(points['load']), 'mN')}".strip(), fontsize=6)
+    handles = upper.get_legend_handles_labels()
+    figure.legend(*handles, title="bands: 95 %, combined; dashed: as measured", loc="outside lower center", ncols=2)
+    return figure

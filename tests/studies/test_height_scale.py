@@ -1,0 +1,345 @@
+"""Heights times a factor: laws of scale, solutions of scaled bodies, interpolation, and what is stored and resumed."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from rough_bodies import rough_maps
+from stiction import joined_spectrum, pair, read_result, self_affine, write_surface
+from stiction.studies import height_scale
+from stiction.studies.at_load import at_load
+from stiction.studies.budget import with_uncertainty
+from stiction.studies.height_scale import (
+    MAX_FACTOR,
+    MIN_FACTOR,
+    NotComputedError,
+    at_height_scale,
+    checked_factors,
+    compute_factors,
+    missing_factors,
+    scaled_study,
+    stored_factors,
+)
+from stiction.studies.store import STUDY, open_stored
+from stiction.views.report import report_page
+from tiny import TINY
+
+SAME = 1e-9  # relative: the same bodies, made in another way
+OF_SOLUTIONS = 1e-3  # relative, of the true area: equal problems in other units, solved to the same tolerance
+BETWEEN_FRICTION, BETWEEN_AREA = 0.005, 0.02  # relative errors between solved factors
+QUICK = {"load": "20 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 3, "onset": 0}
+HARD = {"hardness": "2 GPa"}
+
+
+def maps(points=48, rms=0.02):
+    return rough_maps(7, points=points, rms=rms, shortest_wavelength=0.6)
+
+
+def times(bodies, upper, lower=None):
+    factors = upper, upper if lower is None else lower
+    return [body.changed(body.heights * each, "scaled") for body, each in zip(bodies, factors, strict=True)]
+
+
+def mean(table, rule="all"):
+    table = table.sel(statistic="mean")
+    return np.squeeze((table.sel(sliding=rule) if "sliding" in table.dims else table).values)
+
+
+def loads_of(result):
+    return [float(load) for load in result.study.friction.load]
+
+
+@pytest.fixture(scope="module")
+def bodies():
+    return maps()
+
+
+@pytest.fixture(scope="module")
+def result(bodies):
+    """A pair in memory with factors 0.5 and 2 of both surfaces, and 2 of the upper one."""
+    found = pair(*bodies, **QUICK | HARD)
+    compute_factors(found.source, [0.5, 2])
+    compute_factors(found.source, [2], "upper")
+    return found
+
+
+# ---- Laws ------------------------------------------------------------------------------------------------------------
+
+
+def test_factor_one_is_the_result_itself(result):
+    at = at_height_scale(result.source, 1, loads_of(result)).isel(height_scale=0)
+    own = with_uncertainty(at_load(result.source, loads_of(result)), result.source).isel(cut_off=0)
+    for name in (
+        "friction_all_round",
+        "friction_combined",
+        "contact_area_fraction",
+        "normal_stiffness",
+        "rms_gradient",
+    ):
+        assert np.array_equal(at[name], own[name].transpose(*at[name].dims), equal_nan=True), name
+
+
+def test_plastic_contacts_keep_their_area_at_every_factor(bodies):
+    found = pair(*bodies, **QUICK | {"hardness": "0.1 GPa"})
+    at = found.at(height_scale=[0.5, 1, 4], compute=True)
+    assert mean(at["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
+
+
+@pytest.mark.parametrize("hardness", [{}, {"hardness": "0.2 GPa"}])
+def test_heights_times_a_factor_are_contacts_of_the_modulus_times_it(hardness):
+    flat, kwargs = maps(rms=0.002), QUICK | hardness | {"load": "2 MPa"}  # slopes add 1e-4 to the true area
+    at = pair(*flat, **kwargs).at(height_scale=[0.5, 2], compute=True)
+    for place, factor in enumerate((0.5, 2)):
+        other = pair(*flat, **kwargs | {"effective_modulus": f"{80 * factor} GPa"}).at()
+        assert mean(at["contact_area"])[place] == pytest.approx(mean(other["contact_area"]), rel=OF_SOLUTIONS)
+        stiffness = factor * mean(at["normal_stiffness"])[place]
+        assert stiffness == pytest.approx(mean(other["normal_stiffness"]), rel=OF_SOLUTIONS)
+
+
+# ---- Against scaled bodies -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("scaled", "factors"), [("both", (2, 2)), ("upper", (2, 1))])
+def test_stored_factor_is_the_result_of_bodies_that_were_scaled_before(bodies, result, scaled, factors):
+    at = at_height_scale(result.source, [2], loads_of(result), scaled=scaled).isel(height_scale=0)
+    other = pair(*times(bodies, *factors), **QUICK | HARD)
+    expected = with_uncertainty(at_load(other.source, loads_of(other)), other.source).isel(cut_off=0)
+    for name in ("friction_all_round", "friction_combined", "contact_area", "normal_stiffness", "rms_gradient"):
+        np.testing.assert_allclose(at[name], expected[name].transpose(*at[name].dims), rtol=SAME, err_msg=name)
+    assert float(at["upper_rms"]) == pytest.approx(2 * float(result.at(height_scale=1)["upper_rms"][0]), rel=SAME)
+
+
+def test_files_give_the_same_as_bodies_in_memory(bodies, result, tmp_path):
+    for side, body in zip(("upper", "lower"), bodies, strict=True):
+        write_surface(body, tmp_path / f"{side}.npy")
+    found = pair(tmp_path / "upper.npy", tmp_path / "lower.npy", **QUICK | HARD)
+    at, other = found.at(height_scale=2, compute=True), result.at(height_scale=2)
+    np.testing.assert_allclose(at["friction_combined"], other["friction_combined"], rtol=SAME)
+
+
+def test_several_scans_are_all_scaled(bodies):
+    scans = [bodies, rough_maps(8, shortest_wavelength=0.6)]
+    uppers, lowers = ([scan[side] for scan in scans] for side in (0, 1))
+    found = pair(uppers, lowers, **QUICK | HARD)
+    at = found.at(height_scale=2, compute=True)
+    others = [times(scan, 2) for scan in scans]
+    other = pair([scan[0] for scan in others], [scan[1] for scan in others], **QUICK | HARD)
+    assert mean(at["contact_area"]) == pytest.approx(mean(other.at()["contact_area"]), rel=SAME)
+
+
+def test_spectrum_is_scaled_by_the_square():
+    fine = rough_maps(3, points=64, rms=0.02, shortest_wavelength=0.6)[0]
+    spectrum = joined_spectrum([fine])
+    kwargs = QUICK | HARD | {"shifts": None, "direction": [0.0, 180.0]}
+    kwargs = {name: value for name, value in kwargs.items() if value is not None}
+    found = pair(spectrum, spectrum, **kwargs)
+    at = found.at(height_scale=[1, 2], compute=True)
+    assert mean(at["rms_gradient"])[1] == pytest.approx(2 * mean(at["rms_gradient"])[0], rel=SAME)
+    assert at["upper_rms"].values[1] == pytest.approx(2 * at["upper_rms"].values[0], rel=SAME)
+
+
+@pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
+def test_profiles_are_scaled_with_either_mechanics(mechanics):
+    lines = [self_affine(2, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side) for side in
+             ("upper", "lower")]  # fmt: skip
+    kwargs = {
+        "load": "0.1 mN",
+        "mu0": 0.3,
+        "effective_modulus": "10 GPa",
+        "mechanics": mechanics,
+        "offsets": 6,
+        "onset": 0,
+    }
+    at = pair(*lines, **kwargs).at(height_scale=0.5, compute=True)
+    other = pair(*times(lines, 0.5), **kwargs).at().isel(cut_off=0)
+    for name in ("friction_all_round", "contact_area", "rms_gradient"):
+        np.testing.assert_allclose(
+            at[name].isel(height_scale=0), other[name].transpose(*at[name].dims[1:]), rtol=SAME, err_msg=name
+        )  # fmt: skip
+
+
+def test_bodies_that_adhere_have_no_coefficient_where_the_pull_off_force_hides_the_load():
+    smooth = rough_maps(3, points=40, rms=0.003, spacing=0.01, longest_wavelength=0.2, shortest_wavelength=0.04)
+    found = pair(
+        *smooth, load="2 MPa", mu0=0.3, effective_modulus=80.0, shifts=2, onset=0, work_of_adhesion="50 mJ/m^2"
+    )
+    at = found.at(height_scale=[0.25, 1], compute=True)
+    pull_off = mean(at["pull_off"])
+    assert pull_off[0] > pull_off[1] > 0
+
+
+# ---- Between factors -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("hardness", [{}, HARD])
+def test_between_factors_results_are_interpolated_within_the_stated_error(hardness):
+    found = pair(*maps(64, rms=0.01), **QUICK | hardness | {"load": "100 MPa"})
+    compute_factors(found.source, "0.25..4")
+    between = np.array([0.6, 1.7])
+    at = found.at(height_scale=between)
+    for place, factor in enumerate(between):
+        exact = pair(*times(maps(64, rms=0.01), factor), **QUICK | hardness | {"load": "100 MPa"}).at()
+        coefficient, area = mean(at["friction_all_round"])[place], mean(at["contact_area"])[place]
+        assert coefficient == pytest.approx(mean(exact["friction_all_round"]), rel=BETWEEN_FRICTION)
+        assert area == pytest.approx(mean(exact["contact_area"]), rel=BETWEEN_AREA)
+    known = at["friction_combined"]
+    assert (known.sel(statistic="lower") <= known.sel(statistic="mean")).all()
+    assert (known.sel(statistic="mean") <= known.sel(statistic="upper")).all()
+
+
+def test_missing_factors_are_the_fewest_that_enclose_the_wanted_ones():
+    assert missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
+    assert missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
+    assert missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]
+    fine = np.round(np.geomspace(0.25, 4, 50), 6)
+    assert missing_factors(fine, np.ones(1)).tolist() == [
+        0.25, 0.353553, 0.5, 0.707107, 1.41421, 2.0, 2.82843, 4.0,
+    ]  # fmt: skip
+    ends = missing_factors(np.geomspace(MIN_FACTOR, MAX_FACTOR, 99), np.ones(1))
+    assert (ends[0], ends[-1]) == (MIN_FACTOR, MAX_FACTOR)
+
+
+def test_missing_values_stay_missing_beside_the_factor_without_an_answer():
+    solved = np.array([0.5, 1.0, 2.0])
+    values = np.array([[1.0, np.nan], [2.0, 2.0], [4.0, 4.0]])
+    assert (
+        height_scale._between(values, solved, 0.7, (0, 1))[1] != height_scale._between(values, solved, 0.7, (0, 1))[1]
+    )
+    np.testing.assert_allclose(height_scale._between(values, solved, 1.5, (1, 2)), [3.0, 3.0])
+    zeros = np.array([[0.0], [0.0], [1.0]])
+    assert height_scale._between(zeros, solved, 0.7, (0, 1)) == 0.0
+
+
+# ---- Input -----------------------------------------------------------------------------------------------------------
+
+
+def test_factors_are_read_from_numbers_lists_and_ranges():
+    assert checked_factors("0.5..2").tolist() == [0.5, 0.707107, 1.0, 1.41421, 2.0]
+    assert checked_factors("0.3 .. 0.6").tolist() == [0.3, 0.353553, 0.5, 0.6]
+    assert checked_factors("2,0.5,1").tolist() == checked_factors([2, 0.5, 1]).tolist() == [0.5, 1.0, 2.0]
+    assert checked_factors(1 / 3).tolist() == [0.333333]
+
+
+@pytest.mark.parametrize(
+    "factors",
+    [
+        0,
+        -1,
+        0.001,
+        1000,
+        np.nan,
+        np.inf,
+        [],
+        "",
+        "a",
+        "a..b",
+        "4..0.25",
+        "1..1",
+        "0..4",
+        "1..2..3",
+        "1,5",
+        "nan",
+        "1..inf",
+    ],
+)
+def test_factors_outside_the_range_are_rejected(factors):
+    with pytest.raises(ValueError, match="height_scale"):
+        checked_factors(factors)
+
+
+def test_height_scale_rejects_what_is_not_a_stored_pair_of_surfaces(bodies, result):
+    with pytest.raises(ValueError, match="two measured surfaces, got generated surfaces"):
+        scaled_study(TINY, 2.0, "both")
+    gap = pair(gap=bodies[0], **{name: value for name, value in QUICK.items() if name != "shifts"})
+    with pytest.raises(ValueError, match="got the gap of one body"):
+        gap.at(height_scale=2)
+    with pytest.raises(ValueError, match="scaled must be one of"):
+        result.at(height_scale=1, scaled="left")
+    with pytest.raises(ValueError, match="reading must be 'elastic'"):
+        result.at(height_scale=1, reading="normal")
+    with pytest.raises(ValueError, match="needs a stored result"):
+        type(result)(result.dataset).at(height_scale=1)
+    with pytest.raises(ValueError, match=r"height_factor must be from 0\.01 to 100, got 200"):
+        scaled_study(scaled_study(result.study, 50.0, "both"), 4.0, "both")
+
+
+def test_factors_that_are_not_computed_are_an_error_with_the_time(result):
+    with pytest.raises(
+        NotComputedError, match=r"^height_scale needs .* computed, about .*: give compute=True$"
+    ) as caught:
+        result.at(height_scale="0.25..4")
+    assert caught.value.factors.tolist() == [0.25, 0.353553, 0.707107, 1.41421, 2.82843, 4.0]
+    assert caught.value.seconds > 0
+
+
+# ---- What is stored --------------------------------------------------------------------------------------------------
+
+
+def test_finished_factors_are_kept_when_computing_is_interrupted(bodies, tmp_path):
+    found = pair(*bodies, directory=tmp_path, **QUICK | HARD)
+    lines = []
+
+    def interrupt(line):
+        lines.append(line)
+        if len(lines) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        compute_factors(found.source, [0.5, 2, 4], announce=interrupt)
+    assert lines == ["heights times 0.5 (1 of 3)", "heights times 2 (2 of 3)"]
+    assert list(stored_factors(found.source, "both")) == [0.5, 1.0]
+    compute_factors(found.source, [0.5, 2, 4], announce=lines.append)
+    assert lines[2:] == ["heights times 2 (1 of 2)", "heights times 4 (2 of 2)"]
+    assert read_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
+
+
+def test_factors_follow_another_friction_and_are_dropped_with_another_pair(bodies, tmp_path):
+    kwargs = QUICK | HARD
+    first = pair(*bodies, directory=tmp_path, **kwargs)
+    compute_factors(first.source, [2])
+    other = pair(*bodies, directory=tmp_path, **kwargs | {"mu0": 0.4})
+    at = other.at(height_scale=[1, 2])
+    assert at["mu0"].values.tolist() == [0.4]
+    assert (mean(at["friction_all_round"]) > 0.4).all()
+    stiffer = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
+    assert list(stored_factors(stiffer.source, "both")) == [1.0]
+    at = stiffer.at(height_scale=2, compute=True)
+    exact = pair(*times(bodies, 2), **kwargs | {"effective_modulus": "160 GPa"}).at()
+    assert mean(at["contact_area"]) == pytest.approx(mean(exact["contact_area"]), rel=SAME)
+
+
+def test_factors_of_a_range_of_hardness_are_solved_over_it(bodies):
+    kwargs = QUICK | {"hardness": "1..3 GPa"}
+    at = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
+    other = pair(*times(bodies, 2), **kwargs)
+    expected = with_uncertainty(at_load(other.source, loads_of(other)), other.source).isel(cut_off=0)
+    np.testing.assert_allclose(
+        at["friction_combined"], expected["friction_combined"].transpose(*at["friction_combined"].dims)
+    )
+
+
+def test_studies_without_a_height_factor_are_still_opened(bodies, tmp_path):
+    found = pair(*bodies, directory=tmp_path, **QUICK | HARD)
+    text = (tmp_path / STUDY).read_text()
+    (tmp_path / STUDY).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))
+    assert open_stored(tmp_path).study == found.study
+    doubled = scaled_study(found.study, 2.0, "upper")
+    assert doubled.to_toml().count("height_factor = 2.0") == 1
+
+
+# ---- Views -----------------------------------------------------------------------------------------------------------
+
+
+def test_figure_and_report_have_the_factors_that_are_stored(bodies, result, tmp_path):
+    assert {"height_scale", "height_scale_upper"} <= set(result.figures())
+    axes = result.figure("height_scale").axes
+    assert axes[0].lines[0].get_xdata() == pytest.approx(mean(result.at(height_scale=[0.5, 1, 2])["rms_gradient"]))
+    page = report_page(result.source)
+    assert "Another finish of both surfaces" in page
+    assert "Another finish of the upper surface" in page
+    assert "Another finish of the lower surface" not in page
+    alone = pair(*bodies, directory=tmp_path, **QUICK | HARD)
+    assert "height_scale" not in alone.figures()
+    assert "Another finish" not in report_page(alone.source)
