@@ -114,7 +114,7 @@ def test_surrogates_have_the_spectrum(whole):
         ([], {}, "scans must be at least one"),
         (None, {"tip_radii": [1.0, 2.0]}, "tip_radii must have one entry for each of the 1 scans, got 2"),
         (None, {"shortest_wavelengths": [-1.0]}, "shortest_wavelengths must be a finite number above 0 µm"),
-        (None, {"shortest_wavelengths": [50.0]}, "is 50 µm (given)"),
+        (None, {"shortest_wavelengths": [50.0]}, "lower limit of a scan .* is 50 µm"),
         (None, {"names": []}, "names must have one entry for each of the 1 scans, got 0"),
         (None, {"per_decade": 2}, "per_decade must be a whole number of at least 4"),
         ([Surface(np.ones((9, 9)), spacing=1.0)], {}, "flat surface"),

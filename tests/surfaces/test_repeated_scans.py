@@ -73,7 +73,7 @@ def test_a_scan_and_itself_have_no_noise_and_other_places_are_refused():
     area = Surface(np.eye(40), spacing=0.1)
     holes = Profile(first.heights, spacing=0.1, missing=np.arange(2000) == 7)
     for one, two, why in (
-        (first, first, "the same one"), (first, other, "of one place"), (first, area, "two of a kind"),
+        (first, first, "identical"), (first, other, "of one place"), (first, area, "two of a kind"),
         (first, Profile(first.heights, spacing=0.2), "equal spacings"), (first, holes, "takes whole scans"),
         (first, 3, "second must be a Profile or a Surface"), (Profile(np.zeros(9), spacing=0.1), first, "not be flat"),
     ):  # fmt: skip

@@ -1,4 +1,4 @@
-"""Profiles and surfaces that other libraries hold, taken as they are: heights, spacing and unit."""
+"""Conversion of profiles and surfaces of other libraries: heights, spacing and unit."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ STEP_TOLERANCE = 1e-6  # of a step: coordinates whose steps differ by more are n
 
 
 class ForeignHeights(NamedTuple):
-    """What a profile or a surface is made of."""
+    """Heights, spacing and history of a profile or a surface."""
 
     heights: Floats  # (n,) or (rows, columns), µm
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm
@@ -27,9 +27,9 @@ class ForeignHeights(NamedTuple):
 
 
 def extract_heights(name: str, other: Any, *, unit: str | None = None) -> ForeignHeights:
-    """Heights and spacing of a body of our own, or of an object of SurfaceTopography, surfalize or xarray.
+    """Extract heights and spacing from a body, or from an object of SurfaceTopography, surfalize or xarray.
 
-    A unit is of all lengths where the object says none. A `ValueError` calls the argument by its name.
+    `unit` applies to all lengths if the object has no unit. Messages refer to the argument as `name`.
     """
     if hasattr(other, "heights") and hasattr(other, "history"):
         spacing = tuple(np.atleast_1d(other.spacing).tolist())
@@ -49,7 +49,7 @@ def extract_heights(name: str, other: Any, *, unit: str | None = None) -> Foreig
 
 
 def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats) -> xarray.DataArray:
-    """Heights over the positions (µm) along y and x, or x, with units; `extract_heights` gives the same back."""
+    """Return heights over positions (µm) with units as a DataArray; inverse of `extract_heights`."""
     import xarray
 
     along = {"units": "um", "long_name": "position"}
@@ -59,7 +59,7 @@ def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats
 
 
 def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> str:
-    """A body in a line: its size, its spacing, its roughness and where it is from."""
+    """Describe size, spacing, roughness and history of a body in one line."""
     size = " × ".join(map(str, heights.shape))
     steps = np.unique(spacing).tolist()
     apart = f"{with_unit(steps[0], 'µm')} apart"
@@ -73,7 +73,7 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
 
 
 def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
-    """A topography of SurfaceTopography, whose first axis is x."""
+    """Extract heights from a topography of SurfaceTopography, whose first axis is x."""
     factor = _factor(name, other.unit or unit, kind)
     given = np.ma.asarray(other.heights())
     if np.ma.is_masked(given):
@@ -86,7 +86,7 @@ def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> Foreig
 
 
 def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
-    """An array of xarray: heights over y and x, or over x, each with its unit in ``attrs["units"]``."""
+    """Extract heights over (y and) x from a DataArray with units in ``attrs["units"]``."""
     wanted = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
     if wanted is None or set(other.dims) != set(wanted):
         raise ValueError(f"{name} must have the dimensions y and x, or x alone, got {', '.join(map(str, other.dims))}")
@@ -106,7 +106,7 @@ def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> Foreig
 
 
 def _step(name: str, axis: str, positions: Any) -> float:
-    """Distance of neighbouring points that are equally far from each other."""
+    """Return the spacing of equidistant positions."""
     at = np.asarray(positions, dtype=np.float64)
     steps = np.diff(at)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > STEP_TOLERANCE * steps.mean():

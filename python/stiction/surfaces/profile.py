@@ -1,4 +1,4 @@
-"""A rough profile: heights on a uniform grid, and what it has in common with a surface."""
+"""Rough profiles: heights on a uniform grid, and the base class of profiles and surfaces."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
-Side = Literal["lower", "upper"]  # which of the two bodies
-Along = Literal["x", "y"]  # axis that the lines of a surface run along: its rows or its columns
+Side = Literal["lower", "upper"]  # body of a pair
+Along = Literal["x", "y"]  # direction of the lines of a surface: rows ("x") or columns ("y")
 MAX_POINTS = 100_000_000  # largest number of points of a generated body: 0.8 GB of heights
-MIN_POINTS = 4  # a natural cubic spline with a curvature of its own needs two interior points
+MIN_POINTS = 4  # a natural cubic spline with curvature needs two interior points
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Body(Shown):
-    """What a profile and a surface have in common: heights on a uniform grid, and where they come from."""
+    """Base class of profiles and surfaces: heights on a uniform grid, and their history."""
 
     _ndim: ClassVar[int]
     x: ClassVar[property]
@@ -39,8 +39,8 @@ class Body(Shown):
     missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def _keep(self, heights: Floats, spacing: Any) -> None:
-        """Take heights and spacing that are checked, and check the rest."""
-        if heights.flags.writeable or not heights.flags.owndata:  # somebody else may still change it
+        """Store valid heights and spacing, and check the other fields."""
+        if heights.flags.writeable or not heights.flags.owndata:  # another object may still modify the array
             heights = read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "spacing", spacing)
@@ -54,25 +54,25 @@ class Body(Shown):
             object.__setattr__(self, "missing", read_only(mask) if mask.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Read-only on the other side as well.
+        # The constructor makes the heights read-only after unpickling.
         return partial(type(self), spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
 
     @property
     def spacings(self) -> tuple[float, ...]:
-        """Distances of neighbouring points along y and x, or x, µm."""
+        """Distances between neighbouring points along (y and) x, µm."""
         return self.spacing if isinstance(self.spacing, tuple) else (self.spacing,)
 
     @property
     def is_flat(self) -> bool:
-        """Whether all heights are equal: a flat body, which has no amplitude."""
+        """Whether all heights are equal."""
         return bool((self.heights == self.heights.flat[0]).all())
 
     def changed(self, heights: Floats, step: str, **others: Any) -> Self:
-        """The body with other heights, and a step more in its history."""
+        """Return a copy with new heights, and with a step appended to the history."""
         return replace(self, heights=heights, history=(*self.history, step), **others)
 
     def __repr__(self) -> str:
-        """Show its size, its roughness and where it is from."""
+        """Return size, roughness and history in one line."""
         return describe_body(type(self).__name__, self.heights, self.spacings, self.history)
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -86,7 +86,7 @@ class Body(Shown):
 
     @classmethod
     def from_(cls, other: Any, *, unit: str | None = None) -> Self:
-        """A profile or a surface from an object of another library, as it is: its heights, its spacing and its unit.
+        """Convert an object of another library, with its heights, spacing and unit.
 
         Parameters
         ----------
@@ -94,12 +94,12 @@ class Body(Shown):
             A line scan or a topography of SurfaceTopography, a Surface of surfalize, or an xarray.DataArray over x, or
             over y and x, with units.
         unit : str, optional
-            Of all lengths, where the object says none.
+            Unit of all lengths, if the object has no unit.
 
         Raises
         ------
         ValueError
-            If it is none of these, is a surface and no profile or the other way round, has no unit, or points are
+            If the type is not supported, if the number of dimensions is wrong, if there is no unit, or if points are
             missing.
 
         Examples
@@ -117,7 +117,7 @@ class Body(Shown):
         return cls(taken.heights, spacing=spacing, history=taken.history, missing=taken.missing)
 
     def to_xarray(self) -> xarray.DataArray:
-        """Heights with their coordinates, units and history as an xarray.DataArray; `from_` takes it back."""
+        """Return the heights as an xarray.DataArray with coordinates, units and history. Inverse of `from_`."""
         positions = {axis: getattr(self, axis) for axis in "yx"[2 - self.heights.ndim :]}
         return to_data_array(self.heights, self.history, **positions)
 
@@ -133,9 +133,9 @@ class Profile(Body):
     spacing : float, µm
         Distance between neighbouring points, above 0.
     history : tuple of str
-        Where the heights come from and what was done to them, a short sentence for each step.
+        Origin of the heights and the processing steps, one short phrase each.
     missing : (n,) array_like of bool, optional
-        Where nothing was measured, so that nothing touches there; heights there only bridge the holes.
+        Mask of points that were not measured. They make no contact, and their heights are interpolated.
 
     Examples
     --------
@@ -171,12 +171,12 @@ class Profile(Body):
         return self.heights.size * self.spacing
 
     def with_amplitude(self, amplitude: float, measure: AmplitudeMeasure = "height") -> Profile:
-        """The same shape about a mean of zero, scaled to an amplitude.
+        """Return the heights with zero mean, scaled to an amplitude.
 
         Parameters
         ----------
         amplitude : float, µm
-            The value that the measure shall have, above 0.
+            Value of the measure after scaling, above 0.
         measure : {"height", "Ra", "Rq"}
             Highest minus lowest point, mean absolute deviation, or root-mean-square deviation from the mean.
         """
@@ -187,14 +187,14 @@ class Profile(Body):
 
 
 def index_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """What of a mask lies at an index."""
+    """Index a mask that may be None."""
     return None if mask is None else mask[index]
 
 
 def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
-    """Where one of two bodies on a grid was not measured; None where both are whole.
+    """Return the mask of points that are missing in at least one of two bodies, or None if none is missing.
 
-    Raises a `ValueError` if no point was measured in both.
+    Raises ValueError if no point was measured in both.
     """
     masks = [body.missing for body in (upper, lower) if body.missing is not None]
     missing: NDArray[np.bool_] | None = np.logical_or.reduce(masks) if masks else None
@@ -204,7 +204,7 @@ def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
 
 
 def reject_missing(body: Any, what: str) -> None:
-    """Refuse a scan with holes for what takes whole ones."""
+    """Raise ValueError if a scan has missing data, which the operation `what` does not support."""
     if body.missing is not None:
         raise ValueError(
             f"{what} takes whole scans, and {int(body.missing.sum())} points of one are masked: press it by the "
@@ -215,7 +215,7 @@ def reject_missing(body: Any, what: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
-    """`with_amplitude` of heights in the memory of `scaled`, which many profiles share: new memory costs more."""
+    """Return a profile scaled to an amplitude; its heights are stored in `scaled`, which avoids an allocation."""
     choice("measure", measure, AmplitudeMeasure)
     amplitude = number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):

@@ -1,4 +1,4 @@
-"""Profile elements: hills and dales of a profile between its crossings of the mean line."""
+"""Profile elements of ISO 21920: hills and dales between crossings of the mean line."""
 
 from __future__ import annotations
 
@@ -8,9 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-DISCRIMINATION_FRACTION = (
-    0.1  # fraction of the peak height and the pit depth below which a hill or a dale does not count
-)
+DISCRIMINATION_FRACTION = 0.1  # smallest height of a hill or depth of a dale, over Rp or Rv
 
 
 def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:

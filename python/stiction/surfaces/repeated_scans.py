@@ -1,4 +1,4 @@
-"""One place scanned twice: what both scans have in common, and the noise of the instrument, of any colour."""
+"""Noise of an instrument with any spectrum, from two scans of the same area."""
 
 from __future__ import annotations
 
@@ -20,37 +20,37 @@ from stiction.surfaces.surface import Surface, as_body
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MAX_NOISE_FRACTION = 0.1  # share of the mean square slope that noise may have: h' is then right within 5 %
-MIN_CORRELATION = 0.5  # correlation of two scans below which they are of two places
-_SMOOTHED = (8.0, 4.0, 2.0, 1.0, 0.0)  # standard deviations (points) of the scans that are aligned, one after the other
-_STEPS = 4  # of each
-_ALIKE = 2 * math.sqrt(math.pi)  # points that a Gaussian of one point joins, of white noise
-_MARGIN = 3  # points beside those that a spline is read at
-_CANDIDATES = 400  # cut-offs that are tried
-_ON_POINT = 1e-4  # points from a whole number that are none: repeats without noise
+MAX_NOISE_FRACTION = 0.1  # largest noise fraction of the mean square slope: the error of h' is then below 5 %
+MIN_CORRELATION = 0.5  # smallest correlation of two scans of the same area
+_SMOOTHED = (8.0, 4.0, 2.0, 1.0, 0.0)  # widths (points) of the Gaussian filters in successive alignment stages
+_STEPS = 4  # Gauss-Newton steps per stage
+_CORRELATED_POINTS = 2 * math.sqrt(math.pi)  # points per independent value of white noise after a filter of width 1
+_MARGIN = 3  # points beyond the overlap that spline interpolation needs
+_CANDIDATES = 400  # number of trial cutoffs
+_ON_POINT = 1e-4  # deviation from an integer shift, in points, that is attributed to round-off
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RepeatedScans(Shown):
-    """What two scans of one place say of the instrument; arrays are over octaves of the wavelength.
+    """Comparison of two scans of the same area; arrays are over octaves of the wavelength.
 
     Attributes
     ----------
     scan : Profile or Surface
-        Mean of both where they lie above each other, levelled.
+        Mean of both scans in their overlap, levelled.
     shift : tuple of float, µm
-        Where the second begins in the first, along y and x, or x.
+        Position of the origin of the second scan in the first, along (y and) x.
     correlation : float
-        Of the heights of both, aligned.
+        Correlation of the aligned heights.
     wavelength : (n,) ndarray, µm
-        Shortest wave of each octave, from two points up.
+        Shortest wavelength of every octave, from two points upwards.
     noise, common : (n,) ndarray, µm
-        Root-mean-square height in the octave of what one scan has alone, and of what both have.
+        Root-mean-square height per octave of the noise of one scan, and of the common part of both.
     noise_rms : float, µm
-        Of one scan, all its waves.
+        Root-mean-square noise of one scan over all wavelengths.
     limit : float, µm
-        The shortest cut-off that leaves less than a tenth of the mean square slope of `scan` to noise; two points, if
-        that is so of the scan itself, and NaN if it is so of none up to a third of its shortest side.
+        Shortest cutoff that reduces noise to less than a tenth of the mean square slope of `scan`. Two points
+        if the scan needs no filter; NaN if no cutoff up to a third of the shortest side suffices.
 
     Examples
     --------
@@ -73,7 +73,7 @@ class RepeatedScans(Shown):
     limit: float = field(metadata={"unit": "µm"})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw noise and what is common over the wavelength.
+        """Draw the noise and the common part over the wavelength.
 
         Into given axes, or by default new ones, which are returned.
         """
@@ -81,24 +81,25 @@ class RepeatedScans(Shown):
 
 
 def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) -> RepeatedScans:
-    r"""Separate the noise of an instrument from the surface by two scans of one place.
+    r"""Estimate the noise of an instrument from two scans of the same area.
 
     Parameters
     ----------
     first, second : Profile or Surface
-        Two of a kind with equal spacings, of which more than half lies above each other.
+        Two profiles or two surfaces with equal spacings that overlap by more than half.
 
     Raises
     ------
     ValueError
-        If they are no such pair, have missing points, are one scan twice, or are not of one place.
+        If types or spacings differ, if points are missing, if both scans are identical, or if they are not of the same
+        area.
 
     Notes
     -----
-    The second is shifted by parts of a point, and its offset and tilt are taken off, so that the mean square difference
-    is least. Of scans s + n₁ and s + n₂ with independent noise of one spectrum the difference has 2 C_n and the mean
-    C_s + C_n/2, from which both follow without a model of the noise. What an instrument does twice alike, as its tip
-    and its optics do, is common to both and is not found.
+    The second scan is aligned by a sub-pixel shift, an offset and a tilt that minimise the mean square difference. For
+    scans s + n₁ and s + n₂ with independent noise of equal spectrum C_n, the difference has the spectrum 2 C_n and the
+    mean C_s + C_n/2, which gives both spectra without a noise model. Reproducible errors, for example of the tip or the
+    optics, are common to both scans and are not detected.
 
     Examples
     --------
@@ -112,7 +113,7 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     _check(first, second)
     kind: Any = type(first)
     if np.array_equal(first.heights, second.heights):
-        raise ValueError("first and second must be two scans, but are the same one: it says nothing of its noise")
+        raise ValueError("first and second must be two scans, but are identical, so the noise cannot be estimated")
     trend: Any = "line" if kind is Profile else "plane"
     one, other, moved = _aligned(levelled(first, trend).heights, levelled(second, trend).heights)
     spacing = np.atleast_1d(first.spacing)
@@ -154,7 +155,7 @@ def _check(first: Any, second: Any) -> None:
 
 
 def _limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: float) -> float:
-    """The shortest cut-off that leaves noise no more than its part of the mean square slope."""
+    """Return the shortest cutoff wavelength that limits the noise fraction of the mean square slope."""
     if noise @ q**2 <= MAX_NOISE_FRACTION * (of_mean @ q**2):
         return shortest
     wave: float
@@ -166,7 +167,7 @@ def _limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: 
 
 
 def _aligned(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
-    """Heights of both where they lie above each other, and how far the second is shifted, in points."""
+    """Return the aligned heights of both scans in their overlap, and the shift of the second in points."""
     from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
 
     moved, best = _roughly(a, b), (math.inf, np.zeros(a.ndim))
@@ -181,10 +182,10 @@ def _aligned(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
             columns = np.stack([each.ravel() for each in basis], axis=1)
             step, off = np.linalg.lstsq(columns, (one[above] - there).ravel())[:2]
             moved = moved + np.clip(step[: there.ndim], -2 - width, 2 + width)
-        # The variance of the shift: of noise that smoothing makes alike over some points, beside slopes of both alike.
+        # Variance of the shift, from the residual (correlated by the filter) and the common slopes.
         alike = [float((own * each).mean()) for own, each in zip(_slopes(one[above]), slopes, strict=True)]
         spread = sum(float(np.square(each).mean()) / both**2 for each, both in zip(slopes, alike, strict=True))
-        spread *= float(np.sum(off)) * max(1.0, _ALIKE * width) ** a.ndim
+        spread *= float(np.sum(off)) * max(1.0, _CORRELATED_POINTS * width) ** a.ndim
         best = min(best, (spread, moved), key=lambda each: each[0])
     moved = best[1]
     above, places = _overlap(a.shape, b.shape, moved)
@@ -196,19 +197,19 @@ def _aligned(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _slopes(heights: Floats) -> list[Floats]:
-    """Differences of neighbours along each axis."""
+    """Return the height differences per point along each axis."""
     return list(np.gradient(heights)) if heights.ndim > 1 else [np.gradient(heights)]
 
 
 def _roughly(a: Floats, b: Floats) -> Floats:
-    """The shift in whole points at which two scans are most alike, of those at which more than half lies above."""
+    """Find the integer shift with the largest correlation among those with an overlap of more than half."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
     ones, others = ([rfftn(each, shape) for each in (np.ones(c.shape), c, c**2)] for c in (a, b))
 
     def over(of_a: int, of_b: int) -> Floats:
-        """Sums over what lies above each other, at every shift, of powers of both."""
+        """Sum products of powers of both over the overlap, at every shift."""
         return np.asarray(irfftn(ones[of_a] * np.conj(others[of_b]), shape))
 
     count = np.maximum(np.rint(over(0, 0)), 1)
@@ -220,13 +221,13 @@ def _roughly(a: Floats, b: Floats) -> Floats:
 
 
 def _overlap(shape: tuple[int, ...], other: tuple[int, ...], moved: Floats) -> tuple[tuple[slice, ...], list[Floats]]:
-    """What of the first lies above the second at a shift in points, and the places there in the second."""
+    """Return the overlap in the first scan at a shift in points, and its positions in the second scan."""
     kept, places = [], []
     for points, others, step in zip(shape, other, moved.tolist(), strict=True):
         first = max(0, math.ceil(step) + (_MARGIN if step > 0 else 0))
         end = min(points, math.floor(others + step) - (_MARGIN if others + step < points else 0))
         if end - first <= min(points, others) / 2:
-            raise ValueError("first and second must lie above each other by more than half, or are not of one place")
+            raise ValueError("first and second must overlap by more than half, or are not of the same area")
         kept.append(slice(first, end))
         places.append(np.clip(np.arange(first, end) - step, 0, others - 1))
     return tuple(kept), places

@@ -1,4 +1,4 @@
-"""Slope and curvature over wavelength, and the wavelength below which a scan is not to be trusted."""
+"""Scale-dependent slope and curvature, and the wavelength limit of the instrument."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import power_spectrum, surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
-TIP_FACTOR = 0.1  # c of `instrument_limit`: a tip of radius R follows what has an rms curvature below c/R
-_PER_DECADE = 48  # bins of the wave number in which slope and curvature are summed
-_PER_OCTAVE = 8  # bins to an octave of the wave number, in which waves of an instrument are looked for
-_WIDTHS = (1.0, 2.0)  # octaves over which the exponent of a spectrum is taken
+TIP_FACTOR = 0.1  # c of `instrument_limit`: a tip of radius R resolves an rms curvature below c/R
+_PER_DECADE = 48  # wave number bins per decade for slope and curvature
+_PER_OCTAVE = 8  # wave number bins per octave in the search for instrument noise
+_WIDTHS = (1.0, 2.0)  # octaves over which a spectral exponent is fitted
 _DEVIATIONS = 3.0  # standard deviations by which an exponent must differ from that of the roughest self-affine surface
 _NEAR = 24.0  # points of the longest wave at which a hump is the instrument's; above, it is texture if all falls behind
 _ABOVE = 4.0  # density of the last trusted waves over the lowest of the spectrum: less, and noise is a part of them
@@ -50,12 +50,12 @@ Spectrum = tuple[Floats, Floats, Floats, float]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ScaleDependentRoughness(Readable):
-    """Root-mean-square slope and curvature of a body's waves from the longest down to a wavelength.
+    """Root-mean-square slope and curvature over all wavelengths from the longest down to a given one.
 
     Attributes
     ----------
     wavelength : (n,) ndarray of float, µm
-        Falling, from the longest wave to the shortest of the grid.
+        Descending, from the longest to the shortest wavelength of the grid.
     gradient : (n,) ndarray of float
         h'_rms of all waves of at least the wavelength: of a surface its gradient over all directions, of a profile its
         slope.
@@ -134,7 +134,7 @@ class ScaleDependentRoughness(Readable):
 
 
 def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """The fitted line, and those with the lower and the upper exponent of its interval through the band's middle."""
+    """Return the fitted power law, and those with the lower and upper exponent through the centre of the band."""
     middle = 2 * math.pi / math.sqrt(estimate.shortest_wavelength * estimate.longest_wavelength)
     lower, upper = (
         replace(estimate, value=value, prefactor=estimate.prefactor * middle ** (2 * (value - estimate.value)))
@@ -144,7 +144,7 @@ def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEs
 
 
 def extrapolated_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Mean square slope of waves between a wavelength (µm) and the shortest of the band, by the fitted power law."""
+    """Return the mean square slope between a wavelength (µm) and the shortest of the band, by the power law."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
@@ -156,13 +156,13 @@ def extrapolated_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
 def scale_dependent_roughness(
     body: BodyLike, *, periodic: bool = False, spacing: Any = None, unit: str = "um"
 ) -> ScaleDependentRoughness:
-    r"""Slope and curvature of a profile or a surface over the shortest wavelength that is counted.
+    r"""Compute the rms slope and curvature of a body as functions of the shortest included wavelength.
 
     Parameters
     ----------
     body : Profile, Surface or array_like
         Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
-        Unless it is periodic, its least-squares line or plane is taken off.
+        The least-squares line or plane is subtracted unless the body is periodic.
     periodic : bool
         As for `power_spectrum`.
 
@@ -172,8 +172,8 @@ def scale_dependent_roughness(
               h''(λ)^2 = \frac1{16π^2} \int_{q<2π/λ} q^4 C^{2D} d^2q
 
     for surfaces; :math:`\frac1π \int q^2 C^{1D} dq` and :math:`\frac1π \int q^4 C^{1D} dq` for profiles. Sanner,
-    Nöhring, Thimons, Jacobs & Pastewka, Applied Surface Science Advances 7 (2022) 100190, say why a scale belongs to
-    every slope.
+    Nöhring, Thimons, Jacobs & Pastewka, Applied Surface Science Advances 7 (2022) 100190, explain why
+    a slope depends on the scale.
 
     Examples
     --------
@@ -201,7 +201,7 @@ def scale_dependent_roughness(
 
 
 def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
-    """Wave numbers (1/µm) of a body and the mean square height (µm²) in each; levelled, unless it is periodic."""
+    """Return wave numbers (1/µm) and their mean square heights (µm²), levelled unless the body is periodic."""
     if isinstance(body, Profile):
         line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
         return line.wave_number, line.density * line.count * (line.resolution / math.pi)
@@ -213,7 +213,7 @@ def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> t
 
 
 def _between(wavelength: Floats, values: Floats, wanted: ArrayLike) -> Floats:
-    """Values at other wavelengths, by straight lines of the logarithms; zero above the longest."""
+    """Interpolate log-log at other wavelengths; zero above the longest wavelength."""
     at = float_array("wavelength", wanted)
     if not (at > 0).all():
         raise ValueError(f"wavelength must be above 0 µm, got {wanted!r}")
@@ -276,14 +276,14 @@ class InstrumentLimit(Tabled):
 
     @property
     def matters(self) -> bool:
-        """Whether the waves below the limit have more than a tenth of the mean square slope."""
+        """Whether wavelengths below the limit contribute more than a tenth of the mean square slope."""
         return self.slope_fraction > MAX_UNKNOWN_FRACTION
 
 
 def instrument_limit(
     body: Profile | Surface, *, tip_radius: float | None = None, periodic: bool = False, texture: bool = False
 ) -> InstrumentLimit:
-    """Find below which wavelength a scan is not to be trusted: by its pixels, its noise and its tip.
+    """Find the wavelength below which a scan is unreliable because of its pixels, noise or tip.
 
     Parameters
     ----------
@@ -369,13 +369,13 @@ def instrument_limit(
 
 
 def round_up_wavelength(wavelength: float) -> float:
-    """A wavelength by three digits that are not below it, which texts show."""
+    """Round a wavelength up to three significant digits."""
     digit = 10.0 ** (math.floor(math.log10(wavelength)) - 2)
     return round(math.ceil(wavelength / digit - 1e-9) * digit, 12)
 
 
 def _slope_kept(roughness: ScaleDependentRoughness, share: float, longest: float, shortest: float) -> float:
-    """The cut-off between two wavelengths that takes a share of the mean square slope."""
+    """Return the cutoff between two wavelengths that removes a given fraction of the mean square slope."""
     q, slope = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
     low, high = math.log(shortest), math.log(max(longest, shortest))
     for _ in range(_HALVINGS):
@@ -386,7 +386,7 @@ def _slope_kept(roughness: ScaleDependentRoughness, share: float, longest: float
 
 
 def _line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
-    """Spectrum of a profile, or mean spectra of a surface's lines along x and along y."""
+    """Return the spectrum of a profile, or the mean spectra of the lines of a surface along x and along y."""
     if isinstance(body, Profile):
         line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
         return [(line.wave_number, line.density, line.count, body.spacing)]
@@ -417,9 +417,9 @@ def _independent_lines(transform: NDArray[np.complex128]) -> Floats:
 
 
 class _Foreign(NamedTuple):
-    """What the spectrum of lines has that no surface's has."""
+    """Part of a line spectrum that is not attributed to the surface."""
 
-    wave: float  # µm, below which it is no surface's; NaN if it is
+    wave: float  # µm, limit of this part; NaN if there is none
     kind: str
     slope: float  # mean square slope of lines in these waves, harmonics of a texture left out
     period: float  # µm, of a texture; NaN without one
@@ -428,7 +428,7 @@ class _Foreign(NamedTuple):
 def _foreign_waves(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _Foreign:
-    """Find the waves of a spectrum that are no surface's, after the harmonics of a texture are taken out."""
+    """Find the wavelengths not attributed to the surface, after removing the harmonics of a texture."""
     first, distance = find_period(density)
     period = 2 * math.pi / (float(q[0]) * first)
     if first > 0:
@@ -446,7 +446,7 @@ def _foreign_waves(
 
 
 def _noise_of(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
-    """Wavelength (µm) below which a spectrum without harmonics is no surface's, NaN if it is, and its kind."""
+    """Return the limit (µm) and kind of noise in a spectrum without harmonics; NaN if there is no noise."""
     nothing = math.nan, "noise floor"
     if not periodic:  # the window's own
         q, density, count = q[2:], density[2:], count[2:]
@@ -486,7 +486,7 @@ def _noise_of(q: Floats, density: Floats, count: Floats, spacing: float, *, peri
 
 
 def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
-    """Slope of a line through values of given variances, and its standard deviation."""
+    """Fit a straight line to values of given variances; return its slope and standard deviation."""
     weight = 1 / (variance + 0.01)
     about = x - np.average(x, weights=weight)
     square = float(weight @ about**2)
@@ -509,7 +509,7 @@ def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bo
 
 
 def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:
-    """First bin, the one behind the last, exponent and standard deviation of each window of so many octaves."""
+    """Yield first bin, exclusive end, exponent and standard deviation of every window of `octaves` octaves."""
     width = octaves * math.log(2)
     for first in range(x.size):
         end = int(np.searchsorted(x, x[first] + width + 1e-6))
@@ -518,7 +518,7 @@ def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator
 
 
 def _lowest(law: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats) -> int | None:
-    """The lowest bin where a spectrum that has fallen no longer falls as a surface's."""
+    """Return the lowest bin where a decreasing spectrum stops decreasing like that of a surface."""
     has_fallen = False
     for first, end, exponent, deviation in law:
         if exponent + _DEVIATIONS * deviation < -1:
@@ -531,7 +531,7 @@ def _lowest(law: list[tuple[int, int, float, float]], points: Floats, density: F
 
 
 def _before_a_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
-    """The lowest bin before one near the resolution that is far higher."""
+    """Return the lowest bin before a strong rise near the resolution, or None."""
     lowest, place = math.inf, 0
     for at in np.flatnonzero(chance < 1 / 4):
         if points[at] <= _NEAR and place and density[at] > max(_RISE, 1 + 5 * math.sqrt(chance[at])) * lowest:
@@ -543,7 +543,7 @@ def _before_a_rise(points: Floats, density: Floats, chance: Floats) -> int | Non
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
-    """Whether heights, as they are, are few levels: their noise is then what rounding them makes."""
+    """Return whether the heights have so few levels that rounding explains the noise."""
     steps = np.diff(np.unique(body.heights))
     bends = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step has a twelfth of its square as variance, and second differences of white noise six times that.

@@ -30,7 +30,7 @@ def self_affine(
     repetition: int = 0,
     side: Side = "lower",
 ) -> Profile:
-    r"""A self-affine Gaussian profile, by Fourier synthesis.
+    r"""Generate a self-affine Gaussian profile by Fourier synthesis.
 
     Its spectrum is C1D ∝ q^(-1-2H) between two wavelengths, flat beyond the longest (roll-off) and zero below the
     shortest (cut-off).
@@ -118,7 +118,7 @@ def _exponent_and_height(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
 
 
 def _shortest(wavelength: Any, finest: float, of: str) -> float:
-    """The cut-off (µm), by default the finest that a grid has: twice its spacing."""
+    """Return the shortest wavelength (µm), by default the finest of the grid: twice its spacing."""
     shortest = finest if wavelength is None else number("shortest_wavelength", wavelength, unit="µm", above=0)
     if shortest * ROUND_OFF_FACTOR < finest:
         raise ValueError(f"shortest_wavelength must be at least twice the {of}, {finest:g} µm, got {wavelength!r}")
@@ -137,7 +137,7 @@ def self_affine_surface(
     repetition: int = 0,
     side: Side = "lower",
 ) -> Surface:
-    r"""A self-affine Gaussian surface, isotropic and periodic, by Fourier synthesis.
+    r"""Generate an isotropic, periodic, self-affine Gaussian surface by Fourier synthesis.
 
     Its spectrum is C2D ∝ q^(-2-2H) between two wavelengths, flat beyond the longest (roll-off) and zero below the
     shortest (cut-off).

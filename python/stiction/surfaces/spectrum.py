@@ -1,8 +1,7 @@
 """Power spectra of profiles and surfaces and their moments.
 
-Where a function asks whether a body is `periodic`, a periodic one ends where it begins, one spacing further on, and its
-spectrum is taken as it is. Any other body has a jump there, which would put a spectrum of its own on top, that of a
-profile falling as 1/q²; it is faded out towards its ends by a Hann window, a surface along both axes.
+The spectrum of a `periodic` body is computed without a window. Any other body has a jump between its ends, which would
+add a spectrum that decreases as 1/q². A Hann window, along both axes for a surface, suppresses it.
 """
 
 from __future__ import annotations
@@ -23,11 +22,9 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-ROUND_OFF_FACTOR = (
-    1 + 1e-9
-)  # for a ratio of lengths that counts as equal, or as a whole number, although round-off parts them
-_PEAK_BINS = 24  # bins to a decade in which peaks are looked for
-_PEAK_REACH = 6  # bins to both sides that tell the level at a bin; a straight spectrum is its own median
+ROUND_OFF_FACTOR = 1 + 1e-9  # tolerance for round-off in ratios of lengths
+_PEAK_BINS = 24  # bins per decade in the search for peaks
+_PEAK_REACH = 6  # bins on each side for the median level at a bin
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,7 +63,7 @@ class PowerSpectrum(Shown):
         return float((self.wave_number**order * self.density * self.count).sum() * self.resolution / math.pi)
 
     def in_bins(self, per_decade: int = 10) -> PowerSpectrum:
-        """Means over bins of equal width in log q, as many to a decade; bins without a harmonic are left out.
+        """Return means over bins of equal width in log q; bins without a harmonic are omitted.
 
         Examples
         --------
@@ -88,7 +85,7 @@ class PowerSpectrum(Shown):
 
 
 def _in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
-    """Geometric mean of wave numbers, mean density and number of harmonics in bins of log q."""
+    """Return geometric mean wave number, mean density and number of harmonics in bins of log q."""
     # Harmonics are whole multiples of the first, whose decades must not fall to either side by round-off.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     number = np.bincount(index, count).astype(np.float64)
@@ -99,7 +96,7 @@ def _in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tupl
 def power_spectrum(
     profile: BodyLike, *, periodic: bool = False, spacing: Any = None, unit: str = "um"
 ) -> PowerSpectrum:
-    r"""Power spectral density C1D of a profile about its mean.
+    r"""Compute the power spectral density C1D of a profile about its mean.
 
     Parameters
     ----------
@@ -138,7 +135,7 @@ def power_spectrum(
 
 
 def profile_spectrum(heights: Floats, spacing: float, *, windowed: bool) -> PowerSpectrum:
-    """Spectrum of heights as they are, or after a Hann window."""
+    """Compute the spectrum of the heights of a profile, with or without a Hann window."""
     points = heights.size
     if windowed:
         heights = heights * (1 - np.cos(2 * math.pi * np.arange(points) / points)) / math.sqrt(1.5)
@@ -189,7 +186,7 @@ class ProfileMoments(Tabled):
 def spectral_moments(
     profile: Profile, *, periodic: bool = False, shortest_wavelength: float = 0.0, longest_wavelength: float = math.inf
 ) -> ProfileMoments:
-    r"""Spectral moments m0, m2, m4 of a profile: the variances of its height, slope and curvature.
+    r"""Compute the spectral moments m0, m2, m4 of a profile: the variances of its height, slope and curvature.
 
     Parameters
     ----------
@@ -239,7 +236,7 @@ def spectral_moments(
 
 
 def in_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
-    """Mask of the wave numbers whose wavelengths are in a band, its ends included whatever their round-off."""
+    """Return a mask of the wave numbers whose wavelengths are in a band, including its ends despite round-off."""
     return (wave_number * shortest <= 2 * math.pi * ROUND_OFF_FACTOR) & (
         wave_number * longest * ROUND_OFF_FACTOR >= 2 * math.pi
     )
@@ -302,7 +299,7 @@ class SurfaceSpectrum(Readable):
     density: Floats = field(metadata={"unit": "µm⁴"})
 
     def moments(self, direction: float = 0.0) -> ProfileMoments:
-        r"""Variances of height, slope and curvature along a line of this direction, in degrees from +x towards +y.
+        r"""Return the variances of height, slope and curvature along a line, `direction` in degrees from +x towards +y.
 
         Notes
         -----
@@ -322,7 +319,7 @@ class SurfaceSpectrum(Readable):
         )
 
     def steepest_direction(self) -> float:
-        r"""Direction along which lines are steepest on the mean, in degrees from +x towards +y, in [0, 180).
+        r"""Return the direction with the largest mean square slope, in degrees from +x towards +y, in [0, 180).
 
         A lay runs across it. Of generated maps whose waves were 1.5, 2 and 3 times as long in one direction, 128 by 160
         points, nine tenths were within 5.3, 3.1 and 2.2 degrees; the sector of the most powerful waves (Std of
@@ -339,9 +336,9 @@ class SurfaceSpectrum(Readable):
         return math.degrees(twice) / 2 % 180
 
     def waves(self) -> tuple[Floats, Floats, Floats]:
-        """Wave number, direction (degrees from +x towards +y, in [0, 180)) and density of every wave.
+        """Return wave number, direction (degrees from +x towards +y, in [0, 180)) and density of every wave.
 
-        Only those up to the smaller of the two Nyquist wave numbers, of which all directions are there; rising.
+        Waves are limited to the smaller Nyquist wave number, up to which all directions are available; ascending.
         """
         y, x = self.wave_number_y[:, np.newaxis], self.wave_number_x
         q = np.hypot(y, x)
@@ -407,7 +404,7 @@ def surface_spectrum(
 
 
 def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: bool) -> SurfaceSpectrum:
-    """Spectrum of heights as they are, or after a Hann window along both axes."""
+    """Compute the spectrum of the heights of a surface, with or without a Hann window along both axes."""
     from scipy.fft import fft2, fftshift
 
     if windowed:
@@ -429,7 +426,7 @@ def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: b
 
 
 def find_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
-    """Wavelength (µm) of a spectrum's highest narrow peak that is not chance, and the share of m4 in all; or None."""
+    """Find the highest significant narrow peak: wavelength (µm) and the m4 fraction of all peaks; or None."""
     bins = spectrum.in_bins(_PEAK_BINS)
     density = np.maximum(bins.density, np.finfo(float).tiny)
     size = density.size

@@ -17,9 +17,9 @@ AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitude = Literal["height", "Sa", "Sq"]
 BodyLike = Any  # a Profile, a Surface, or an array of heights
 
-# Each is that of all points, whatever their arrangement, and has the name of the profile's in the core.
+# Measures by their names in the core; they do not depend on the arrangement of the points.
 _OF_POINTS = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-_LEAST_HEIGHT = 1e-50  # µm. Products of moments go as the fourth power of heights, which must stay in range
+_MIN_HEIGHT = 1e-50  # µm; the fourth power of heights must neither overflow nor underflow
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -33,9 +33,9 @@ class Surface(Body):
     spacing : (float, float), µm
         Distances between neighbouring rows and between neighbouring columns (Δy, Δx), above 0; one number for both.
     history : tuple of str
-        Where the heights come from and what was done to them, a short sentence for each step.
+        Origin of the heights and the processing steps, one short phrase each.
     missing : (rows, columns) array_like of bool, optional
-        Where nothing was measured, so that nothing touches there; heights there only bridge the holes.
+        Mask of points that were not measured. They make no contact, and their heights are interpolated.
 
     Examples
     --------
@@ -86,16 +86,16 @@ class Surface(Body):
 
     def _line(self, index: Any, axis: int, step: str) -> Profile:
         mask = index_mask(self.missing, index)
-        mask = None if mask is None or mask.all() else mask  # of a line without any point only the bridge is left
+        mask = None if mask is None or mask.all() else mask  # a line without any measured point is used as interpolated
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
     def with_amplitude(self, amplitude: float, measure: SurfaceAmplitude = "height") -> Surface:
-        """The same shape about a mean of zero, scaled to an amplitude.
+        """Return the heights with zero mean, scaled to an amplitude.
 
         Parameters
         ----------
         amplitude : float, µm
-            The value that the measure shall have, above 0.
+            Value of the measure after scaling, above 0.
         measure : {"height", "Sa", "Sq"}
             Highest minus lowest point, mean absolute deviation, or root-mean-square deviation from the mean.
         """
@@ -108,7 +108,7 @@ class Surface(Body):
 
 
 def parse_lengths(name: str, value: Any) -> tuple[float, float]:
-    """A length for y and one for x, both above 0, from a pair or from one number for both."""
+    """Parse a length above 0 for y and for x, from a pair or from one number for both."""
     pair = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(pair) != 2:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {shortened(value)}")
@@ -117,24 +117,24 @@ def parse_lengths(name: str, value: Any) -> tuple[float, float]:
 
 
 def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit: str = "um") -> Any:
-    """Return a profile or a surface unchanged, and an array as one.
+    """Return a profile or a surface unchanged; convert an array to one.
 
     Parameters
     ----------
     name : str
-        The argument, for messages.
+        Name of the argument, for messages.
     given : Profile, Surface or array_like
     kinds : type
         `Profile`, `Surface`, or by default both.
     spacing : float (µm), text with a unit, or a pair (y, x) of either
-        Distance between the points of an array, which needs it.
+        Distance between the points of an array; required for arrays.
     unit : str
         Unit of the heights of an array.
 
     Raises
     ------
     ValueError
-        If it is of another kind, or an array without a spacing.
+        If `given` has another type, or is an array without a spacing.
     """
     allowed = kinds or (Profile, Surface)
     words = " or a ".join(kind.__name__ for kind in allowed)
@@ -156,7 +156,7 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
 
 
 def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
-    """Return two bodies, those that are arrays with this spacing and unit, as by `as_body`."""
+    """Convert two bodies with `as_body`; spacing and unit apply to arrays."""
     if spacing is not None and isinstance(upper, Body) and isinstance(lower, Body):
         raise ValueError("spacing is for arrays, and upper and lower have their own")
     upper, lower = (
@@ -167,7 +167,7 @@ def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") 
 
 
 def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
-    """The shape of a surface, so many rows and columns at least and no more points than one may have."""
+    """Parse a shape with at least `least` rows and columns and at most MAX_POINTS points."""
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {shape!r}")
     rows, columns = (whole_number("shape", size, least=least, most=MAX_POINTS) for size in shape)
@@ -177,12 +177,11 @@ def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
 
 
 def reject_flat(body: Profile | Surface) -> None:
-    """Refuse a body whose heights are all equal, or so small or large that their products leave the range."""
+    """Raise ValueError for a flat body, or if powers of its heights would overflow or underflow."""
     name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
     if height == 0:
         raise ValueError(f"a flat {name} has no roughness")
-    if not _LEAST_HEIGHT < height < 1 / _LEAST_HEIGHT:
+    if not _MIN_HEIGHT < height < 1 / _MIN_HEIGHT:
         raise ValueError(
-            f"the height of the {name} must be above {_LEAST_HEIGHT:g} and below {1 / _LEAST_HEIGHT:g} µm, "
-            f"got {height:g}"
+            f"the height of the {name} must be above {_MIN_HEIGHT:g} and below {1 / _MIN_HEIGHT:g} µm, got {height:g}"
         )

@@ -12,10 +12,10 @@ from stiction.surfaces.profile import Profile, Side, reject_missing
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat
 
-_RINGS = 12  # rings to a decade of wave numbers; fewer where the profile has no harmonic in a ring
+_RINGS = 12  # rings per decade of wave numbers; fewer where a ring has no harmonic
 _SMOOTH = 2.0  # harmonics that a bend of the spectrum must have for it: rings of one or two follow their neighbours
 _FLOOR = 1e-14  # fraction of the largest density below which a spectrum is round-off
-_STEPS = 1000  # most steps of the fit; some ten are needed, some hundred where the spectrum ends within a ring
+_STEPS = 1000  # largest number of steps of the fit; typically about ten
 _SETTLED = 1e-6  # largest change of the logarithm of a density in a step at which the fit has converged
 _MOST = 512  # rows and columns by default: some tenths of a second for a solution as a half-space
 
@@ -23,9 +23,9 @@ _MOST = 512  # rows and columns by default: some tenths of a second for a soluti
 def surrogate(
     body: AnyBody, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
 ) -> AnyBody:
-    """A profile or surface with the spectrum of a given one and new phases, with the same mean and Pq or Sq.
+    """Generate a profile or surface with the spectrum of a given one and random phases, with equal mean and Pq or Sq.
 
-    Many of them are an ensemble of surfaces of which one has been measured.
+    Surrogates with different seeds or repetitions form an ensemble for a measured surface.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side,
     amplitude = np.sqrt(ifftshift(surface_spectrum(surface, periodic=periodic).density))
     rows, columns = amplitude.shape
     phases = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=columns)
-    # Opposite waves have opposite phases, and those that are their own opposites are real.
+    # Opposite wave vectors have opposite phases; self-conjugate coefficients are real.
     opposite = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
     heights = ifft2(amplitude * np.exp(1j * (phases - opposite))).real
     own = np.zeros((rows, columns), dtype=bool)
@@ -112,7 +112,7 @@ def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side,
 
 
 def isotropic_spectrum(profile: Profile, *, periodic: bool = False) -> RadialSpectrum:
-    r"""Spectrum C2D of the isotropic surface on a square grid of which a profile is a section.
+    r"""Estimate the spectrum C2D of an isotropic surface on a square grid from a profile.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def isotropic_surface(
     side: Side = "lower",
     periodic: bool = False,
 ) -> Surface:
-    """An isotropic Gaussian surface of which a profile may be a section: its areal surrogate.
+    """Generate an isotropic Gaussian surface with the spectrum of a profile: an areal surrogate.
 
     Many of them are an ensemble of surfaces of which one line has been measured, *if* these are isotropic. A profile
     across the grooves of a ground face makes hills of them, which are steeper than the face by the square root of two.
@@ -206,7 +206,7 @@ def isotropic_surface(
 
 
 def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> Floats:
-    """Normally distributed, periodic heights of which each wave has a power (rows, columns) on average."""
+    """Generate periodic Gaussian heights with the expected power (rows, columns) of every wave vector."""
     from scipy.fft import ifft2
 
     rows, columns = power.shape
@@ -218,7 +218,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
 
 
 def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Edges of the rings, C2D in them, and how many harmonics of the profile are in each."""
+    """Return the edges of the rings, C2D in the rings, and the number of harmonics in every ring."""
     truth("periodic", periodic)
     reject_flat(profile)
     reject_missing(profile, "a surface of a profile's spectrum")
@@ -253,7 +253,7 @@ def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
 
 
 def _most_likely(share: Floats, measured: Floats, count: Floats, density: Floats) -> Floats:
-    """Densities whose sections are the likeliest, by scoring from a first guess of them."""
+    """Fit densities by maximum likelihood of their sections, by Fisher scoring from initial values."""
 
     def cost(logarithm: Floats) -> float:
         made = share @ np.exp(logarithm)

@@ -1,4 +1,4 @@
-"""What a probe's ball leaves of a surface, taken back as far as it can be."""
+"""Reconstruction of a surface from a scan with a spherical tip."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from stiction._checks import Floats, number, read_only
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
-_TOUCHING = 1e-9  # of the height of a scan: distance at which a ball touches
+_TOUCHING = 1e-9  # distance at which the tip touches, over the height of the scan
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
-    r"""The highest surface that a ball of a radius sees as this scan, and where it is the surface itself.
+    r"""Reconstruct the highest surface that a spherical tip would record as this scan, and where it is exact.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     body : Profile or Surface
         Nowhere above the scan; the step is added to its history.
     certain : ndarray of bool, of the shape of the heights
-        Points that a ball touches alone, where the surface is known; elsewhere it may lie lower.
+        Points where the tip touches in a single point and the surface is exact; elsewhere it may be lower.
 
     Notes
     -----
@@ -47,7 +47,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     (array([0.   , 0.   , 0.268, 1.   , 0.268, 0.   , 0.   ]), [False, False, False, True, False, False, False])
     """
     scan = as_body("scan", scan)
-    reject_missing(scan, "taking back the ball of a probe")
+    reject_missing(scan, "tip reconstruction")
     radius = number("radius", radius, unit="µm", above=0, below=1e9)
     seen, spacing = scan.heights, np.array(scan.spacings)
     deepest = float(np.ptp(seen))
