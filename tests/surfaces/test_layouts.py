@@ -694,3 +694,18 @@ def test_flags_of_an_unknown_sense_are_rejected(tmp_path):
     for value in (0, 1):
         path.write_text("\n".join(["x (um);z (um);flag", *(f"{0.5 * at};{z};{value}" for at, z in enumerate(LINE))]))
         assert read_measurement(path).heights.tolist() == LINE.tolist()
+
+
+@pytest.mark.parametrize("count", ["inf", "nan", "1e999", "-3", "2.5", "1e12", "abc", "", "0"])
+@pytest.mark.parametrize(
+    ("name", "key"),
+    [("sdf", "NumPoints = "), ("sdf", "NumProfiles = "), ("wyko", "X Size\t"), ("wyko", "Y Size\t"),
+     ("esri", "ncols "), ("esri", "nrows "), ("spip", "# x-pixels = "), ("spip", "# y-pixels = ")],
+)  # fmt: skip
+def test_counts_in_headers_must_be_whole_numbers(tmp_path, name, key, count):
+    write, options, _ = CASES[name]
+    lines = [f"{key}{count}" if line.startswith(key) else line for line in write().split("\n")]
+    (tmp_path / "a.txt").write_text("\n".join(lines))
+    with pytest.raises(FormatError) as error:
+        read_measurement(tmp_path / "a.txt", **options)
+    assert "cannot convert" not in str(error.value)

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.layout import Layout, number, whole
 from stiction.surfaces.measured.raw import FormatError, Raw
 from stiction.surfaces.measured.split import dialect_of, numbers_of, runs_of
 from stiction.surfaces.measured.text import source_of
@@ -26,28 +26,25 @@ _KEYS = ("ncols", "nrows", "xllcorner", "yllcorner", "xllcenter", "yllcenter", "
 
 def _said(text: Text) -> dict[str, str]:
     words = (line.replace("=", " ").split() for line in text.head[:12])
-    return {row[0].casefold(): row[1] for row in words if len(row) == 2 and row[0].casefold() in _KEYS}
+    return {row[0].casefold(): " ".join(row[1:]) for row in words if row and row[0].casefold() in _KEYS}
 
 
 def _read(text: Text) -> Raw:
     said = _said(text)
-    try:
-        number = {key: float(word.replace(",", ".")) for key, word in said.items()}
-    except ValueError:
-        raise FormatError("has a word where its header should have a number") from None
+    facts = {key: number(said, key) for key in said}
     runs = runs_of(text)
     if not runs:
         raise FormatError("has no heights below its header")
     block = numbers_of(text, *runs[0], dialect_of(text, *runs[0]))
-    shape = (int(number["nrows"]), int(number["ncols"]))
+    shape = (whole(said, "nrows"), whole(said, "ncols"))
     if len(runs) > 1 or block.values.size != shape[0] * shape[1]:
         raise FormatError(f"declares {shape[0]} rows of {shape[1]} heights, and has {block.values.shape}")
-    dx = number.get("cellsize", number.get("dx"))
-    dy = number.get("cellsize", number.get("dy"))
+    dx = facts.get("cellsize", facts.get("dx"))
+    dy = facts.get("cellsize", facts.get("dy"))
     heights = np.ascontiguousarray(block.values.reshape(shape)[::-1])
     return Raw(
         heights, bare_spacing=None if dx is None or dy is None else (dy, dx), source=source_of(block),
-        codes=(number["nodata_value"],) if "nodata_value" in number else (),
+        codes=(facts["nodata_value"],) if "nodata_value" in facts else (),
         history=("rows turned round: the first line has the largest y",),
     )  # fmt: skip
 

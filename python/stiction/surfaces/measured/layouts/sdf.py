@@ -20,7 +20,7 @@ from __future__ import annotations
 import re
 
 from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.layout import Layout, number, whole
 from stiction.surfaces.measured.raw import FormatError, Raw, Source
 from stiction.surfaces.measured.split import numbers_in
 
@@ -40,25 +40,19 @@ def _read(text: Text) -> Raw:
     if end is None:
         raise FormatError("lacks the line '*' above its heights")
 
-    def number(name: str) -> float:
-        try:
-            return float(said[name.casefold()].replace(",", "."))
-        except (KeyError, ValueError):
-            raise FormatError(f"lacks a number for {name}") from None
-
-    columns, rows = int(number("NumPoints")), int(number("NumProfiles"))
+    columns, rows = whole(said, "NumPoints"), whole(said, "NumProfiles")
     last = next((at for at in range(end + 1, len(text)) if text.line(at) == "*"), len(text)) - 1
     heights = numbers_in(text, end + 1, last)
     if heights.size != rows * columns:
         raise FormatError(f"declares {rows} profiles of {columns} points, and has {heights.size} heights")
-    spacing = [number("Xscale")]
+    spacing = [number(said, "Xscale")]
     if rows > 1:
-        heights, spacing = heights.reshape(rows, columns), [number("Yscale"), *spacing]
+        heights, spacing = heights.reshape(rows, columns), [number(said, "Yscale"), *spacing]
     if not min(spacing) > 0:
         raise FormatError(f"has a spacing of {min(spacing):g} m; it must be above 0")
     source = Source(separator="space", decimal_mark=".", lines=(end + 2, last + 1), lines_above=end + 1)
     return Raw(
-        heights, unit="um", factor=number("Zscale") * 1e6, spacing=tuple(each * 1e6 for each in spacing),
+        heights, unit="um", factor=number(said, "Zscale") * 1e6, spacing=tuple(each * 1e6 for each in spacing),
         position_unit="um", source=source,
     )  # fmt: skip
 

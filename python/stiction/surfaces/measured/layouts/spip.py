@@ -18,7 +18,7 @@ import re
 
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.header import normal
-from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.layout import Layout, number, whole
 from stiction.surfaces.measured.raw import FormatError, Raw, length_unit
 from stiction.surfaces.measured.split import dialect_of, numbers_of, runs_of
 from stiction.surfaces.measured.text import source_of
@@ -38,30 +38,21 @@ def _recognise(text: Text) -> bool:
 
 def _read(text: Text) -> Raw:
     said = _said(text)
-
-    def number(name: str) -> float:
-        match = re.match(r"[+-]?[0-9.,]+(?:[eE][+-]?[0-9]+)?", said.get(name, ""))
-        try:
-            return float(match[0].replace(",", ".")) if match else float("nan")
-        except ValueError:
-            raise FormatError(f"has {said[name]!r} for {name}, which is no number") from None
-
     runs = runs_of(text)
     if not runs:
         raise FormatError("has no heights below its header")
     first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
     block = numbers_of(text, first, last, dialect_of(text, first, last))
-    rows, columns = number("y-pixels"), number("x-pixels")
-    if not (rows > 0 and columns > 0) or block.values.shape != (int(rows), int(columns)):
-        raise FormatError(f"declares {rows:g} rows of {columns:g} heights, and has {block.values.shape}")
+    rows, columns = whole(said, "y-pixels"), whole(said, "x-pixels")
+    if block.values.shape != (rows, columns):
+        raise FormatError(f"declares {rows} rows of {columns} heights, and has {block.values.shape}")
     units = {said.get(f"{axis}-unit", "nm") for axis in "xy"}
     if len(units) > 1:
         raise FormatError("has lengths along x and y in different units")
     unit, factor = said.get("z-unit"), None
     if unit is None:
-        unit, factor = "nm", number("bit2nm")
-        factor = factor if factor == factor else None
-    spacing = (number("y-length") / rows, number("x-length") / columns)
+        unit, factor = "nm", number(said, "bit2nm") if "bit2nm" in said else None
+    spacing = (number(said, "y-length") / rows, number(said, "x-length") / columns)
     return Raw(
         block.values, unit=length_unit(unit) or unit, factor=factor, spacing=spacing, position_unit=units.pop(),
         source=source_of(block),

@@ -18,12 +18,13 @@ nm, else they are in wavelengths. Pixel sizes are in mm, wavelengths in nm.
 
 from __future__ import annotations
 
+import math
 import re
 
 import numpy as np
 
 from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.layout import Layout, number, whole
 from stiction.surfaces.measured.raw import FormatError, Raw
 from stiction.surfaces.measured.split import Dialect, numbers_of
 from stiction.surfaces.measured.text import source_of
@@ -44,16 +45,7 @@ def _read(text: Text) -> Raw:
             said[key.strip().casefold()] = rest[-1].strip()
     if first is None:
         raise FormatError(f"lacks a block of heights ({', '.join(_HEIGHTS)})")
-
-    def number(name: str, otherwise: float | None = None) -> float:
-        try:
-            return float(said[name.casefold()].replace(",", "."))
-        except (KeyError, ValueError):
-            if otherwise is None:
-                raise FormatError(f"lacks a number for {name}") from None
-            return otherwise
-
-    columns, rows = int(number("X Size")), int(number("Y Size"))
+    columns, rows = whole(said, "X Size"), whole(said, "Y Size")
     if first + columns > len(text):
         raise FormatError(f"declares {columns} lines of heights, and ends before")
     decimal_comma = "," in "".join(text.line(first + at) for at in range(min(3, columns)))
@@ -65,9 +57,11 @@ def _read(text: Text) -> Raw:
     flags = re.findall(r"[0-9]+", text.line(0).partition("Format")[2])
     factor = None
     if len(flags) < 2 or flags[1] == "0":
-        factor = number("Wavelength") / number("Mult", 1.0)
-    pixel = abs(number("Pixel_size"))
-    spacing = (pixel * number("Aspect", 1.0), pixel)
+        factor = number(said, "Wavelength") / (number(said, "Mult", 1.0) or math.nan)
+        if not math.isfinite(factor):
+            raise FormatError("has a factor Mult of 0")
+    pixel = abs(number(said, "Pixel_size"))
+    spacing = (pixel * number(said, "Aspect", 1.0), pixel)
     return Raw(
         np.ascontiguousarray(block.values.T), unit="nm", factor=factor, spacing=spacing, position_unit="mm",
         source=source_of(block),
