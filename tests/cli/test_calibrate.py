@@ -93,6 +93,7 @@ def test_a_ball_beyond_yield_is_told(tmp_path):
         ("load (mN),coefficient,uncertainty (%)", (1, 0.2, -1), "uncertainty must be"),
         ("load (mN),coefficient (mN)", (1, 0.2), "a coefficient has no unit: forces go under"),
         ("load (mN),coefficient (%),uncertainty (%)", (1, 20, 3), "may be relative or not"),
+        ("load (mN),coefficient (%),uncertainty", (1, 20, 3), "may be in percent or not"),
         ("load (mN),coefficient,run (mN)", (1, 0.2, "a"), "run has no unit"),
         ("load (mN),coefficient,wait (mN)", (1, 0.2, 3), "wait has one of the units s"),
         ("load (mN),coefficient,mu", (1, 0.2, 3), "has the column 'mu'"),
@@ -145,6 +146,19 @@ def test_tests_file_reads_semicolons_and_decimal_commas_in_any_encoding(tmp_path
     first, other = (friction_tests(tmp_path / f"{name}.csv", bodies) for name in ("plain", "commas"))
     for one, two in zip(first, other, strict=True):
         assert (one.load, one.coefficient, one.uncertainty) == (two.load, two.coefficient, two.uncertainty)
+
+
+def test_tests_file_numbers_lines_after_quoted_line_ends(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text('load (mN),coefficient,run\n1,0.2,"first\nrun"\n# a comment\n2,0.3,second\n3,much,third\n')
+    with pytest.raises(ValueError, match="line 6: coefficient must be a number"):
+        friction_tests(path, {"ball": Ball("5 mm", "3 GPa")})
+    path.write_text(path.read_text().replace("much", "0.4"))
+    assert [test.run for test in friction_tests(path, {"ball": Ball("5 mm", "3 GPa")})] == [
+        "first\nrun",
+        "second",
+        "third",
+    ]
 
 
 def test_tests_file_uses_the_units_of_its_columns(tmp_path):

@@ -56,8 +56,12 @@ def friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[Frictio
         raise ValueError(f"{named(path)}: has no tests: a line of names and a line for each test are needed")
     separator = next((each for each in "\t;" if each in lines[0][1]), ",")
     try:
-        rows = list(csv.reader((line for _, line in lines), delimiter=separator))
-        table = _Table(_titles(rows[0]), [number for number, _ in lines[1:]], rows[1:], bodies, separator)
+        reader = csv.reader((f"{line}\n" for _, line in lines), delimiter=separator)
+        rows, numbers = [], []
+        for row in reader:  # which may contain line ends in quotes
+            rows.append(row)
+            numbers.append(lines[reader.line_num - 1][0])
+        table = _Table(_titles(rows[0]), numbers[1:], rows[1:], bodies, separator)
         return tuple(table.tests())
     except (ValueError, csv.Error) as error:
         raise ValueError(f"{named(path)}: {error}") from None
@@ -99,6 +103,10 @@ def _titles(head: list[str]) -> dict[str, tuple[int, str]]:
         if unit == "%" and found.get("coefficient", (0, ""))[1] == "%":
             raise ValueError(
                 'uncertainty (%) beside coefficient (%) may be relative or not: give coefficients as numbers, "0.25"'
+            )
+        if not unit and found.get("coefficient", (0, ""))[1] == "%":
+            raise ValueError(
+                'uncertainty beside coefficient (%) may be in percent or not: give coefficients as numbers, "0.25"'
             )
     return found
 
