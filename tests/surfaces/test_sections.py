@@ -199,3 +199,8 @@ def test_flat_profile_is_rejected():
 def test_straight_profile_has_no_roughness():
     found = section_parameters(Profile(np.linspace(-1, 1, 1000), spacing=0.5), lc=80)
     assert found.Ra < 1e-9
+
+
+def test_section_parameters_reject_a_negative_ls():
+    with pytest.raises(ValueError, match="ls must be 0 or above, got -1"):
+        section_parameters(sinusoid(8.0, waves=700), lc=800, ls=-1)

@@ -39,7 +39,9 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
 
 
 def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
-    """Return the material ratios at given heights (µm): Rmr(c) or Smr(c) for heights about the mean line or plane.
+    """Return the material ratios at given heights (µm), on the scale of the body's own heights.
+
+    For a body whose mean height is 0 they are Rmr(c) or Smr(c).
 
     Parameters
     ----------

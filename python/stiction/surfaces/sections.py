@@ -187,7 +187,9 @@ def section_parameters(
     choice("derivative", derivative, Derivative)
     truth("robust", robust)
     sections = whole_number("sections", sections, least=1)
-    short = None if ls is None else number("ls", ls, unit="µm", above=-1e-300)
+    short = None if ls is None else number("ls", ls, unit="µm")
+    if short is not None and short < 0:
+        raise ValueError(f"ls must be 0 or above, got {ls!r}")
     if lc is not None:
         found = _with_cutoff(profile, number("lc", lc, unit="µm", above=0), short, sections, robust, derivative)
         return found
