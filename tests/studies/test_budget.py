@@ -77,6 +77,13 @@ def test_a_range_of_tau0_is_one_of_adhesion_on_the_true_area() -> None:
     )
 
 
+def test_replaced_result_is_solved_over_hardness_again(tmp_path) -> None:
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", hardness="1..3 GPa", **FEWER)
+    pair(*bodies(), effective_modulus="80 GPa", directory=tmp_path, **kwargs)
+    softer = pair(*bodies(), effective_modulus="20 GPa", directory=tmp_path, replace=True, **kwargs)
+    assert softer.interval == pair(*bodies(), effective_modulus="20 GPa", **kwargs).interval
+
+
 # Plastic, between elastic and plastic, and a range of E* that needs solutions at other loads.
 @pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
 def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_solutions(rms, modulus) -> None:

@@ -124,5 +124,7 @@ def remove_result(stored: Stored) -> None:
     """Remove the study and the blocks of a result, and nothing else that lies in its folder."""
     for block in stored.blocks:
         (stored.path / BLOCKS / block.name).unlink(missing_ok=True)
-    for name in (STUDY, ONSET, TABLE) if (stored.path / ONSET).exists() else (STUDY,):
+    areas = (HARDNESS,) if stored.study.is_measured else ()
+    onset = (ONSET, TABLE) if (stored.path / ONSET).exists() else ()
+    for name in (STUDY, *areas, *onset):
         (stored.path / name).unlink(missing_ok=True)

@@ -221,7 +221,6 @@ def compute_factors(
             there = open_stored(folder) if (folder / STUDY).exists() else None
             if there and computed_otherwise(there.study, study):
                 remove_result(there)  # of another pair
-                (folder / HARDNESS).unlink(missing_ok=True)
             fill(study, folder, executor=workers, progress=progress)
             stored = open_stored(folder)
             if _lacks_hardness(stored) and (areas := areas_over_hardness(stored.study, workers)) is not None:
