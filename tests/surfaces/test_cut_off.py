@@ -31,7 +31,7 @@ def by_definition(heights, spacing, wavelength):
 
 
 @pytest.mark.parametrize("points", [8, 15, 66.6])
-def test_is_the_weighted_line_at_each_point(points):
+def test_cut_off_equals_local_weighted_line(points):
     profile = rough(points=200)
     wavelength = points * profile.spacing
     smooth = cut_off(profile, wavelength).heights
@@ -40,7 +40,7 @@ def test_is_the_weighted_line_at_each_point(points):
     assert np.abs(smooth - wanted).max() < tolerance
 
 
-def test_an_area_is_filtered_along_both_axes():
+def test_cut_off_filters_surface_along_both_axes():
     surface = self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))
     along_x = np.array([by_definition(row, 0.25, 4.0) for row in surface.heights])
     both = np.array([by_definition(column, 0.5, 4.0) for column in along_x.T]).T
@@ -49,7 +49,7 @@ def test_an_area_is_filtered_along_both_axes():
 
 @pytest.mark.parametrize("wavelength", [0.2, 0.25, 0.4, 1.0, 5.0])
 @pytest.mark.parametrize("periodic", [True, False])
-def test_leaves_half_of_a_wave_of_its_length_and_the_known_part_of_others(wavelength, periodic):
+def test_cut_off_transmits_half_at_cutoff_and_gaussian_fraction_elsewhere(wavelength, periodic):
     x = 0.1 * np.arange(2000)
     for length in (0.25, 0.4, 0.5, 1.0, 5.0, 20.0):
         waves = np.stack([np.cos(2 * np.pi * x / length), np.sin(2 * np.pi * x / length)], axis=1)
@@ -61,7 +61,7 @@ def test_leaves_half_of_a_wave_of_its_length_and_the_known_part_of_others(wavele
         assert transmission(2 * np.pi / length, wavelength) == pytest.approx(wanted, rel=ROUND_OFF)
 
 
-def test_transmits_a_periodic_surface_whatever_the_direction():
+def test_cut_off_of_periodic_surface_is_isotropic():
     surface = self_affine_map(2, 0.6, (64, 96))
     smooth = surface_spectrum(cut_off(surface, 4.0, periodic=True), periodic=True)
     own = surface_spectrum(surface, periodic=True)
@@ -70,7 +70,7 @@ def test_transmits_a_periodic_surface_whatever_the_direction():
 
 
 @pytest.mark.parametrize("wavelength", [0.2, 0.3, 1.0, 13.0])
-def test_lines_and_planes_stay_as_they_are_up_to_the_ends(wavelength):
+def test_cut_off_preserves_lines_and_planes_up_to_the_ends(wavelength):
     x = 0.1 * np.arange(400)
     line = Profile(100 + 3 * x, spacing=0.1)
     plane = Surface(5 - 3 * x[:, np.newaxis] + 2 * x, spacing=0.1)
@@ -78,7 +78,7 @@ def test_lines_and_planes_stay_as_they_are_up_to_the_ends(wavelength):
         assert np.abs(cut_off(body, wavelength).heights - body.heights).max() < ROUND_OFF * 200
 
 
-def test_is_linear_symmetric_and_scales():
+def test_cut_off_is_linear_symmetric_and_scales():
     one, other = rough(1, points=300), rough(2, points=300)
     sum_of_both = cut_off(Profile(one.heights + 2 * other.heights, spacing=0.01), 0.2).heights
     assert sum_of_both == pytest.approx(cut_off(one, 0.2).heights + 2 * cut_off(other, 0.2).heights, abs=ROUND_OFF)
@@ -91,7 +91,7 @@ def test_is_linear_symmetric_and_scales():
     assert turned == pytest.approx(cut_off(surface, 3.0).heights, abs=ROUND_OFF)
 
 
-def test_says_what_was_done_and_stays_on_the_grid():
+def test_cut_off_adds_history_and_keeps_grid():
     profile = Profile(np.arange(60.0), spacing=0.1, history=("ground",))
     smooth = cut_off(profile, 0.5)
     assert smooth.history == ("ground", "waves shorter than 0.5 µm cut off (Gaussian filter, 50 % at 0.5 µm)")
@@ -113,10 +113,10 @@ def test_says_what_was_done_and_stays_on_the_grid():
         ([1.0, 2.0], 1.0, "body must be a Profile or a Surface, got list"),
     ],
 )
-def test_bad_arguments_are_named(body, wavelength, said):
+def test_cut_off_rejects_bad_arguments(body, wavelength, said):
     with pytest.raises(ValueError, match=said):
         cut_off(body, wavelength)
 
 
-def test_the_ends_of_the_range_are_allowed():
+def test_cut_off_accepts_both_ends_of_range():
     assert len(cut_off(rough(), 0.02)) == len(cut_off(rough(), 10 / 3)) == 1000

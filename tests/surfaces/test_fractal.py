@@ -21,12 +21,12 @@ def hurst(dimension, convention):
 
 
 class TestPhases:
-    def test_vector_is_pinned(self):
+    def test_random_phases_match_reference_values(self):
         # Raw PCG64 words are kept by NumPy from version to version; these were written down once.
         phases = random_phases(2016, repetition=7, side="upper", directions=2, frequencies=2)
         assert phases.tolist() == PINNED
 
-    def test_depend_on_seed_repetition_and_side_only(self):
+    def test_random_phases_depend_only_on_seed_repetition_and_side(self):
         one = random_phases(1, repetition=2, side="upper")
         assert one.shape == (40, 40)
         assert np.array_equal(one, random_phases(1, repetition=2, side="upper"))
@@ -41,7 +41,7 @@ class TestPhases:
         "bad",
         [{"seed": -1}, {"seed": 1.5}, {"repetition": -1}, {"side": "top"}, {"directions": 0}, {"frequencies": True}],
     )
-    def test_bad_arguments_are_named(self, bad):
+    def test_invalid_arguments_raise_value_error(self, bad):
         name = next(iter(bad))
         with pytest.raises(ValueError, match=name):
             random_phases(**({"seed": 1} | bad))
@@ -54,7 +54,7 @@ class TestProfile:
     @pytest.mark.parametrize("band_limit", [None, "nyquist"])
     @pytest.mark.parametrize("convention", ["paper", "classical"])
     @pytest.mark.parametrize("dimension", [1.0, 1.35, 1.7])
-    def test_is_the_direct_sum_at_full_size(self, dimension, convention, band_limit):
+    def test_profile_equals_direct_sum_at_full_size(self, dimension, convention, band_limit):
         phases = random_phases(5, side="upper")
         profile = weierstrass_mandelbrot(phases, dimension, convention=convention, band_limit=band_limit)
         # Ends, the last points before a recurrence starts anew and the first after it, and some between.
@@ -67,7 +67,7 @@ class TestProfile:
         error = np.abs(profile.heights[at] - expected).max() / np.ptp(profile.heights)
         assert error < AGREES_WITH_DIRECT_SUM
 
-    def test_takes_any_length_scale_gamma_and_number_of_directions(self):
+    def test_profile_equals_direct_sum_for_any_parameters(self):
         for directions, gamma, length_scale in ((1, 1.5, 1.0), (2, 2.0, 0.3), (7, 1.1, 5.0), (40, 1.7, 2.0)):
             phases = random_phases(9, directions=directions, frequencies=12)
             settings = {"length_scale": length_scale, "gamma": gamma, **SMALL}
@@ -75,17 +75,17 @@ class TestProfile:
             expected = direct_sum.weierstrass_mandelbrot(phases, 1.2, **settings)
             assert np.abs(profile.heights - expected).max() < AGREES_WITH_DIRECT_SUM * np.ptp(profile.heights)
 
-    def test_starts_at_zero(self):
+    def test_profile_starts_at_zero(self):
         assert weierstrass_mandelbrot(random_phases(1), 1.5, **SMALL).heights[0] == pytest.approx(0, abs=1e-13)
 
-    def test_classical_dimension_is_the_papers_shape_at_one_plus_half(self):
+    def test_classical_dimension_equals_paper_dimension_1_plus_half(self):
         phases = random_phases(4)
         for dimension in (1.0, 1.3, 1.9):
             classical = weierstrass_mandelbrot(phases, dimension, convention="classical", **SMALL)
             paper = weierstrass_mandelbrot(phases, 1 + dimension / 2, **SMALL)
             assert np.allclose(classical.heights, paper.heights, rtol=0, atol=1e-12)
 
-    def test_a_family_is_its_members_bit_for_bit(self):
+    def test_family_equals_single_profiles_bit_for_bit(self):
         phases = random_phases(6)
         dimensions = [1.0, 1.2, 1.65]
         family = weierstrass_mandelbrot_family(phases, dimensions, **SMALL)
@@ -113,12 +113,12 @@ class TestProfile:
             {"gamma": 1e6},
         ],
     )
-    def test_bad_arguments_are_named(self, bad):
+    def test_invalid_arguments_raise_value_error(self, bad):
         arguments = {"phases": random_phases(1), "fractal_dimension": 1.5, "points": 100} | bad
         with pytest.raises(ValueError, match=next(iter(bad))):
             weierstrass_mandelbrot(arguments.pop("phases"), arguments.pop("fractal_dimension"), **arguments)
 
-    def test_no_directions_is_named(self):
+    def test_surface_rejects_phases_without_directions(self):
         with pytest.raises(ValueError, match="at least one direction"):
             weierstrass_mandelbrot(np.zeros((0, 5)), 1.5, points=100)
 
@@ -128,7 +128,7 @@ class TestSurface:
 
     @pytest.mark.parametrize("band_limit", [None, "nyquist"])
     @pytest.mark.parametrize(("dimension", "convention"), [(1.0, "paper"), (1.6, "paper"), (1.7, "classical")])
-    def test_is_the_direct_sum(self, dimension, convention, band_limit):
+    def test_surface_equals_direct_sum(self, dimension, convention, band_limit):
         phases = random_phases(5, side="upper")
         surface = weierstrass_mandelbrot_surface(
             phases, dimension, shape=self.SHAPE, extent=self.EXTENT, convention=convention, band_limit=band_limit
@@ -142,7 +142,7 @@ class TestSurface:
         ours = surface.heights[tuple(np.transpose(at))]
         assert np.abs(ours - expected).max() < AGREES_WITH_DIRECT_SUM * np.ptp(surface.heights)
 
-    def test_its_first_row_is_the_profile(self):
+    def test_first_row_of_surface_equals_profile(self):
         phases = random_phases(8)
         surface = weierstrass_mandelbrot_surface(phases, 1.5, shape=(5, 3000), extent=(1.0, 2.0), length_scale=0.7)
         profile = weierstrass_mandelbrot(phases, 1.5, length_scale=0.7, **SMALL)
@@ -150,13 +150,13 @@ class TestSurface:
         assert row.spacing == profile.spacing
         assert np.abs(row.heights - profile.heights).max() < AGREES_WITH_DIRECT_SUM * np.ptp(profile.heights)
 
-    def test_a_band_limit_makes_unresolvable_frequencies_harmless(self):
+    def test_band_limit_accepts_unresolvable_frequencies(self):
         phases = random_phases(8, frequencies=100)
         limited = weierstrass_mandelbrot_surface(phases, 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist")
         fewer = weierstrass_mandelbrot_surface(phases[:, :20], 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist")
         assert np.allclose(limited.heights, fewer.heights, rtol=0, atol=1e-12)
 
-    def test_a_long_strip_is_made_in_parts(self):
+    def test_long_strip_equals_direct_sum(self):
         phases = random_phases(8)
         strip = weierstrass_mandelbrot_surface(phases, 1.5, shape=(2, 50_000), extent=(0.1, 4.0))
         profile = weierstrass_mandelbrot(phases, 1.5, points=50_000, extent=4.0)
@@ -177,13 +177,13 @@ class TestSurface:
             ({"phases": np.empty((0, 3))}, "phases"),
         ],
     )
-    def test_bad_arguments_are_named(self, bad, match):
+    def test_invalid_arguments_raise_value_error(self, bad, match):
         arguments = {"phases": random_phases(1), "fractal_dimension": 1.3, "shape": (10, 10)} | bad
         with pytest.raises(ValueError, match=match):
             weierstrass_mandelbrot_surface(**arguments)
 
 
-def test_variance_of_height_is_that_of_its_harmonics():
+def test_height_variance_equals_that_of_harmonics():
     # Half the sum of squared amplitudes, m and M - m having independent phases; m = M/2 has no wave.
     dimension, gamma = 1.2, 1.5
     weights = math.log(gamma) * gamma ** (-np.arange(40) * hurst(dimension, "paper"))

@@ -34,7 +34,7 @@ class TestOfAProfile:
             for case in product((True, False), ({}, BAND), (True, False))
         ],
     )
-    def test_is_within_its_interval(self, periodic, band, given):
+    def test_interval_covers_true_exponent(self, periodic, band, given):
         misses, errors = 0, []
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.CASES)):
             profile = rough(11, repetition=case, hurst_exponent=hurst, points=4096, periodic=periodic, **band)
@@ -47,7 +47,7 @@ class TestOfAProfile:
         # The mean of 60 errors in standard errors scatters by 0.13; a found band takes in some of an unseen roll-off.
         assert abs(np.mean(errors)) < (0.5 if given else 0.8)
 
-    def test_of_an_exact_power_law_is_exact(self):
+    def test_exact_power_law_gives_exact_exponent(self):
         profile = rough(hurst_exponent=0.6, periodic=True, amplitudes="fixed")
         found = estimate_hurst_exponent(profile, periodic=True)
         assert found.value == pytest.approx(0.6, abs=1e-9)
@@ -65,14 +65,14 @@ class TestOfAProfile:
         assert 10.0 / 2 < found.longest_wavelength < 10.0 * 1.5
         assert found.lower < 0.8 < found.upper
 
-    def test_noise_of_the_instrument_is_left_out(self):
+    def test_band_excludes_instrument_noise(self):
         profile = rough(points=8192)
         noise = rough(9, points=8192, hurst_exponent=1e-9, longest_wavelength=0.021, rms=0.01)  # flat
         found = estimate_hurst_exponent(Profile(profile.heights + noise.heights, spacing=0.01))
         assert found.shortest_wavelength > 0.04
         assert found.lower < 0.8 < found.upper
 
-    def test_noise_that_comes_up_gradually_is_left_out_as_well(self):
+    def test_band_excludes_gradual_noise(self):
         # Without this, all wavelengths are fitted, H is 0.20 on average, and one in forty intervals holds it.
         found, held = [], 0
         for repetition in range(30):
@@ -86,7 +86,7 @@ class TestOfAProfile:
         assert np.mean([estimate.value for estimate in found]) == pytest.approx(0.3, abs=0.05)
         assert held >= 24  # 35 of 40 in a trial
 
-    def test_levelling_scale_and_direction_do_not_matter(self):
+    def test_estimate_is_invariant_under_tilt_scale_and_reversal(self):
         profile = rough(points=4096)
         one = estimate_hurst_exponent(profile)
         for heights, spacing in (
@@ -101,18 +101,18 @@ class TestOfAProfile:
         reversed_one = estimate_hurst_exponent(Profile(profile.heights[::-1], spacing=0.01))
         assert reversed_one.value == pytest.approx(one.value, abs=0.2 * (one.upper - one.lower))
 
-    def test_given_band_is_kept_to(self):
+    def test_given_band_is_used(self):
         found = estimate_hurst_exponent(rough(), band=(0.05, 2.0))
         assert 0.05 <= found.shortest_wavelength < found.longest_wavelength <= 2.0 * (1 + 1e-9)
 
-    def test_of_eq_1_in_its_band(self):
+    def test_estimate_of_eq_1_matches_in_given_band(self):
         for dimension in (1.2, 1.6):
             profile = weierstrass_mandelbrot(random_phases(1), dimension, points=50_000)
             found = estimate_hurst_exponent(profile, band=(0.005, 0.9))
             assert found.lower < 4 - 2 * dimension < found.upper
             assert found.dispersion > 1  # a spectrum of lines
 
-    def test_finds_the_band_of_eq_1_in_which_its_lines_are_dense(self):
+    def test_band_of_eq_1_contains_dense_harmonics_only(self):
         # At the longest wavelengths; below some 0.04 µm the harmonics of the 40 directions stand apart.
         profile = weierstrass_mandelbrot(random_phases(1), 1.4, points=150_000)
         found = estimate_hurst_exponent(profile)
@@ -128,11 +128,11 @@ class TestOfAProfile:
             ({"band": (0.5, 0.51)}, "at least 8 harmonics"),
         ],
     )
-    def test_bad_arguments_are_named(self, bad, match):
+    def test_estimate_rejects_bad_arguments(self, bad, match):
         with pytest.raises(ValueError, match=match):
             estimate_hurst_exponent(rough(), **bad)
 
-    def test_without_a_self_affine_band_it_says_so(self):
+    def test_estimate_raises_without_self_affine_band(self):
         white = rough(hurst_exponent=1e-9, longest_wavelength=0.021)
         for profile in (white, wave(16), Profile([0.0, 1.0, 0.0, 0.0], spacing=1.0)):
             with pytest.raises(ValueError, match="no self-affine band"):
@@ -146,7 +146,7 @@ class TestOfAProfile:
             with pytest.raises(ValueError, match=match):
                 estimate_hurst_exponent(Profile(heights, spacing=1.0))
 
-    def test_of_a_zigzag_is_refused(self):
+    def test_estimate_rejects_zigzag(self):
         # All of it is at the Nyquist wave number, which is not fitted.
         with pytest.raises(ValueError, match="no self-affine band"):
             estimate_hurst_exponent(Profile([0.0, 1.0] * 50, spacing=1.0), periodic=True)
@@ -187,7 +187,7 @@ class TestOfASurface:
             ),
         ],
     )
-    def test_is_within_its_interval(self, longest, given):
+    def test_interval_covers_true_exponent(self, longest, given):
         misses = 0
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.CASES)):
             surface = self_affine_map(case, hurst, longest=longest, whole=2)
@@ -195,7 +195,7 @@ class TestOfASurface:
             misses += not found.lower <= hurst <= found.upper
         assert misses <= self.MOST_MISSES
 
-    def test_band_of_a_surface_is_kept_to_and_scale_and_tilt_do_not_matter(self):
+    def test_surface_estimate_uses_given_band_and_is_invariant_under_scale_and_tilt(self):
         surface = self_affine_map(5, 0.7, whole=2)
         one = estimate_hurst_exponent(surface, band=(1.5, 15.0))
         assert one.dimensions == 2
@@ -209,7 +209,7 @@ class TestOfASurface:
         ratio = radial.density[inside] / one.density(radial.wave_number[inside])
         assert np.average(ratio, weights=radial.count[inside]) == pytest.approx(1, abs=0.05)
 
-    def test_what_has_no_spectrum_is_refused(self):
+    def test_estimate_rejects_surface_without_spectrum(self):
         for surface, said in (
             (Surface(np.ones((9, 9)), spacing=1.0), "flat surface"),
             (Surface(np.arange(90.0).reshape(9, 10), spacing=1.0), "a plane has no roughness"),

@@ -38,7 +38,7 @@ def truth(whole, wave_number, per_decade):
     ])  # fmt: skip
 
 
-def test_gives_back_spectrum_and_slope_over_all_decades(whole):
+def test_joined_spectrum_matches_spectrum_and_slope_of_surface(whole):
     joined = joined_spectrum(instruments(whole), per_decade=5)
     sure = joined.count > 300
     assert sure.sum() > 5
@@ -54,7 +54,7 @@ def test_gives_back_spectrum_and_slope_over_all_decades(whole):
     assert np.all(np.abs(np.log(joined.disagreement)) < 0.4)
 
 
-def test_a_wrong_calibration_is_seen(whole):
+def test_disagreement_detects_wrong_calibration(whole):
     scans = instruments(whole)
     wrong = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
     assert 2.5 < wrong.disagreement[0] < 6  # heights squared
@@ -67,7 +67,7 @@ def test_a_wrong_calibration_is_seen(whole):
     assert (alone.ratio == pytest.approx(1.0)) or np.isnan(alone.ratio).any()
 
 
-def test_what_a_tip_or_noise_hides_is_left_out(whole):
+def test_joined_spectrum_excludes_tip_and_noise(whole):
     coarse, fine = instruments(whole, noise=0.02)[:2]
     blunt = joined_spectrum([coarse, fine], tip_radii=[None, 0.05])
     assert blunt.reasons[1] == "tip"
@@ -79,7 +79,7 @@ def test_what_a_tip_or_noise_hides_is_left_out(whole):
     assert given.reasons == ("given",)
 
 
-def test_a_gap_between_scans_is_bridged_by_a_power_law(whole):
+def test_gap_between_scans_follows_power_law(whole):
     coarse, fine = instruments(whole)[:2]
     joined = joined_spectrum([coarse, fine], shortest_wavelengths=[1.5, None], per_decade=20)
     piece = joined_spectrum([coarse, fine], shortest_wavelengths=[2.5, None], per_decade=10)
@@ -89,14 +89,14 @@ def test_a_gap_between_scans_is_bridged_by_a_power_law(whole):
     assert (np.diff(joined.wave_number) > 0).all()
 
 
-def test_a_profile_stands_for_its_isotropic_surface(whole):
+def test_profile_is_converted_to_isotropic_surface(whole):
     lines = [Profile(whole.heights[row], spacing=SPACING) for row in (0, 300, 600, 900)]
     joined = joined_spectrum(lines, per_decade=5)
     known = scale_dependent_roughness(whole, periodic=True)
     assert float(joined.roughness().gradient_at(0.1)) == pytest.approx(float(known.gradient_at(0.1)), rel=0.3)
 
 
-def test_surrogates_have_the_spectrum(whole):
+def test_generated_surface_has_the_spectrum(whole):
     joined = joined_spectrum(instruments(whole))
     body = joined.surface(3, shape=(512, 512), spacing=0.04)
     again = joined.surface(3, shape=(512, 512), spacing=0.04)
@@ -120,6 +120,6 @@ def test_surrogates_have_the_spectrum(whole):
         ([Surface(np.ones((9, 9)), spacing=1.0)], {}, "flat surface"),
     ],
 )
-def test_bad_arguments_are_named(whole, scans, options, said):
+def test_joined_spectrum_rejects_bad_arguments(whole, scans, options, said):
     with pytest.raises(ValueError, match=said):
         joined_spectrum([whole] if scans is None else scans, **options)

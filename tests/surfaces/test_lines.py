@@ -28,7 +28,7 @@ def stack(hurst, lines=40, points=600, **changes):
     return Surface(np.array(rows) + tilt, spacing=(0.5, 0.02))
 
 
-def test_is_that_of_the_lines_one_by_one():
+def test_line_roughness_equals_that_of_single_lines():
     surface = stack(0.6)
     found = line_roughness(surface, "x", band=(0.1, 2.0))
     x = np.arange(600)
@@ -43,7 +43,7 @@ def test_is_that_of_the_lines_one_by_one():
     assert found.hurst_exponents == pytest.approx([estimate_hurst_exponent(row, band=(0.1, 2.0)).value for row in rows])
 
 
-def test_columns_are_the_rows_of_the_surface_on_its_side():
+def test_roughness_along_y_equals_that_of_transposed_rows():
     surface = stack(0.6, lines=12, points=300)
     on_its_side = Surface(surface.heights.T, spacing=(0.02, 0.5))
     for one, other in (("x", "y"), ("y", "x")):
@@ -54,7 +54,7 @@ def test_columns_are_the_rows_of_the_surface_on_its_side():
         assert np.array_equal(again.spectrum.wave_number, found.spectrum.wave_number)
 
 
-def test_levelling_does_not_matter():
+def test_line_roughness_is_invariant_under_levelling():
     surface = stack(0.6, lines=12, points=300)
     for along in ("x", "y"):
         found, again = line_roughness(surface, along), line_roughness(levelled(surface, "plane"), along)
@@ -62,7 +62,7 @@ def test_levelling_does_not_matter():
         assert again.hurst_exponents == pytest.approx(found.hurst_exponents, abs=1e-6)
 
 
-def test_lines_of_one_hurst_exponent_are_fitted_in_the_band_that_they_share():
+def test_lines_are_fitted_in_a_common_band():
     hurst = 0.6
     found = line_roughness(stack(hurst, lines=MAX_FITTED_LINES + 9, longest_wavelength=4.0), "x")
     assert found.fitted == MAX_FITTED_LINES == found.hurst_exponents.size
@@ -76,7 +76,7 @@ def test_lines_of_one_hurst_exponent_are_fitted_in_the_band_that_they_share():
     assert spread < 0.1
 
 
-def test_lines_without_roughness_weigh_in_the_height_and_have_no_exponent():
+def test_flat_lines_contribute_to_height_without_exponent():
     heights = np.array(stack(0.6, lines=40).heights)
     heights[::2] = 3.0 + 0.01 * np.arange(600)  # dead lines
     found = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
@@ -90,7 +90,7 @@ def test_lines_without_roughness_weigh_in_the_height_and_have_no_exponent():
     assert (found.Pq, found.Pdq, found.band, found.hurst_exponents.size, found.with_band) == (0, 0, None, 0, 0)
 
 
-def test_a_band_that_few_lines_have_is_none():
+def test_band_is_none_if_few_lines_have_one():
     waves = np.sin(np.arange(700) / 20) + np.arange(9)[:, np.newaxis]
     found = line_roughness(Surface(waves, spacing=1.0), "x")
     assert found.band is None
@@ -107,7 +107,7 @@ def test_a_band_that_few_lines_have_is_none():
         (stack(0.6, lines=8), {"along": "x", "band": 3}, "band must be a shortest and a longest wavelength"),
     ],
 )
-def test_bad_arguments_are_named(surface, options, said):
+def test_line_roughness_rejects_bad_arguments(surface, options, said):
     with pytest.raises(ValueError, match=said):
         line_roughness(surface, **options)
 
@@ -145,7 +145,7 @@ def test_lines_along_grooves_have_no_exponent():
     assert np.isnan(along_y.misfit)
 
 
-def test_misfit_is_one_on_a_straight_spectrum_and_grows_with_a_bend():
+def test_misfit_is_1_for_a_power_law_and_increases_with_a_bend():
     straight = Surface(
         [
             self_affine(2, hurst_exponent=0.7, rms=0.1, points=512, spacing=1.0, periodic=True, amplitudes="fixed",

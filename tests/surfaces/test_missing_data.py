@@ -40,7 +40,7 @@ def path(whole, tmp_path):
     return tmp_path / "hole.npy"
 
 
-def test_masks_follow_the_points_through_all_that_is_done_to_a_scan(whole, path, tmp_path):
+def test_masks_follow_points_through_preparation(whole, path, tmp_path):
     scan = read_surface(path, missing="mask", **READ)
     missing = np.isnan(np.load(path))
     assert np.array_equal(scan.missing, missing)
@@ -75,7 +75,7 @@ def test_masks_follow_the_points_through_all_that_is_done_to_a_scan(whole, path,
             assert np.array_equal(again.heights[~again.missing], body.heights[~body.missing])
 
 
-def test_a_hole_at_the_edge_is_masked_and_the_ends_of_a_profile_are_left_out(tmp_path):
+def test_edge_gap_is_masked_in_maps_and_cropped_in_profiles(tmp_path):
     corner = np.where(np.arange(36).reshape(6, 6) < 8, np.nan, 1.0)
     np.save(tmp_path / "corner.npy", corner)
     with pytest.raises(ValueError, match='missing="mask"'):
@@ -89,7 +89,7 @@ def test_a_hole_at_the_edge_is_masked_and_the_ends_of_a_profile_are_left_out(tmp
     assert line.missing.tolist() == [False, False, True, False, False]
 
 
-def test_what_is_cropped_is_read_alone(whole, path):
+def test_crop_ignores_missing_points_outside(whole, path):
     with pytest.raises(ValueError, match="480 missing points"):
         read_surface(path, **READ)
     piece = read_surface(path, crop="0 um, 2.5 um, 1 um, 6.4 um", **READ)
@@ -102,7 +102,7 @@ def test_what_is_cropped_is_read_alone(whole, path):
 
 
 @pytest.mark.parametrize("hurst", [0.2, 0.8])
-def test_single_points_that_stand_out_are_outliers_and_others_are_not(hurst, tmp_path):
+def test_find_outliers_detects_single_points_only(hurst, tmp_path):
     options = {"hurst_exponent": hurst, "rms": 0.02, "spacing": 0.1}
     for body in (self_affine(1, points=4000, **options), self_affine_surface(1, shape=(128, 128), **options)):
         assert not find_outliers(body.heights).any()
@@ -124,7 +124,7 @@ def test_single_points_that_stand_out_are_outliers_and_others_are_not(hurst, tmp
 
 
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
-def test_outliers_in_groups_and_at_edges_are_found(shape):
+def test_find_outliers_detects_groups_and_edge_points(shape):
     heights = filtered_noise(np.random.default_rng(1), shape, 0.8)
     usual = float(np.abs(np.diff(heights)).mean())
     places = [(0,), (400,), (401,), (800,), (802,), (1999,)]
@@ -138,12 +138,12 @@ def test_outliers_in_groups_and_at_edges_are_found(shape):
 
 
 @pytest.mark.parametrize("kind", CLEAN)
-def test_outliers_of_a_clean_profile_are_rare(kind):
+def test_find_outliers_has_few_false_positives(kind):
     found = sum(int(find_outliers(CLEAN[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
     assert found <= 10  # of 10240 points
 
 
-def test_the_nominal_area_is_what_was_measured_and_interpolation_is_doubted(whole, path):
+def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(whole, path):
     scan, full = read_surface(path, missing="mask", **READ), pair(whole, whole, shifts=4, **ASKED)
     masked, filled = (
         pair(scan, scan, shifts=4, **ASKED),
@@ -168,7 +168,7 @@ def test_the_nominal_area_is_what_was_measured_and_interpolation_is_doubted(whol
 
 
 @pytest.mark.parametrize("mask", [np.ones(4, bool), np.zeros(5, bool), np.zeros(4)])
-def test_a_mask_that_is_none_is_refused(mask):
+def test_invalid_mask_is_rejected(mask):
     with pytest.raises(ValueError, match="missing must be a mask"):
         Profile(np.zeros(4), spacing=1.0, missing=mask)
 

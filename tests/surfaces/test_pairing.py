@@ -11,7 +11,7 @@ def surface(shape=(64, 64), spacing=0.1, side="lower", seed=3):
 
 
 @pytest.mark.parametrize("dimensions", [1, 2, 4])
-def test_points_are_evenly_spread_however_many_are_taken(dimensions):
+def test_quasi_random_points_are_evenly_spread(dimensions):
     points = np.array([quasi_random_point(index, dimensions) for index in range(256)])
     assert ((points >= 0) & (points < 1)).all()
     for count in (128, 256):
@@ -21,7 +21,7 @@ def test_points_are_evenly_spread_however_many_are_taken(dimensions):
 
 
 class TestLines:
-    def test_each_line_of_a_map_is_taken_once_before_any_is_taken_again(self):
+    def test_line_pairs_use_every_line_before_repeating(self):
         body = surface((30, 64))
         pairs = LinePairs(body, body, level=None, several=True)
         assert pairs.max_count() == 30
@@ -33,7 +33,7 @@ class TestLines:
             np.testing.assert_array_equal(upper.heights, -body.heights[row])
             np.testing.assert_array_equal(lower.heights, body.heights[(row + 10) % 30])
 
-    def test_a_pair_does_not_depend_on_how_many_there_are(self):
+    def test_pair_is_independent_of_number_of_pairs(self):
         profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=400, spacing=0.02)
         pairs = LinePairs(profile, profile, surrogates="both", several=True)
         assert pairs.max_count() is None
@@ -43,7 +43,7 @@ class TestLines:
 
 
 class TestMaps:
-    def test_a_map_never_lies_on_itself(self):
+    def test_map_pairs_never_align_a_map_with_itself(self):
         body = surface()
         pairs = MapPairs(flipped(body), body)
         moved = np.array([pairs.moved(index) for index in range(30)])
@@ -52,7 +52,7 @@ class TestMaps:
         assert len(np.unique(moved, axis=0)) == 30
         assert np.ptp(np.subtract(*(each.heights for each in pairs.pair(0)))) > 0.01
 
-    def test_pieces_lie_all_over_the_larger_map(self):
+    def test_map_pieces_cover_the_larger_map(self):
         small, large = surface((32, 32)), surface((200, 120), seed=4)
         for pairs in (MapPairs(small, large), MapPairs(large, small)):
             assert pairs.shape == (24, 24)
@@ -65,7 +65,7 @@ class TestMaps:
                     assert all(o >= 0 and o + 24 <= n for o, n in zip(origin, body.heights.shape, strict=True))
         assert pairs.used == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
 
-    def test_maps_of_different_spacing_meet_on_the_finer_one(self):
+    def test_map_pieces_have_the_finer_spacing(self):
         fine = surface((64, 64), 0.05)
         coarse = Surface(surface((64, 64), 0.05, seed=5).heights[::2, ::2], spacing=0.1)
         pairs = MapPairs(fine, coarse)
@@ -83,18 +83,18 @@ class TestMaps:
         rest = np.linalg.lstsq(plane, off.ravel(), rcond=None)[1]
         assert np.sqrt(rest / off.size) < 1e-9
 
-    def test_turned_together_two_maps_make_turned_pieces(self):
+    def test_rotated_maps_give_rotated_pieces(self):
         upper, lower = surface(side="upper"), surface()
         pairs = MapPairs(upper, lower)
         assert pairs.area == pytest.approx(4.8**2)
         assert pairs.used == pytest.approx((0.5625, 0.5625))
 
-    def test_too_few_points_are_refused(self):
+    def test_map_pairs_reject_too_few_points(self):
         with pytest.raises(ValueError, match="at least 16 rows and columns must lie above each other"):
             MapPairs(surface((20, 64)), surface((20, 64))).pair(0)
 
 
-def test_isotropic_pairs_have_the_shorter_length():
+def test_isotropic_pairs_use_the_shorter_profile_length():
     one, other = (
         self_affine(1, hurst_exponent=0.8, rms=0.05, points=points, spacing=spacing, side=side)
         for points, spacing, side in ((200, 0.02, "upper"), (300, 0.01, "lower"))

@@ -18,7 +18,7 @@ def rough(points, spacing=0.1, seed=1):
 
 
 @pytest.mark.parametrize(("trend", "degree"), [("mean", 0), ("line", 1), ("quadratic", 2)])
-def test_what_is_subtracted_is_the_least_squares_polynomial(trend, degree):
+def test_levelled_subtracts_least_squares_polynomial(trend, degree):
     profile = rough(101)
     reference = profile.heights - np.polynomial.Polynomial.fit(profile.x, profile.heights, degree)(profile.x)
     result = levelled(profile, trend)
@@ -30,7 +30,7 @@ def test_what_is_subtracted_is_the_least_squares_polynomial(trend, degree):
     seed=st.integers(0, 2**32), points=st.integers(4, 300), coefficients=st.tuples(*[st.floats(-1, 1)] * 3),
 )  # fmt: skip
 @settings(max_examples=50, deadline=None)
-def test_a_trend_that_is_added_is_taken_away_again(seed, points, coefficients):
+def test_levelled_removes_added_trend(seed, points, coefficients):
     profile = rough(points, seed=seed)
     t = np.linspace(-1, 1, points)
     bent = Profile(profile.heights + np.polynomial.Polynomial(coefficients)(t), spacing=0.1)
@@ -39,13 +39,13 @@ def test_a_trend_that_is_added_is_taken_away_again(seed, points, coefficients):
     assert np.abs(levelled(once, "line").heights - once.heights).max() < ROUND_OFF
 
 
-def test_a_tilt_far_larger_than_the_roughness_costs_no_digits():
+def test_levelled_is_accurate_for_large_tilt():
     profile = levelled(rough(10_000), "line")
     tilted = Profile(1e-3 * profile.heights + 100 * profile.x, spacing=profile.spacing)
     assert np.abs(levelled(tilted, "line").heights - 1e-3 * profile.heights).max() < 1e-10  # 1e5 µm in 1e-16
 
 
-def test_trends_and_bodies_that_do_not_fit_are_refused():
+def test_levelled_rejects_trend_of_other_body():
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'line', .*, got 'plane'"):
         levelled(rough(9), "plane")
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'plane', .*, got 'line'"):
@@ -58,7 +58,7 @@ def test_trends_and_bodies_that_do_not_fit_are_refused():
 
 
 @given(points=st.integers(8, 200), cut=st.floats(0.05, 0.95), spacing=st.sampled_from([0.1, 0.3, 1 / 3, 7.0]))
-def test_neighbouring_pieces_make_up_the_whole(points, cut, spacing):
+def test_adjacent_crops_make_up_the_profile(points, cut, spacing):
     profile = rough(points, spacing)
     place = min(max(round(cut * points), 4), points - 4) * spacing
     left, right = cropped(profile, stop=place), cropped(profile, place)
@@ -66,7 +66,7 @@ def test_neighbouring_pieces_make_up_the_whole(points, cut, spacing):
     assert np.array_equal(cropped(profile, 0, profile.extent).heights, profile.heights)
 
 
-def test_a_position_between_points_takes_the_next():
+def test_crop_starts_at_next_point():
     profile = Profile(np.arange(10.0), spacing=0.1)
     assert cropped(profile, 0.15, 0.65).heights.tolist() == [2, 3, 4, 5, 6]
     assert cropped(profile, 0.3, 0.7).heights.tolist() == [3, 4, 5, 6]
@@ -83,7 +83,7 @@ def test_a_position_between_points_takes_the_next():
         (0, "1", "stop must be .number unit"),
     ],
 )
-def test_pieces_that_are_not_there_are_refused(start, stop, match):
+def test_cropped_rejects_positions_outside(start, stop, match):
     with pytest.raises(ValueError, match=match):
         cropped(rough(10), start, stop)
 
@@ -91,7 +91,7 @@ def test_pieces_that_are_not_there_are_refused(start, stop, match):
 # ---- Turning over ---------------------------------------------------------------------------------------------------
 
 
-def test_two_scans_of_the_same_peak_touch_at_their_peaks():
+def test_flipped_scan_touches_at_the_peak():
     peak = Profile(-np.square(np.linspace(-1, 1, 101)), spacing=0.02)
     touching = contacts(flipped(peak), peak, 1e-4, detection="gap-minimum")
     assert touching.index.tolist() in (
@@ -104,7 +104,7 @@ def test_two_scans_of_the_same_peak_touch_at_their_peaks():
 # ---- A common grid --------------------------------------------------------------------------------------------------
 
 
-def test_the_finer_profile_keeps_its_bits_and_the_other_is_splined():
+def test_common_grid_keeps_finer_profile_and_splines_the_other():
     fine, coarse = rough(100, 0.1), rough(20, 0.25)
     for a, b, kept in ((fine, coarse, 0), (coarse, fine, 1)):
         pair = on_common_grid(a, b)
@@ -115,14 +115,14 @@ def test_the_finer_profile_keeps_its_bits_and_the_other_is_splined():
         assert np.abs(shared - coarse.heights[::2]).max() < ROUND_OFF
 
 
-def test_the_same_grid_stays():
+def test_common_grid_of_equal_grids_changes_nothing():
     a, b = rough(30), rough(20)
     common = on_common_grid(a, b)
     assert np.array_equal(common[0].heights, a.heights[:20])
     assert common[1] is b
 
 
-def test_the_spline_converges_with_the_fourth_power_of_the_spacing():
+def test_spline_error_decreases_with_fourth_power_of_spacing():
     errors = []
     for points in (40, 80):
         coarse = Profile(np.sin(np.arange(points + 1) * 20 / points), spacing=20 / points)
@@ -133,7 +133,7 @@ def test_the_spline_converges_with_the_fourth_power_of_the_spacing():
     assert np.log2(errors[0] / errors[1]) > SPLINE_ORDER
 
 
-def test_any_two_profiles_have_points_in_common():
+def test_common_grid_exists_for_any_two_profiles():
     assert [len(each) for each in on_common_grid(rough(4, 3.0), rough(4, 0.1))] == [4, 4]
 
 

@@ -16,7 +16,7 @@ def test_grid_starts_at_zero_and_extends_over_all_points():
 
 
 @pytest.mark.parametrize("body", [Profile(HEIGHTS, spacing=1.0), Surface(np.zeros((4, 4)), spacing=1.0)])
-def test_heights_are_a_copy_that_nobody_can_change(body):
+def test_heights_are_a_read_only_copy(body):
     """Also those of a view that is read-only, and of what was pickled."""
     mine = np.array(body.heights)
     view = mine.view()
@@ -35,7 +35,7 @@ def test_heights_are_a_copy_that_nobody_can_change(body):
 @pytest.mark.parametrize(
     ("measure", "size"), [("height", np.ptp), ("Ra", lambda y: np.abs(y - y.mean()).mean()), ("Rq", np.std)]
 )
-def test_amplitude_is_what_the_measure_says(measure, size):
+def test_with_amplitude_sets_the_measure(measure, size):
     scaled = Profile(HEIGHTS + 7, spacing=1.0).with_amplitude(0.3, measure)
     assert size(scaled.heights) == pytest.approx(0.3, abs=ROUND_OFF)
     assert scaled.heights.mean() == pytest.approx(0, abs=ROUND_OFF)
@@ -60,18 +60,18 @@ def test_amplitude_is_what_the_measure_says(measure, size):
         (np.array(["2020-01-01"] * 4, "M8[D]"), "real numbers"),
     ],
 )
-def test_bad_heights_are_named(heights, message):
+def test_profile_rejects_bad_heights(heights, message):
     with pytest.raises(ValueError, match=message):
         Profile(heights, spacing=1.0)
 
 
 @pytest.mark.parametrize("spacing", [0, -1.0, np.nan, np.inf, None, True, 10**400, 2 + 1j])
-def test_bad_spacings_are_named(spacing):
+def test_profile_rejects_bad_spacings(spacing):
     with pytest.raises(ValueError, match="spacing must be a finite number above 0 µm, got"):
         Profile(HEIGHTS, spacing=spacing)
 
 
-def test_bad_amplitudes_are_named():
+def test_with_amplitude_rejects_bad_amplitudes():
     profile = Profile(HEIGHTS, spacing=1.0)
     with pytest.raises(ValueError, match="amplitude must be a finite number above 0"):
         profile.with_amplitude(0)
@@ -81,7 +81,7 @@ def test_bad_amplitudes_are_named():
         Profile(np.ones(9), spacing=1.0).with_amplitude(1)
 
 
-def test_heights_whose_sum_overflows_are_finite_heights():
+def test_profile_accepts_heights_whose_sum_overflows():
     """Without a warning of NumPy's; and among them what is not finite is still found."""
     heights = np.array([1e308, 1e308, -1e308, -1e308, 0.0])
     assert Profile(heights, spacing=1.0).heights.tolist() == heights.tolist()

@@ -28,7 +28,7 @@ def place(dimensions, points, spacing):
 
 @pytest.mark.parametrize("dimensions", [1, 2])
 @pytest.mark.parametrize("colour", ["white", "band", "pink"])
-def test_two_scans_of_one_place_give_the_noise_of_any_colour(dimensions, colour):
+def test_compare_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colour):
     points, spacing, rms, rng = (12000 if dimensions == 1 else 320), 0.02, 1.5e-4, np.random.default_rng(3)
     shape = (points,) * dimensions
     truth, kind = place(dimensions, points, spacing), Profile if dimensions == 1 else Surface
@@ -65,7 +65,7 @@ def test_two_scans_of_one_place_give_the_noise_of_any_colour(dimensions, colour)
     assert left / (whole @ kept) == pytest.approx(0.1, rel=0.15)
 
 
-def test_a_scan_and_itself_have_no_noise_and_other_places_are_refused():
+def test_compare_repeated_scans_rejects_identical_and_unrelated_scans():
     first, other = (self_affine(seed, hurst_exponent=0.8, rms=0.1, points=2000, spacing=0.1) for seed in (1, 2))
     found = compare_repeated_scans(first, Profile(first.heights[100:], spacing=0.1))
     assert (found.shift, found.limit) == ((10.0,), 0.2)
@@ -73,7 +73,7 @@ def test_a_scan_and_itself_have_no_noise_and_other_places_are_refused():
     area = Surface(np.eye(40), spacing=0.1)
     holes = Profile(first.heights, spacing=0.1, missing=np.arange(2000) == 7)
     for one, two, why in (
-        (first, first, "identical"), (first, other, "of one place"), (first, area, "two of a kind"),
+        (first, first, "identical"), (first, other, "of the same area"), (first, area, "two of a kind"),
         (first, Profile(first.heights, spacing=0.2), "equal spacings"), (first, holes, "takes whole scans"),
         (first, 3, "second must be a Profile or a Surface"), (Profile(np.zeros(9), spacing=0.1), first, "not be flat"),
     ):  # fmt: skip
@@ -98,7 +98,7 @@ def dilated(body, radius):
         self_affine_surface(1, hurst_exponent=0.7, rms=0.01, shape=(120, 100), spacing=(0.01, 0.012)),
     ],
 )
-def test_a_ball_is_taken_back_as_far_as_it_can_be(body):
+def test_tip_reconstructed_inverts_dilation_at_certain_points(body):
     radius = 0.15
     seen = type(body)(dilated(body, radius), spacing=body.spacing)
     found, certain = tip_reconstructed(seen, radius)

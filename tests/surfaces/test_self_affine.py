@@ -10,7 +10,7 @@ CHOICES = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spacing": (0.
 
 
 class TestOfAProfile:
-    def test_has_the_wanted_spectrum_and_height(self):
+    def test_profile_has_requested_spectrum_and_height(self):
         profile = rough(periodic=True, amplitudes="fixed", longest_wavelength=2.0, shortest_wavelength=0.05)
         assert roughness_parameters(profile).Pq == pytest.approx(0.1, rel=ROUND_OFF)
         spectrum = power_spectrum(profile, periodic=True)
@@ -22,7 +22,7 @@ class TestOfAProfile:
         assert spectrum.density[cut].max() < 1e-24 * spectrum.density[0]
 
     @pytest.mark.parametrize("periodic", [True, False])
-    def test_mean_square_is_that_wanted_over_the_ensemble(self, periodic):
+    def test_ensemble_mean_square_equals_requested(self, periodic):
         squares = [
             roughness_parameters(rough(repetition=r, periodic=periodic, longest_wavelength=0.5)).Pq ** 2
             for r in range(100)
@@ -30,7 +30,7 @@ class TestOfAProfile:
         # 100 profiles of some ten independent stretches: 4 %; a cut-out profile's own mean takes away as much again.
         assert np.mean(squares) == pytest.approx(0.1**2, rel=0.12)
 
-    def test_finer_grid_is_the_same_profile(self):
+    def test_finer_grid_samples_the_same_profile(self):
         options = {"shortest_wavelength": 0.05}
         for periodic in (True, False):
             coarse = rough(points=1000, spacing=0.01, periodic=periodic, **options)
@@ -44,7 +44,7 @@ class TestOfAProfile:
         assert max(jump(rough(repetition=r, periodic=True)) for r in range(10)) < 2
         assert np.median([jump(rough(repetition=r)) for r in range(10)]) > 5
 
-    def test_depends_on_its_random_numbers_only(self):
+    def test_profile_depends_only_on_random_numbers(self):
         assert np.array_equal(rough(1).heights, rough(1).heights)
         for other in (rough(2), rough(1, repetition=1), rough(1, side="upper")):
             assert not np.allclose(rough(1).heights, other.heights)
@@ -67,7 +67,7 @@ class TestOfAProfile:
             ({"seed": -1}, "seed"),
         ],
     )
-    def test_bad_arguments_are_named(self, bad, match):
+    def test_self_affine_rejects_bad_arguments(self, bad, match):
         with pytest.raises(ValueError, match=match):
             rough(**bad)
 
@@ -83,7 +83,7 @@ def power(heights, extents):
     return np.abs(transform) ** 2, 2 * np.pi * np.hypot(y[:, None], x)
 
 
-def test_has_the_wanted_rms_and_a_mean_of_zero():
+def test_surface_has_requested_rms_and_zero_mean():
     for changes in ({}, {"longest_wavelength": 0.4}, {"shape": (4, 5), "spacing": 1.0}, {"rms": 1e-7}):
         heights = surface(**changes).heights
         assert heights.std() == pytest.approx((CHOICES | changes)["rms"], rel=ROUND_OFF)
@@ -113,7 +113,7 @@ def test_spectrum_is_the_power_law_flat_beyond_the_longest_wavelength_and_zero_b
         assert ratio == pytest.approx(1, abs=4 / np.sqrt(4 * ring.sum()) + 0.15)
 
 
-def test_is_isotropic_on_any_grid():
+def test_surface_is_isotropic_on_any_grid():
     made = [surface(shape=(128, 256), spacing=(0.02, 0.01), shortest_wavelength=0.08, repetition=r) for r in range(20)]
     along_y = np.array([np.gradient(one.heights, 0.02, axis=0).std() for one in made])
     along_x = np.array([np.gradient(one.heights[:, ::2], 0.02, axis=1).std() for one in made])
@@ -121,7 +121,7 @@ def test_is_isotropic_on_any_grid():
     assert np.mean(along_y**2) / np.mean(along_x**2) == pytest.approx(1, abs=0.03)
 
 
-def test_is_periodic():
+def test_surface_is_periodic():
     made = surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
     doubled = np.tile(made.heights, (2, 2))
     # Between equal neighbours a jump at the seam would stand out.
@@ -136,7 +136,7 @@ def test_a_finer_grid_samples_the_same_surface():
     assert np.abs(fine.heights[::3, ::2] - coarse.heights).max() < ROUND_OFF
 
 
-def test_same_numbers_give_the_same_bits_and_others_another_surface():
+def test_surface_is_reproducible_and_depends_on_seed():
     one = surface()
     assert surface().heights.tobytes() == one.heights.tobytes()
     for other in (surface(seed=4), surface(repetition=1), surface(side="upper")):
@@ -147,7 +147,7 @@ def test_same_numbers_give_the_same_bits_and_others_another_surface():
     assert abs(np.mean(ensemble) / 0.01) < 4 * np.std([one.mean() / 0.01 for one in ensemble]) / np.sqrt(40)
 
 
-def test_the_words_are_those_that_the_documentation_names():
+def test_random_words_match_documentation():
     # One wave (1, 0) along x alone, on a strip: the second word cannot show, because the rms is given.
     made = self_affine_surface(
         5, hurst_exponent=0.5, rms=1.0, shape=(4, 64), spacing=(0.01, 0.125), shortest_wavelength=7.0, repetition=2
@@ -177,7 +177,7 @@ def test_the_words_are_those_that_the_documentation_names():
         ({"rms": np.nan}, "rms"),
     ],
 )
-def test_bad_arguments_are_named(changes, match):
+def test_self_affine_rejects_bad_arguments(changes, match):
     with pytest.raises(ValueError, match=match):
         surface(**changes)
 
@@ -194,7 +194,7 @@ class TestAmplitude:
             assert scaled.history == ("made", f"scaled to {measure} 0.3 µm")
             assert np.corrcoef(scaled.heights.ravel(), made.heights.ravel())[0, 1] == pytest.approx(1, rel=ROUND_OFF)
 
-    def test_bad_arguments_are_named(self):
+    def test_self_affine_rejects_bad_arguments(self):
         flat = Surface(np.full((5, 5), 2.0), spacing=1.0)
         assert flat.is_flat
         assert not surface().is_flat

@@ -28,12 +28,12 @@ def test_rows_are_along_x_and_columns_along_y():
         (np.zeros((3, 3)), np.array("1"), "spacing"),
     ],
 )
-def test_what_is_no_surface_is_refused(heights, spacing, match):
+def test_surface_rejects_bad_heights(heights, spacing, match):
     with pytest.raises(ValueError, match=match):
         Surface(heights, spacing=spacing)
 
 
-def test_a_row_or_column_must_exist():
+def test_row_and_column_reject_invalid_index():
     with pytest.raises(ValueError, match="index"):
         Surface(np.zeros((3, 5)), spacing=1.0).row(3)
     with pytest.raises(ValueError, match="index"):

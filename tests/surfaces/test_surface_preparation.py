@@ -30,7 +30,7 @@ def bumps(shape=(60, 80), spacing=(0.2, 0.1)):
     return Surface(height(y, x), spacing=spacing), height
 
 
-def test_a_trend_is_the_polynomial_of_least_squares():
+def test_levelled_subtracts_least_squares_polynomial():
     surface, _ = bumps()
     y, x = np.broadcast_arrays(surface.y[:, np.newaxis], surface.x)
     for degree, trend in enumerate(("mean", "plane", "quadratic")):
@@ -45,7 +45,7 @@ def test_a_trend_is_the_polynomial_of_least_squares():
     assert not levelled(bowl, "quadratic").heights.any()
 
 
-def test_a_surface_is_turned_about_the_x_axis():
+def test_flipped_rotates_surface_about_x_axis():
     surface, _ = bumps()
     over = flipped(surface)
     assert over.heights[0, 5] == -surface.heights[-1, 5]
@@ -53,7 +53,7 @@ def test_a_surface_is_turned_about_the_x_axis():
     assert over.history == ("turned over",)
 
 
-def test_pieces_of_a_surface_make_up_the_whole():
+def test_adjacent_crops_make_up_the_surface():
     surface, _ = bumps()
     pieces = [
         [cropped(surface, (y0, x0), (y1, x1)).heights for x0, x1 in ((0, 3.05), (3.05, 8.0))]
@@ -71,7 +71,7 @@ def test_pieces_of_a_surface_make_up_the_whole():
             cropped(surface, start, stop)
 
 
-def test_two_surfaces_come_to_the_finer_grid_along_each_axis():
+def test_common_grid_is_the_finer_along_each_axis():
     fine, _ = bumps((60, 40), (0.1, 0.2))
     coarse, height = bumps((30, 100), (0.25, 0.1))
     one, other = on_common_grid(fine, coarse)
@@ -87,7 +87,7 @@ def test_two_surfaces_come_to_the_finer_grid_along_each_axis():
         on_common_grid(fine, Profile(np.arange(9.0), spacing=1.0))
 
 
-def test_a_common_grid_about_the_middle_is_where_a_turned_map_lies():
+def test_common_grid_aligned_at_middle_matches_rotated_map():
     small, height = bumps((41, 61), (0.1, 0.1))
     # The same function, seen by a larger map that begins 1 µm further down and 2 µm further left.
     for shape, spacing in (((61, 101), 0.1), ((25, 41), 0.25)):
@@ -112,7 +112,7 @@ def test_a_common_grid_about_the_middle_is_where_a_turned_map_lies():
 
 
 @pytest.mark.parametrize("turns", [-1, 0, 1, 2, 3, 5])
-def test_quarter_turns_keep_every_height(turns):
+def test_rotated_by_multiples_of_90_preserves_heights(turns):
     surface, _ = bumps()
     turned = rotated(surface, 90 * turns)
     assert np.array_equal(np.sort(turned.heights, axis=None), np.sort(surface.heights, axis=None))
@@ -122,7 +122,7 @@ def test_quarter_turns_keep_every_height(turns):
 
 @pytest.mark.parametrize("angle", [-60, 17, 45, 90, 100, 213])
 @pytest.mark.parametrize("shape", [(80, 70), (30, 140)])
-def test_a_turned_surface_is_the_function_turned(angle, shape):
+def test_rotated_equals_rotated_function(angle, shape):
     surface, height = bumps(shape, (0.1, 0.1))
     turned = rotated(surface, angle)
     middle = [(points - 1) * 0.05 for points in shape]
@@ -142,13 +142,13 @@ def test_a_turned_surface_is_the_function_turned(angle, shape):
         assert "% cut off" in turned.history[-1]
 
 
-def test_a_lay_is_turned_by_the_angle():
+def test_rotated_turns_lay_by_the_angle():
     x = 0.1 * np.arange(300)
     grooves = Surface(np.sin(2 * np.pi * x / 2.0) + np.zeros((300, 1)), spacing=0.1)
     assert surface_parameters(rotated(grooves, 33)).Std == pytest.approx(33, abs=2)
 
 
-def test_too_little_is_left_of_a_strip():
+def test_rotated_rejects_narrow_strip():
     with pytest.raises(ValueError, match="angle 45 leaves 3 rows"):
         rotated(Surface(np.random.default_rng(1).normal(size=(5, 90)), spacing=1.0), 45)
 

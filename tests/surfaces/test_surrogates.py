@@ -32,7 +32,7 @@ SCATTER = 0.1
 
 class TestSurrogate:
     @pytest.mark.parametrize("points", [1000, 1001])
-    def test_of_a_periodic_profile_has_its_spectrum(self, points):
+    def test_surrogate_of_periodic_profile_has_equal_spectrum(self, points):
         profile = rough(points=points, periodic=True)
         other = surrogate(profile, 5, periodic=True)
         one, two = (power_spectrum(p, periodic=True).density for p in (profile, other))
@@ -40,14 +40,14 @@ class TestSurrogate:
         assert abs(np.corrcoef(profile.heights, other.heights)[0, 1]) < 0.9
         assert other.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
 
-    def test_of_any_profile_has_its_height(self):
+    def test_surrogate_of_profile_has_equal_height(self):
         for profile in (rough(), rough(points=1001), Profile(rough().heights + 7.0, spacing=0.01)):
             other = surrogate(profile, 5, repetition=2)
             assert other.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
             assert roughness_parameters(other).Pq == pytest.approx(roughness_parameters(profile).Pq, rel=1e-11)
 
     @pytest.mark.parametrize("points", [8, 9, 10, 11])
-    def test_of_a_cut_out_profile_has_the_averaged_spectrum_of_its_mirror_image(self, points):
+    def test_surrogate_has_averaged_spectrum_of_mirrored_profile(self, points):
         heights = rough(points=points).heights
         image = np.concatenate([heights, heights[::-1]]) - heights.mean()
         density = np.abs(np.fft.fft(image)) ** 2
@@ -58,7 +58,7 @@ class TestSurrogate:
 
     @pytest.mark.parametrize("hurst", [0.4, 0.8])
     @pytest.mark.parametrize("longest", [4.0, 40.0])
-    def test_of_a_cut_out_profile_keeps_slope_and_short_wavelengths(self, hurst, longest):
+    def test_surrogate_preserves_slope_and_short_wavelengths(self, hurst, longest):
         slopes, short = [], []
         for r in range(20):
             profile = rough(points=4096, longest_wavelength=longest, hurst_exponent=hurst, repetition=r)
@@ -78,14 +78,14 @@ class TestSurrogate:
         assert np.max(np.abs(np.log(slopes))) < 0.05
         assert np.mean(short) == pytest.approx(1, abs=0.03)
 
-    def test_are_an_ensemble(self):
+    def test_surrogates_form_an_ensemble(self):
         profile = rough()
         assert np.array_equal(surrogate(profile, 1).heights, surrogate(profile, 1).heights)
         others = [surrogate(profile, 1, repetition=r) for r in range(3)] + [surrogate(profile, 1, side="upper")]
         for one, two in pairwise(others):
             assert not np.allclose(one.heights, two.heights)
 
-    def test_bad_arguments_are_named(self):
+    def test_surrogate_rejects_bad_arguments(self):
         with pytest.raises(ValueError, match="flat"):
             surrogate(Profile([1.0] * 10, spacing=1.0), 1)
         with pytest.raises(ValueError, match="seed"):
@@ -149,7 +149,7 @@ def test_mean_spectrum_is_that_of_the_fit():
     assert fitted.count.sum() == pytest.approx(255.5)  # harmonics, that at the Nyquist wave number half
 
 
-def test_units_do_not_matter_and_seeds_do():
+def test_isotropic_surface_scales_with_units_and_depends_on_seed():
     section = known(0.7, shape=(64, 512)).row(3)
     one = isotropic_surface(section, 7, shape=(64, 96), repetition=2, side="upper")
     ten = isotropic_surface(
@@ -176,14 +176,14 @@ def test_units_do_not_matter_and_seeds_do():
         ({"periodic": "yes"}, "periodic must be True or False"),
     ],
 )
-def test_bad_input(changes, words):
+def test_isotropic_surface_rejects_bad_arguments(changes, words):
     arguments = {"profile": known(0.7, shape=(64, 256)).row(0), "seed": 1} | changes
     with pytest.raises(ValueError, match=words):
         isotropic_surface(arguments.pop("profile"), arguments.pop("seed"), **arguments)
 
 
 @pytest.mark.soak
-def test_area_and_friction_are_those_of_the_map():
+def test_isotropic_surface_has_contact_area_and_friction_of_map():
     """Pieces have 128 by 128 points; docs/scripts/isotropic.py does it for H of 0.4 to 0.9 with larger ones."""
     bodies = [known(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
 
