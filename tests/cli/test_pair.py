@@ -11,7 +11,7 @@ import pytest
 import stiction
 import typer
 from command import assert_refused, stiction_command, stiction_done
-from stiction import Study, effective_modulus, run, self_affine, self_affine_surface, write_profile
+from stiction import Study, effective_modulus, run, self_affine, self_affine_surface, tabor_friction, write_profile
 from stiction._errors import ArgumentError
 from stiction.cli.application import app, tell
 from stiction.cli.options import announce_reader
@@ -611,7 +611,7 @@ def test_a_pair_says_how_finely_it_was_seen_and_what_no_finer_scan_passes(beside
     resolution, answer = record["resolution"], record["answers"][0]
     assert resolution["waves"]["shortest_um"] == pytest.approx(0.2)
     assert [each["cut_off"] for each in resolution["cut_offs"]] == pytest.approx([0, 0.2], rel=1e-3)
-    assert answer["finer_scans"]["from"] == pytest.approx(0.2 + 0.05 / 0.625, rel=1e-3)
+    assert answer["finer_scans"]["from"] == pytest.approx(float(tabor_friction(0.625, 0.2, 0.05, 13.5)), rel=1e-3)
     assert answer["finer_scans"]["to"] >= answer["rules"][0]["value"]
     stored = store.read(folder / "pair" / "resolution")
     wanted = run(Study.from_toml(folder / "pair" / "resolution" / "study.toml"))

@@ -9,10 +9,10 @@ from rough_bodies import rough_maps
 from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
-from stiction.studies.at_load import PerLoad, at_load, six_at
+from stiction.studies.at_load import PerLoad, areas_of, at_load, six_at
 from stiction.studies.budget import _Point, with_uncertainty
 from stiction.studies.executors import threads
-from stiction.studies.hardness import Areas, areas_over_hardness, bodies_wanted, inputs_of
+from stiction.studies.hardness import areas_over_hardness, bodies_wanted, inputs_of
 from stiction.studies.known import ENDS, known
 from stiction.studies.pair import pair_study
 from stiction.studies.values import StudyError
@@ -94,7 +94,7 @@ def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_soluti
     assert bodies_wanted(result.study)[1].size == (3 if modulus.startswith("48") else 1)
     at = result._asked
     where = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
-    six, areas = six_at(result.source, at["load"].values), Areas.of(at, result.study, result.source)
+    six, areas = six_at(result.source, at["load"].values), areas_of(at, result.source)
     friction = PerLoad.of(six.sel(sliding="all").mean())
     one = _Point(at.isel(where), where, result.study, inputs, friction, areas)
     one.names, one.places = tuple(inputs), {}  # the scan as it is, at these positions
@@ -143,7 +143,7 @@ def test_a_range_of_creep_widens_what_is_waited_for_alone() -> None:
 
 
 def test_materials_bring_their_ranges_and_a_hardness_that_is_given_is_exact() -> None:
-    kwargs = dict(load="2 MPa", mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", **QUICK)
+    kwargs = dict(load="2 MPa", mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", junction_growth=0, **QUICK)
     named = pair(*bodies(rms=0.02), **kwargs)
     assert named.budget["input"][0] == "the hardness of the brass"
     assert named.budget["share"][0] > 0.5
@@ -158,7 +158,7 @@ def test_elastic_bodies_over_a_range_of_the_modulus_are_those_of_direct_solution
     kwargs = dict(load="0.2 MPa", mu0=0.2, tau0="50 kPa", **QUICK)
     result = pair(*bodies(rms=0.01), effective_modulus="1.5..6 MPa", **kwargs)
     at, study = result._asked, result.study
-    areas = Areas.of(at, study, result.source)
+    areas = areas_of(at, result.source)
 
     def area(found):
         return found._asked["contact_area"].sel(statistic="mean").item()

@@ -68,6 +68,10 @@ STRENGTH = {
         "--hardness PRESSURE",
         "Of the softer body: the most that the pressure can be; for jackson-green 2.84 yield strengths.", False,
     ),
+    "junction_growth": _material(
+        "--junction-growth NUMBER", "α by which plastic contacts grow under shear, \"9\" or \"0..27\"; 0 for none.",
+        "0..27 of metals by name",
+    ),
     "wait": _material(
         "--wait TIMES", 'Under load before it is sheared, "1 min,1 h"; the hardness is that after 1 s.', False
     ),

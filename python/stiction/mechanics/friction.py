@@ -21,7 +21,7 @@ from stiction.mechanics.quantities import QUANTITIES, SUMS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved"]
+Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved", "seizure"]
 """Whether a point has a coefficient of friction, or why not."""
 
 STATUSES: tuple[Status, ...] = get_args(Status)  # in this order their numbers stand in files
@@ -31,6 +31,7 @@ STATUS_NO_CONTACT: Status = "no-contact"
 STATUS_NOT_REACHED: Status = "not-reached"
 STATUS_BELOW_RANGE: Status = "below-range"
 STATUS_NOT_SOLVED: Status = "not-solved"
+STATUS_SEIZURE: Status = "seizure"
 STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")  # dtype of arrays of statuses
 _PARTS = ("elastic", "frictional", "adhesive")
 

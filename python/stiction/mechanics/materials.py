@@ -20,7 +20,7 @@ class MaterialValue(float):
     ----------
     low, high : float
         Between which it lies in the source; equal where the source has one number. The number itself is their geometric
-        mean.
+        mean, or half of the upper end where the lower one is 0.
     source : str
         Author, title and year.
 
@@ -37,8 +37,9 @@ class MaterialValue(float):
     source: str
 
     def __new__(cls, low: float, high: float, source: str) -> MaterialValue:
-        """A value between two ends, above 0."""
-        value = super().__new__(cls, math.sqrt(low * high) if low != high else low)
+        """Return a value between two ends, which are not negative."""
+        middle = low if low == high else math.sqrt(low * high) if low > 0 else high / 2
+        value = super().__new__(cls, middle)
         value.low, value.high, value.source = low, high, source
         return value
 
@@ -65,6 +66,8 @@ class Material:
         the indentation, smaller ones being harder. None of an elastomer, which does not yield.
     aliases : tuple of str
         Other names that `material` takes.
+    junction_growth : MaterialValue or None
+        α of p² + α s² = H², by which plastic contacts under shear grow; None where it is taken as 0.
 
     Examples
     --------
@@ -80,6 +83,7 @@ class Material:
     poisson_ratio: MaterialValue
     hardness: MaterialValue | None
     aliases: tuple[str, ...] = ()
+    junction_growth: MaterialValue | None = None
 
     @property
     def plane_strain_modulus(self) -> float:
@@ -145,7 +149,7 @@ def materials() -> tuple[Material, ...]:
     return tuple(
         Material(
             row["name"], kind, value(row, "young_modulus"), value(row, "poisson_ratio"), value(row, "hardness"),
-            tuple(row.get("aliases", ())),
+            tuple(row.get("aliases", ())), value(table["junction_growth"], kind),
         )
         for kind in get_args(MaterialKind)
         for row in sorted(table[kind], key=lambda row: row["name"].casefold())

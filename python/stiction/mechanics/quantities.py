@@ -164,6 +164,10 @@ QUANTITIES: dict[str, Quantity] = {
     "friction_if_known": _uncertainty("interval if an input were known", "conditional", "input"),
     "width_if_known": _uncertainty("width if an input were known", "conditional", "input"),
     "friction_waited": _uncertainty("coefficient of static friction after waiting under load", "combined", "wait"),
+    "fraction_seizing": Quantity(
+        unit="1", words="fraction of the samples of the inputs whose interfaces seize", kind="statistic",
+        along=_MEAN_FRICTION,
+    ),
     "spread_low": Quantity(
         unit="1", words="a tenth of the members are below", kind="statistic", along=_MEAN_FRICTION,
     ),
@@ -181,6 +185,10 @@ QUANTITIES: dict[str, Quantity] = {
         unit="", words="status of the true contact area", kind="statistic", along=_STEP, dtype=str,
     ),
     "contact_area": _sum("contact_area", "half-space", symbol="A", proportional=True, shown=_EVERYWHERE),
+    "contact_area_at_onset": Quantity(
+        unit="um^2", words="true contact area at the onset of sliding, with junction growth",
+        brief="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"), shown=_VERBOSE_TABLE,
+    ),
     "contact_count": _sum("contact_count", "half-space", dtype=int, proportional=True, shown=_EVERYWHERE),
     "mean_pressure": Quantity(
         unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP, numerator="contact_load",

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, choice, float_array
 from stiction.mechanics import friction
-from stiction.mechanics.closed_forms import gentle_friction
+from stiction.mechanics.closed_forms import gentle_friction, hardness_under_shear
 from stiction.mechanics.friction import RATIOS, SIX, STATUS_DTYPE, STATUSES, load_of, loads_of, ratio_of
 from stiction.mechanics.quantities import (
     DISTRIBUTIONS,
@@ -33,6 +33,7 @@ from stiction.mechanics.quantities import (
     attributes_of,
 )
 from stiction.studies import intervals
+from stiction.studies.hardness import Areas
 from stiction.studies.intervals import Crossing
 from stiction.studies.maps import (
     CELLS,
@@ -109,11 +110,16 @@ def at_load(
     if not values.size or not (values > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     material = material_of(head_of(result), mu0, tau0)
+    areas = None
     if reading == "mean":
         point = _of_ensemble(result, values, *material)
     else:
-        members = member_values(result, values, mu0=material[0], tau0=material[1], reading=reading, of=of)
+        members = _members_before_growth(result, values, *material, reading, of)
         point = _of_members(study, members)
+        if study.contact.junction_growth:
+            areas = areas_of(point, result)
+            members = _with_growth(members, result, areas, of)
+            point = _of_members(study, members)
         if measured:
             gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
             cells = [str(dim) for dim in gradient.dims]
@@ -123,7 +129,9 @@ def at_load(
     if measured:
         # The largest relative difference of friction between each member's elastic and its normal load.
         other: Reading = "normal" if reading == "elastic" else "elastic"
-        members = member_values(result, values, mu0=material[0], tau0=material[1], reading=other, of=of)
+        members = _members_before_growth(result, values, *material, other, of)
+        if areas is not None:
+            members = _with_growth(members, result, areas, of)
         there = members["friction_coefficient"].mean(("repetition", "direction"))
         here = point["friction_all_round"].sel(statistic="mean")
         rest = [str(dim) for dim in here.dims if dim not in (*CELLS, "load")]
@@ -376,9 +384,89 @@ def member_values(
         raise ValueError("reading must be 'elastic' or 'normal': members have no mean load")
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     material = material_of(head_of(result), mu0, tau0)
-    return _of_all(
-        result, of, lambda piece: piece_at(piece, values, *material, reading, ratio=step_of(piece) == "load")
-    )
+    members = _members_before_growth(result, values, *material, reading, of)
+    study = study_of_result(result)
+    if not study.contact.junction_growth:
+        return members
+    return _with_growth(members, result, areas_of(_of_members(study, members), result), of)
+
+
+def _members_before_growth(
+    result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, of: Kind | None
+) -> xarray.Dataset:
+    """Return `member_values` without junction growth."""
+    return _of_all(result, of, lambda piece: piece_at(piece, loads, mu0, tau0, reading, ratio=step_of(piece) == "load"))
+
+
+# ---- Junction growth -------------------------------------------------------------------------------------------------
+
+
+def areas_of(at: xarray.Dataset, result: Result) -> Areas:
+    """Return how the true area follows hardness and E* at the loads of what `at_load` gives of a result."""
+    study, loads = study_of_result(result), at["load"].values
+    area = at["contact_area"].sel(statistic="mean")
+    ratio = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
+    gradient = float(at["rms_gradient"].sel(statistic="mean").mean())
+    return Areas.of(loads, ratio, gradient, growth_of_area(result, loads), study, result)
+
+
+def growth_of_area(result: Result, loads: Floats) -> Floats:
+    """Return d ln(A/F) / d ln F, the growth of the mean true area per load, at loads (mN)."""
+    steps = study_of_result(result).contact.steps()
+    if steps.size > 1:
+        zero = np.zeros(1)
+        curve = _members_before_growth(result, steps, zero, zero, "elastic", None)["contact_area"]
+        ratio = curve.mean([dim for dim in curve.dims if dim != "load"]).values / steps
+        known = np.isfinite(ratio) & (ratio > 0)
+        if known.sum() > 1:
+            slope = np.gradient(np.log(ratio[known]), np.log(steps[known]))
+            return np.asarray(np.interp(np.log(loads), np.log(steps[known]), slope))
+    return np.zeros(loads.size)
+
+
+def area_growth(areas: Areas, study: Study, rule: str, mu0: Floats, tau0: Floats) -> Floats:
+    """Return the true area at the onset of sliding over that before shear, (loads, mu0, tau0).
+
+    Infinite where interfaces seize.
+    """
+    assert areas.hardness is not None, "contacts that do not yield do not grow"
+    pressure = hardness_under_shear(areas.hardness, mu0[:, np.newaxis], tau0, float(study.contact.junction_growth or 0))
+    hardness = np.full(pressure.size, areas.hardness)
+    grown = [areas.grown(load, rule, hardness, pressure.ravel()) for load in range(areas.pressures.size)]
+    return np.array(grown).reshape(-1, *pressure.shape)
+
+
+def _with_growth(members: xarray.Dataset, result: Result, areas: Areas, of: Kind | None) -> xarray.Dataset:
+    """Return `member_values` whose adhesive forces are those of the true area at the onset of sliding."""
+    import xarray
+
+    study, mu0, tau0 = study_of_result(result), members["mu0"].values, members["tau0"].values
+    grown = {rule: area_growth(areas, study, rule, mu0, tau0) for rule in ("all", *members["sliding"].values.tolist())}
+    factor = np.stack([grown[rule] for rule in members["sliding"].values.tolist()])
+    with np.errstate(invalid="ignore"):
+        more = xarray.Variable(("sliding", "load", "mu0", "tau0"), np.where(tau0 > 0, tau0 * (factor - 1), 0.0))
+    six = six_at(result, members["load"].values, of=of)
+    dims = members["friction_coefficient"].dims
+    loads = {
+        f"{name}_load": members[f"{name}_load"] + (more * six[f"{name}_adhesive"].variable).transpose(*dims)
+        for name in ("normal", "tangential")
+    }
+    normal, tangential = (loads[f"{name}_load"].transpose(*dims).values for name in ("normal", "tangential"))
+    status = members["status"].transpose(*dims).values.copy()
+    known = status == friction.STATUS_OK
+    status[known & (normal <= 0)] = friction.STATUS_SELF_LOCKED
+    seizes = (members["normal_load"].variable * 0.0 + more).transpose(*dims).values
+    status[known & np.isinf(seizes)] = friction.STATUS_SEIZURE
+    with np.errstate(invalid="ignore", divide="ignore"):
+        coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
+    onset = np.where(np.isfinite(grown["all"]), grown["all"], np.nan)
+    area = members["contact_area"].variable * xarray.Variable(("load", "mu0", "tau0"), onset)
+    values = {
+        "friction_coefficient": coefficient, "normal_load": normal, "tangential_load": tangential, "status": status
+    }  # fmt: skip
+    changed: dict[str, Any] = {name: (dims, each, members[name].attrs) for name, each in values.items()}
+    changed["contact_area_at_onset"] = (area.dims, area.values, attributes_of("contact_area_at_onset"))
+    return members.assign(changed)
 
 
 def six_at(result: Result, loads: Floats, *, of: Kind | None = None) -> xarray.Dataset:

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.brackets import friction_bracket
+from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.quantities import attributes_of
-from stiction.studies.at_load import PerLoad, member_values, six_at
-from stiction.studies.hardness import Areas, creep_of, inputs_of, relative_modulus
+from stiction.studies.at_load import PerLoad, areas_of, member_values, six_at
+from stiction.studies.hardness import Areas, creep_of, growth_of, inputs_of, relative_modulus
 from stiction.studies.interfaces import HARDNESS, interface_of
 from stiction.studies.intervals import MOST_FREEDOM, OfScans, of_scans
 from stiction.studies.known import DRAWS, ENDS, Known, strata
@@ -85,8 +86,8 @@ def with_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool = True)
     order = [*([INTERFACE] if strengths else []), *inputs, *(PLACES if scatters else (POSITIONS,)), FINER]
     whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
-    waited = np.full((*shape, len(study.friction.wait), 3), np.nan)
-    six, areas = six_at(result, at["load"].values).mean(("repetition", "direction")), Areas.of(at, study, result)
+    waited, seizing = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
+    six, areas = six_at(result, at["load"].values).mean(("repetition", "direction")), areas_of(at, result)
     read, pressures = at[[name for name in _READ if name in at]], at["load"].values / float(at["nominal_area"])
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))
@@ -95,6 +96,7 @@ def with_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool = True)
         if not one.names:
             continue
         whole[place] = one.value, *one.interval()
+        seizing[place] = one.fraction_seizing
         test[place] = one.value, *one.next_test()
         for index, wait in enumerate(study.friction.wait):
             waited[(*place, index)] = one.after(float(wait), pressures[one.load])
@@ -111,6 +113,8 @@ def with_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool = True)
     }
     if budget:
         tables |= {"friction_if_known": (("input", *over), left), "width_if_known": (("input", *dims), width)}
+    if growth_of(study) is not None:
+        tables["fraction_seizing"] = dims, seizing
     said = [inputs[name].words if name in inputs else {INTERFACE: "the interface"}.get(name, name) for name in order]
     coordinates = {"input": ("input", order), "input_words": ("input", said)} if budget else {}
     if study.friction.wait:
@@ -135,7 +139,7 @@ def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floa
     found = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     low = found[..., 1]
     found[..., 1] = np.where((low < 0) & (found[..., 0] >= 0), 0.0, low)
-    there = np.isfinite(known).all(axis=-1)
+    there = ~np.isnan(known).any(axis=-1)  # an interval may have no upper end
     found[there] = known[there]
     if study.surfaces.both_readings and "cut_off" in dims:  # the first reading is that to quote
         over = np.moveaxis(found, dims.index("cut_off"), 0)
@@ -173,12 +177,14 @@ class _Point:
                 strengths = ()
         # Draws of mu0 and tau0 jointly, and of the hardness where they have it; then those with either at its bound.
         self.strengths = strengths
+        self.rule = str(point["sliding"].values)
+        self.growth = growth_of(study)  # α of junction growth
         hardness = study.contact.hardness
         self.finest: tuple[float, float] | None = None  # between which ends finer scans lie
         free = study.by_half_space and not study.contact.adheres
         if hardness is not None and free and str(point["sliding"].values) == "all":
             contacts = float(point["contact_count"].sel(statistic="mean")) * float(point["members"])
-            limits = self.mu0, self.tau0 / float(hardness), contacts
+            limits = self.mu0, self.tau0 / self._under_shear(float(hardness), self.mu0, self.tau0), contacts
             self.finest = friction_bracket(value, *limits)
             self.bracket = friction_bracket(value, *limits, upper)
         width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
@@ -211,9 +217,11 @@ class _Point:
 
     def width_left(self, name: str) -> float:
         """Width of the interval if an input were known, a mean over what it may be."""
-        widths = [np.ptp(self._sampled_interval({name: part})) for part in KNOWN_QUANTILES]
-        part = float(np.mean(widths)) / float(np.ptp(self._sampled_interval({})))
-        return min(part, 1.0) * float(np.ptp(self.interval()))
+        widths = [_width(self._sampled_interval({name: part})) for part in KNOWN_QUANTILES]
+        sampled, whole = _width(self._sampled_interval({})), _width(self.interval())
+        if not 0 < sampled < math.inf:
+            return float(np.mean(widths)) if sampled else whole
+        return min(float(np.mean(widths)) / sampled, 1.0) * whole
 
     def _sampled_interval(self, fixed: Mapping[str, float]) -> tuple[float, float]:
         if self.names == tuple(self.places) and not fixed:
@@ -225,6 +233,28 @@ class _Point:
         strengths = self.strengths[:1] if INTERFACE in fixed else self.strengths
         ends = [_ends(self._draws(fixed, wait, strength) * factor) for strength in strengths or (None,)]
         return min(low for low, _ in ends), max(high for _, high in ends)
+
+    @property
+    def fraction_seizing(self) -> float:
+        """Fraction of the samples of the inputs whose interfaces seize."""
+        if self.growth is None:
+            return 0.0
+        samples = self._draws({}, strength=self.strengths[0] if self.strengths else None)
+        return float(np.isinf(samples).mean())
+
+    def _under_shear(self, hardness: Any, mu0: Any, tau0: Any, alpha: Any = None) -> Any:
+        """Return H' (GPa) of hardnesses, by default at the middle of α; NaN where interfaces seize."""
+        if self.growth is None:
+            return hardness
+        found = hardness_under_shear(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
+        return float(found) if found.ndim == 0 else found
+
+    def _grown(self, hardness: Floats, mu0: Any, tau0: Any, alpha: Any = None, modulus: Any = 1.0) -> Any:
+        """Return the true area at the onset of sliding over that before shear; infinite where interfaces seize."""
+        if self.growth is None:
+            return 1.0
+        pressure = np.broadcast_to(self._under_shear(hardness, mu0, tau0, alpha), hardness.shape)
+        return self.areas.grown(self.load, self.rule, hardness, pressure, modulus)
 
     def next_test(self) -> tuple[float, float]:
         """The 95 % prediction interval of one more member in one direction.
@@ -248,8 +278,12 @@ class _Point:
         left = hardness * wait**-creep.value
         if pressure >= left:
             return math.nan, math.nan, math.nan
-        area = self.areas.factor(self.load, np.array([left]), 1.0)
-        own = self.friction.coefficient(self.mu0, self.tau0)
+        ends = np.array([left]), np.array([hardness])
+        area, grown = (self._grown(each, self.mu0, self.tau0) for each in ends)
+        if not np.isfinite(area).all():
+            return math.nan, math.nan, math.nan
+        area = self.areas.factor(self.load, ends[0], 1.0) * area
+        own = self.friction.coefficient(self.mu0, self.tau0, grown)
         value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / own
         return float(value[0]), *containing(self._ends({}, wait), float(value[0]))
 
@@ -270,15 +304,24 @@ class _Point:
             if own is not None:
                 hardness = own[place] * hardness / float(self.areas.hardness or 1.0)
                 area = self.areas.factor(self.load, hardness, relative_modulus(self.study, drawn))
-        found = self.value * self.friction.coefficient(mu0, tau0, area) / self.friction.coefficient(self.mu0, self.tau0)
-        found = np.broadcast_to(found, (DRAWS,))
+        own_grown: Any = 1.0
+        if self.growth is not None:
+            alpha = drawn.get("junction_growth", self.growth.value)
+            area = area * self._grown(hardness, mu0, tau0, alpha, relative_modulus(self.study, drawn))
+            hardness = self._under_shear(hardness, mu0, tau0, alpha)
+            own_grown = self._grown(np.array([self.areas.hardness], float), self.mu0, self.tau0)
+        middle = self.friction.coefficient(self.mu0, self.tau0, own_grown)
+        with np.errstate(invalid="ignore"):
+            found = np.broadcast_to(self.value * self.friction.coefficient(mu0, tau0, area) / middle, (DRAWS,))
+        seizes = np.broadcast_to(np.isinf(area), (DRAWS,))
+        found = np.where(seizes, 1.0, found)
         if FINER in columns and self.finest is not None:
-            least = np.minimum(mu0 + tau0 / hardness, found)
+            least = np.minimum(mu0 + tau0 / np.where(seizes, np.inf, hardness), found)
             most = np.maximum(found * (self.finest[1] / self.value), least)
             found = least + columns[FINER] * (most - least)
         for name, error in self.places.items():
             found = found * np.exp(error * ndtri(columns[name]))
-        return np.asarray(np.maximum(found, 0.0))
+        return np.where(seizes, np.inf, np.maximum(found, 0.0))
 
     def _drawn(
         self, fixed: Mapping[str, float], wait: float
@@ -300,13 +343,25 @@ def containing(ends: tuple[float, float], *values: float) -> tuple[float, float]
     return min(ends[0], *values), max(ends[1], *values)
 
 
+def _width(ends: tuple[float, float]) -> float:
+    """Return the width of an interval, which may have no upper end."""
+    return ends[1] - ends[0] if ends[1] < math.inf else math.inf
+
+
 def _ends(values: NDArray[Any]) -> tuple[float, float]:
-    """Ends of the 95 % interval of samples; a `ValueError` if some are no numbers."""
-    if not np.isfinite(values).all():
-        count = int(np.count_nonzero(~np.isfinite(values)))
+    """Return the ends of the 95 % interval of samples; infinite is the upper one where too many are.
+
+    Raises
+    ------
+    ValueError
+        If some samples have no coefficient.
+    """
+    if np.isnan(values).any():
+        count = int(np.count_nonzero(np.isnan(values)))
         raise ValueError(
             f"the inputs are too uncertain: {count} of {values.size} samples of them have no coefficient; "
             "give narrower ranges"
         )
-    low, high = np.quantile(values, [0.025, 0.975])
+    method: Any = "linear" if np.isfinite(values).all() else "inverted_cdf"  # which does not average infinities
+    low, high = np.quantile(values, [0.025, 0.975], method=method)
     return float(low), float(high)

@@ -17,6 +17,7 @@ from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
 from stiction.mechanics.law import LAWS, NAMED, HertzCylinder, Law, LawName, law_of
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
 from stiction.studies.generated_surfaces import Generated, Profiles
+from stiction.studies.known import MAX_GROWTH
 from stiction.studies.measured_surfaces import Measured
 from stiction.studies.values import (
     REQUIRED,
@@ -210,6 +211,12 @@ class HalfSpace(ContactTable):
     mechanics: Literal["half-space"] = Field(default="half-space", description="The elastic half-space.")
     boundary: Boundary = Field(description="What lies beyond the edges: nothing, or the same surfaces again.")
     hardness: Modulus | None = Field(description="The largest pressure of the half-space; none is elastic.")
+    junction_growth: float | None = Field(
+        default=None,
+        ge=0,
+        le=MAX_GROWTH,
+        description="α of p² + α s² = H², by which plastic contacts grow under shear; none is 0, with a caveat.",
+    )
     compliance_share: Fraction = Field(description="The lower body's fraction of the compliance.")
     work_of_adhesion: WorkOfAdhesion | None = Field(
         description="Energy that parts an area in contact; none is not known, and taken as 0."
@@ -221,6 +228,16 @@ class HalfSpace(ContactTable):
     tilt: Tilt = Field(
         description="Whether the upper of free bodies keeps its orientation, or turns until the load is in the middle."
     )
+
+    @model_validator(mode="after")
+    def _grows(self) -> HalfSpace:
+        if self.junction_growth and self.hardness is None:
+            raise fault_at("junction_growth", "must not be given without a hardness: elastic contacts do not grow")
+        if self.junction_growth and self.adheres:
+            raise fault_at(
+                "junction_growth", "must be 0 of bodies that adhere: their contacts at sliding are not solved"
+            )
+        return self
 
     @model_validator(mode="after")
     def _adheres(self) -> HalfSpace:
@@ -262,6 +279,7 @@ class Asperities(ContactTable):
     """Contacts of asperities, which do not feel each other."""
 
     hardness: ClassVar[None] = None
+    junction_growth: ClassVar[None] = None
     work_of_adhesion: ClassVar[None] = None
     adheres: ClassVar[bool] = False
 

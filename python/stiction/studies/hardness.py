@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.mechanics.half_space import half_space, solved
+from stiction.mechanics.closed_forms import hardness_under_shear
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solved
 from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.materials import Material, material, softer_material
 from stiction.mechanics.resolution import KAPPA
-from stiction.studies.at_load import member_values
 from stiction.studies.contact_tables import HalfSpace
 from stiction.studies.known import Known, known, read_known
+from stiction.studies.maps import head_of
 from stiction.studies.members import bodies_of, points_of_member
 from stiction.studies.moduli import Moduli, hardness_of_material, moduli_of_material
 from stiction.studies.store import Stored, read_beside
@@ -49,6 +50,11 @@ NODES = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.
 
 NARROW = 0.2
 """Half of the range of ln E* below which the growth of the area with the load at the study's own E* will do."""
+
+SHEARED_STEP, MAX_SHEARED = 0.5, 4
+"""Step of ln H between nodes below the range of the hardness, for junction growth, and their largest number.
+
+Contacts are plastic there, and their area goes as 1/H below the last of them."""
 
 OUTER = (0.005, 0.995)
 """Quantiles of a range between which solutions are wanted."""
@@ -84,11 +90,20 @@ def inputs_of(study: Study) -> dict[str, Input]:
             found["hardness"] = Input(words, known("hardness", table.hardness, "hardness"))
         elif softer and softer.hardness and abs(float(contact.hardness) / softer.hardness - 1) < ROUNDED:
             found["hardness"] = Input(words, hardness_of_material(softer.hardness))
+    if (growth := growth_of(study)) is not None:
+        found["junction_growth"] = Input("the junction growth α", growth)
     for key, value in moduli.items():
         name, _, side = key.partition("_")
         words = f"{_MODULI[name]} of the {bodies[SIDES.index(side)].name if bodies else f'{side} body'}"
         found[key] = Input(words, value)
     return {name: each for name, each in found.items() if not each.known.is_exact}
+
+
+def growth_of(study: Study) -> Known | None:
+    """Return α of junction growth; None where contacts do not grow."""
+    if not study.contact.junction_growth:
+        return None
+    return known("junction_growth", study.known.junction_growth or study.contact.junction_growth)
 
 
 def creep_of(study: Study) -> Known | None:
@@ -136,21 +151,38 @@ def bodies_wanted(study: Study) -> tuple[Floats, Floats]:
     steps = [
         np.ptp(np.log(relative_modulus(study, {name: each.known.quantile(OUTER)}))) / 2
         for name, each in inputs.items()
-        if name not in ("mu0", "tau0", "hardness")
+        if name not in ("mu0", "tau0", "hardness", "junction_growth")
     ]
     wide = float(np.hypot.reduce([0.0, *steps]))
     moduli = np.exp([-wide, 0.0, wide]) if wide > NARROW else np.ones(1)
     if own is None:
         return np.array([np.inf] if moduli.size > 1 else []), moduli
-    if "hardness" not in inputs and creep is None and moduli.size == 1:
+    if "hardness" not in inputs and creep is None and moduli.size == 1 and growth_of(study) is None:
         return np.zeros(0), moduli
     ends = inputs["hardness"].known.quantile(OUTER) if "hardness" in inputs else np.repeat(float(own), 2)
     if creep is not None:
         falls = np.power.outer([1.0, *study.friction.wait], -creep.quantile(OUTER))
         ends = ends * [falls.min(), falls.max()]
     half = np.hypot(np.ptp(np.log(ends)) / 2, np.log(moduli[-1]))
-    parts = np.exp(half * (2 * np.array(NODES[moduli.size]) - 1))
-    return np.unique([*np.sqrt(ends.prod()) * parts, float(own), np.inf]), moduli
+    parts = np.exp(half * (2 * np.array(NODES[moduli.size]) - 1)) if half > 0 else np.ones(0)
+    nodes = np.unique([*np.sqrt(ends.prod()) * parts, float(own), np.inf])
+    return np.unique([*_sheared_nodes(study, float(nodes[0])), *nodes]), moduli
+
+
+def _sheared_nodes(study: Study, softest: float) -> Floats:
+    """Return the nodes below a hardness (GPa) that junction growth asks for, down to the least pressure under shear."""
+    growth = growth_of(study)
+    if growth is None:
+        return np.zeros(0)
+    inputs, most = inputs_of(study), {}
+    for name in ("mu0", "tau0"):
+        own = max(map(float, getattr(study.friction, name)))
+        most[name] = max(own, float(inputs[name].known.quantile(OUTER[1]))) if name in inputs else own
+    least = float(hardness_under_shear(softest, **most, alpha=growth.quantile(OUTER[1])))
+    lowest = softest * np.exp(-SHEARED_STEP * MAX_SHEARED)
+    span = np.log(softest / max(least if np.isfinite(least) else 0.0, lowest))
+    count = int(np.ceil(span / SHEARED_STEP))
+    return np.asarray(softest * np.exp(-span * np.arange(1, count + 1) / max(count, 1)))
 
 
 def areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
@@ -164,9 +196,10 @@ def areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | No
     members = _members(study)
     tasks = list(product(range(members), moduli.tolist(), hardnesses.tolist()))
     found = np.array(list(executor.map(partial(_areas_of_member, study, loads), tasks)))
-    areas = found.reshape(members, moduli.size, hardnesses.size, loads.size)
+    areas = found.reshape(members, moduli.size, hardnesses.size, -1, loads.size)
+    dims = ("repetition", "relative_modulus", "hardness", "load")
     return xarray.Dataset(
-        {"contact_area": (("repetition", "relative_modulus", "hardness", "load"), areas, {"units": "um^2"})},
+        {name: (dims, areas[..., index, :], {"units": "um^2"}) for index, name in enumerate(_areas_wanted(study))},
         {
             "hardness": ("hardness", hardnesses, {"units": "GPa", "long_name": "hardness over the relative modulus"}),
             "relative_modulus": ("relative_modulus", moduli, {"units": "1"}),
@@ -187,8 +220,17 @@ def _members(study: Study) -> int:
     return min(few if study.is_areal else LINES, study.ensemble.repetitions)
 
 
+def _areas_wanted(study: Study) -> tuple[str, ...]:
+    """Return the names of the areas that are solved over hardness."""
+    return ("contact_area", "opposing_area") if growth_of(study) is not None else ("contact_area",)
+
+
 def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:
-    """True areas (µm²) of a member of a relative E*, and a hardness over it; NaN of a load that it does not bear."""
+    """Return the true areas (µm²) of a member of a relative E*, and a hardness over it, (areas, loads).
+
+    With junction growth the second one is that of the contacts that oppose the motion, times their slope factors, as a
+    mean over directions. NaN of a load that the member does not bear.
+    """
     index, modulus, ratio = task
     bodies, contact, hardness = bodies_of(study), study.contact, modulus * ratio
     surfaces: Any = study.surfaces
@@ -197,10 +239,21 @@ def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float, float]
     modulus *= float(contact.effective_modulus)
     solid = contact.solid() | {"hardness": hardness if np.isfinite(hardness) else None, "effective_modulus": modulus}
     can = np.flatnonzero(loads < hardness * float(bodies.about().nominal_area or 0.0))
-    areas = np.full(loads.size, np.nan)
+    areas = np.full((len(_areas_wanted(study)), loads.size), np.nan)
+    solid |= {"direction": contact.degrees().tolist()} if study.is_areal and len(areas) > 1 else {}
     for at, curve in solved(partial(half_space, upper, lower, **solid, sliding="all"), loads[can]) if can.size else ():
-        areas[can[at]] = curve.contact_area
+        areas[0, can[at]] = curve.contact_area
+        if len(areas) > 1:
+            areas[1, can[at]] = _opposing_area(curve, is_areal=study.is_areal)
     return areas
+
+
+def _opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
+    """Return the tangential load per shear strength (µm²) of the contacts that oppose the motion, over the loads."""
+    opposing = curve.with_sliding("opposing")
+    ways = [opposing] if is_areal else [opposing, opposing.with_direction("-x")]
+    sums = np.mean([each.tangential_adhesive for each in ways], axis=0)
+    return np.asarray(sums.reshape(-1, sums.shape[-1]).mean(axis=0))
 
 
 def hardness_beside(result: Stored) -> xarray.Dataset | None:
@@ -209,7 +262,7 @@ def hardness_beside(result: Stored) -> xarray.Dataset | None:
     hardnesses, moduli = bodies_wanted(study) if study.is_measured else (np.zeros(0), np.ones(1))
     wanted = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
     names = ("hardness", "relative_modulus", "load")
-    found = read_beside(result.path / FILE, (*names, "contact_area")) if hardnesses.size else None
+    found = read_beside(result.path / FILE, (*names, *_areas_wanted(study))) if hardnesses.size else None
     if found is None:
         return None
     there = [found[name].values for name in names]
@@ -234,35 +287,53 @@ class Areas:
     moduli: Floats  # (m,) e, E* over that of the study
     growth: Floats  # (loads,) d ln(A/F) / d ln F
     errors: Floats  # (loads, n) relative standard error of A at the nodes over that of the study
+    pressures: Floats  # (loads,) over the nominal area, GPa
+    opposing: Floats | None = None  # (loads, n) of the contacts that oppose the motion, at the study's own E*
     kept: dict[Any, Any] = field(default_factory=dict)  # draws that several points share
 
     @classmethod
-    def of(cls, at: xarray.Dataset, study: Study, result: Result) -> Areas:
-        """Those of a result at the loads of what `at_load` gives of it."""
-        loads, hardness = at["load"].values, study.contact.hardness
-        own = None if hardness is None else float(hardness)
-        growth = _growth(loads, study, result)
+    def of(cls, loads: Floats, ratio: Floats, gradient: float, growth: Floats, study: Study, result: Result) -> Areas:
+        """Return those of a result.
+
+        Parameters
+        ----------
+        loads : (l,) array of float, mN
+        ratio : (l,) array of float, 1/GPa
+            Mean true area over the load.
+        gradient : float
+            Rms gradient of the gap.
+        growth : (l,) array of float
+            d ln(A/F) / d ln F.
+        study : Study
+        result : xarray.Dataset or Stored
+        """
+        own = None if study.contact.hardness is None else float(study.contact.hardness)
+        pressures = loads / float(head_of(result)["nominal_area"])
         solved = result.once(hardness_beside) if isinstance(result, Stored) else None
-        if solved is not None and set(loads.tolist()) <= set(solved["load"].values.tolist()):
-            areas = solved["contact_area"].sel(load=loads).mean("repetition")
-            over = (areas * areas["relative_modulus"] / areas["load"]).transpose("load", "relative_modulus", "hardness")
-            nodes, moduli = over["hardness"].values, over["relative_modulus"].values
-            borne = np.isfinite(over.values).all(axis=(0, 1))
+        # The value itself depends on the areas of junction growth: those of the nearest load that was solved.
+        nearest = "nearest" if study.contact.junction_growth else None
+        if solved is not None and (nearest or set(loads.tolist()) <= set(solved["load"].values.tolist())):
+            means = solved.sel(load=loads, method=nearest).mean("repetition")
+            over = (means * means["relative_modulus"] / means["load"]).transpose("load", "relative_modulus", "hardness")
+            areas, nodes, moduli = over["contact_area"], over["hardness"].values, over["relative_modulus"].values
+            borne = np.isfinite(areas.values).all(axis=(0, 1))
             if borne[-1] and (own is None or borne.sum() > 1):
                 finite = borne & np.isfinite(nodes)
-                table = nodes[finite], over.values[..., finite], over.values[..., -1]
+                table = nodes[finite], areas.values[..., finite], areas.values[..., -1]
                 growth = growth if moduli.size == 1 else np.zeros(loads.size)
-                return cls(own, *table, moduli, growth, _errors_over_hardness(solved, own, loads)[:, finite])
-        area = at["contact_area"].sel(statistic="mean")
-        ratio = (area.mean([dim for dim in area.dims if dim != "load"]).values / loads)[:, np.newaxis]
+                errors = _errors_over_hardness(solved.sel(load=loads, method=nearest), own)[:, finite]
+                opposing = (
+                    over["opposing_area"].values[:, moduli.size // 2, finite] if "opposing_area" in over else None
+                )
+                return cls(own, *table, moduli, growth, errors, pressures, opposing)
+        column = ratio[:, np.newaxis]
         if own is None:
             none = np.zeros((loads.size, 0))
-            return cls(None, np.zeros(0), none[:, np.newaxis], ratio, np.ones(1), growth, none)
+            return cls(None, np.zeros(0), none[:, np.newaxis], column, np.ones(1), growth, none, pressures)
         # Without solutions at other hardnesses the area follows the one formula through that of the study.
-        gradient = float(at["rms_gradient"].sel(statistic="mean").mean())
         elastic = np.full((loads.size, 1), KAPPA / (float(study.contact.effective_modulus) * gradient))
         none = np.zeros((loads.size, 1))
-        return cls(own, np.array([own]), ratio[..., np.newaxis], elastic, np.ones(1), growth, none)
+        return cls(own, np.array([own]), column[..., np.newaxis], elastic, np.ones(1), growth, none, pressures)
 
     def factor(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
         """True area over that of the study, for hardnesses (GPa) and E* over that of the study."""
@@ -278,10 +349,48 @@ class Areas:
         """Relative standard error of `factor` at hardnesses over the relative modulus (GPa), from the members."""
         return np.asarray(np.interp(np.log(hardness), np.log(self.nodes), self.errors[load]))
 
+    def grown(
+        self, load: int, rule: str, hardness: Floats, under_shear: Floats, modulus: Floats | float = 1.0
+    ) -> Floats:
+        """Return the true area at the onset of sliding over that before shear, of the contacts that are sheared.
 
-def _errors_over_hardness(solved: xarray.Dataset, own: float | None, loads: Floats) -> Floats:
+        Parameters
+        ----------
+        load : int
+            Number of the load.
+        rule : {"all", "opposing"}
+            Opposing contacts alone are sheared by the rule of the paper; that the others yield as well makes their area
+            an upper bound.
+        hardness, under_shear : array of float, GPa
+            H and H' of `hardness_under_shear`; NaN of H' is seizure.
+        modulus : array_like of float
+            E* over that of the study.
+
+        Returns
+        -------
+        array of float
+            Infinite where interfaces seize: H' is none, or the nominal area does not carry the load at H'.
+        """
+        known = under_shear > self.pressures[load]
+        pressure = np.where(known, under_shear, hardness)
+        if rule == "all" or self.opposing is None:
+            ratio = self.factor(load, pressure, modulus) / self.factor(load, hardness, modulus)
+        else:
+            table = self.nodes, self.opposing[load], self._opposing_elastic(load)
+            ratio = area_per_load(pressure / modulus, *table) / area_per_load(hardness / modulus, *table)
+        return np.where(known, np.where(pressure == hardness, 1.0, ratio), np.inf)
+
+    def _opposing_elastic(self, load: int) -> float:
+        """Return the part of the elastic A/F on opposing contacts, as at the hardest node."""
+        assert self.opposing is not None, "only with junction growth"
+        middle = self.moduli.size // 2
+        part = self.opposing[load, -1] / self.at_nodes[load, middle, -1]
+        return float(self.elastic[load, middle] * part)
+
+
+def _errors_over_hardness(solved: xarray.Dataset, own: float | None) -> Floats:
     """(loads, n) relative standard errors over members of the area at the nodes over that at the study's hardness."""
-    area = solved["contact_area"].sel(load=loads).sel(relative_modulus=1.0, method="nearest")
+    area = solved["contact_area"].sel(relative_modulus=1.0, method="nearest")
     area = area.transpose("load", "hardness", "repetition")
     count = area.sizes["repetition"]
     if own is None or count < MIN_MEMBERS:
@@ -297,16 +406,3 @@ def _between(values: Floats, moduli: Floats, wanted: Floats | float) -> Floats:
     softer, own, stiffer = np.log(values)
     part = np.log(wanted) / np.log(moduli[-1])
     return np.asarray(np.exp(own + part * (stiffer - softer) / 2 + part**2 * (stiffer + softer - 2 * own) / 2))
-
-
-def _growth(loads: Floats, study: Study, result: Result) -> Floats:
-    """How A/F grows with the load, d ln(A/F) / d ln F, at loads (mN)."""
-    steps = study.contact.steps()
-    if steps.size > 1:
-        curve = member_values(result, steps, mu0=[0.0], tau0=[0.0])["contact_area"]
-        ratio = curve.mean([dim for dim in curve.dims if dim != "load"]).values / steps
-        known = np.isfinite(ratio) & (ratio > 0)
-        if known.sum() > 1:
-            slope = np.gradient(np.log(ratio[known]), np.log(steps[known]))
-            return np.asarray(np.interp(np.log(loads), np.log(steps[known]), slope))
-    return np.zeros(loads.size)

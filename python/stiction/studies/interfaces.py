@@ -27,7 +27,7 @@ from stiction._units import in_core_units, loads_in_core_units
 from stiction.mechanics.closed_forms import hertz_sphere
 from stiction.mechanics.friction import SIX, Curve
 from stiction.mechanics.model import Sliding
-from stiction.studies.at_load import PerLoad, member_values, six_at
+from stiction.studies.at_load import PerLoad, areas_of, member_values, six_at
 from stiction.studies.elasticity import Elasticity
 from stiction.studies.hardness import Areas, creep_of, inputs_of, relative_modulus
 from stiction.studies.known import Known, draws, known
@@ -169,7 +169,11 @@ class _ResultYields(_Yields):
         """Those of a result of measured bodies by the half-space; None of others, and where nothing varies."""
         source = getattr(result, "source", result)
         study = study_of(getattr(result, "dataset", result))
-        known = {name: each.known for name, each in inputs_of(study).items() if name not in ("mu0", "tau0")}
+        known = {
+            name: each.known
+            for name, each in inputs_of(study).items()
+            if name not in ("mu0", "tau0", "junction_growth")
+        }
         fall = creep_of(study)
         if wait != 1 and fall is None:
             raise ValueError("wait needs a pair that was pressed with wait and creep")
@@ -177,7 +181,7 @@ class _ResultYields(_Yields):
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
         at = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
-        areas, dataset = Areas.of(at, study, source), getattr(result, "dataset", result)
+        areas, dataset = areas_of(at, source), getattr(result, "dataset", result)
         error = f"{_AREA_ERROR} after {wait:g} s, {dataset.attrs['study']}" if areas.errors.any() else None
         return cls(known | ({} if fall is None else {"creep": fall}), areas, study, wait, error)
 

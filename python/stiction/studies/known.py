@@ -44,6 +44,7 @@ _UNIT = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
 _TEST_LOAD = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")  # "HV10", "HV 0.5": kgf
 Kind = Literal["", "pressure", "modulus", "hardness"]
 MOST_POISSON = 0.5  # Poisson's ratio of a body that keeps its volume
+MAX_GROWTH = 100.0  # largest α of junction growth: 27 is von Mises with H of three yield strengths
 MOST_CREEP = 0.5  # largest exponent of creep: a hardness that falls by three within a decade of time is that of a melt
 
 
@@ -231,7 +232,7 @@ def draws(inputs: Mapping[str, Known]) -> dict[str, Floats]:
 
 KINDS: dict[str, Kind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
-    "poisson": "", "creep": "",
+    "poisson": "", "creep": "", "junction_growth": "",
 }  # fmt: skip
 """Inputs that may be ranges, and what they are."""
 
@@ -243,6 +244,8 @@ def read_known(name: str, given: Any) -> Known:
         if found.high > MOST_POISSON:
             raise ValueError(f"must be from 0 to {MOST_POISSON:g} with its uncertainty, got {shortened(given)}")
         found = replace(found, most=MOST_POISSON)
+    if name == "junction_growth" and found.high > MAX_GROWTH:
+        raise ValueError(f"must be from 0 to {MAX_GROWTH:g}, got {shortened(given)}")
     if name == "creep" and found.high > MOST_CREEP:
         raise ValueError(f"must be at most {MOST_CREEP:g}, got {shortened(given)}")
     return found
@@ -261,6 +264,7 @@ class KnownTable(Table):
     effective_modulus: _Text | None = Field(default=None, description="E*.")
     young: _Texts | None = Field(default=None, description="Young's modulus of the upper and the lower body.")
     poisson: _Texts | None = Field(default=None, description="Poisson's ratio of the upper and the lower body.")
+    junction_growth: _Text | None = Field(default=None, description="α of junction growth, p² + α s² = H².")
     creep: _Text | None = Field(default=None, description="Exponent m of indentation creep: H = H(1 s) (t/1 s)^-m.")
     interface: str | None = Field(
         default=None, min_length=1, max_length=4096,

@@ -28,6 +28,7 @@ from stiction._errors import ArgumentError
 from stiction._units import Quantity, exactly, quantity, shortened
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.law import NAMED, JacksonGreen
+from stiction.mechanics.materials import material, softer_material
 from stiction.mechanics.model import THICKNESS
 from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
@@ -77,6 +78,7 @@ class Pair:
     upper_material: str | None = None
     lower_material: str | None = None
     hardness: Any = None
+    junction_growth: Any = None  # α
     wait: Several = None
     creep: Any = None
     work_of_adhesion: Any = None
@@ -124,7 +126,15 @@ class Pair:
                 raise ArgumentError(f"{{{name}}} must be {' or '.join(allowed)}, got {{got}}{hint}", got=repr(value))
         if self.rotate is not None:
             number("rotate", self.rotate, unit="degrees")
-        for name in ("hardness", "creep", "work_of_adhesion", "adhesion_range", "yield_strength", "travel"):
+        for name in (
+            "hardness",
+            "junction_growth",
+            "creep",
+            "work_of_adhesion",
+            "adhesion_range",
+            "yield_strength",
+            "travel",
+        ):
             if isinstance(getattr(self, name), (list, tuple)):
                 raise ArgumentError(f"{{{name}}} must be one value, got {{got}}", got=shortened(getattr(self, name)))
         for name, least in (("shifts", 1), ("lines", 1), ("offsets", 1), ("seed", 0)):
@@ -331,6 +341,8 @@ class Pair:
         for name in sorted(names):
             own = self.known.get(name) or self._read(name)
             table[name] = [each.text for each in own] if name in ("young", "poisson") else own[0].text
+        if self.by[0] == "half-space" and (growth := self._growth) is not None and not growth.is_exact:
+            table["junction_growth"] = growth.text
         if self.strength is not None:
             name = str(self.interface)
             table["interface"] = name if name in interfaces() else str(Path(name).resolve())
@@ -531,6 +543,10 @@ class Pair:
             table |= {} if self.tilt is None else {"tilt": self.tilt}
             if (hardness := self._hardness) is not None:
                 table["hardness"] = hardness
+            if (growth := self._growth) is not None:
+                table["junction_growth"] = growth.value
+            elif self.junction_growth is not None:
+                table["junction_growth"] = 0.0
             table |= self._adhesion
         else:
             table |= {"law": self._law(), "detection": self.detection or "gap-minimum"}
@@ -551,6 +567,26 @@ class Pair:
             found[name] = quantity_of(name, value, kind)
             at_least_0(name, [found[name]], value)
         return found
+
+    @property
+    def _growth(self) -> Known | None:
+        """Return α of junction growth, by default that of the softer material; None where contacts do not grow."""
+        given = self.junction_growth
+        if given is None:
+            # An interface is calibrated without growth, and applied without it.
+            grows = self._hardness is not None and self.interface is None and not self._adhesion.get("work_of_adhesion")
+            softer = softer_material(*map(material, self.elasticity.materials or ())) if grows else None
+            value = softer and softer.junction_growth
+            given = f"{value.low:g}..{value.high:g}" if value else 0.0
+        elif self._hardness is None:
+            raise ArgumentError("{junction_growth} needs {hardness}: contacts that do not yield do not grow")
+        try:
+            found = read_known("junction_growth", given)
+        except ValueError as error:
+            raise ArgumentError("{junction_growth} {why}", why=str(error).strip()) from None
+        if found.value and self._adhesion.get("work_of_adhesion"):
+            raise ArgumentError("{junction_growth} must be 0 with {work_of_adhesion}, got {got}", got=repr(given))
+        return found if found.value else None
 
     @property
     def _hardness(self) -> Quantity | None:
@@ -728,6 +764,7 @@ _APPLY: tuple[tuple[tuple[str, ...], Callable[[Pair], bool], str], ...] = (
      "must not be given beside {hardness}, which says it"),
     (("hardness",), lambda asked: "half-space" in asked.by or asked.contact_law == JacksonGreen.name,
      "is for {mechanics} half-space, and for {law} jackson-green"),
+    (("junction_growth",), lambda asked: "half-space" in asked.by, "is for {mechanics} half-space"),
     (("wait",), lambda asked: asked.creep is not None, "needs {creep}, the exponent of indentation creep"),
     (("creep",), lambda asked: asked.wait is not None, "is for {wait}"),
     (("wait",), lambda asked: asked.by[0] == "half-space", "is for {mechanics} half-space"),

@@ -46,6 +46,7 @@ from stiction.views.point import (
 from stiction.views.point import RULES as RULES
 from stiction.views.point import over_text as over_text
 from stiction.views.point import points as points
+from stiction.views.resolution import plastic_adhesion
 from stiction.views.sticking import Sticking, sticking_of
 
 if TYPE_CHECKING:
@@ -111,6 +112,7 @@ class Answer:
     scans: tuple[int, int] = (1, 1)  # places of the upper and of the lower part that were scanned
     sticking: Sticking | None = None  # of bodies that adhere
     contact_status: str = "ok"  # of the true area: "ok", "complete" or "above-nominal"
+    grows: bool = False  # whether contacts that have yielded grow under shear
     unloaded: bool = False  # whether the load is negligible beside the pull-off force
 
     @property
@@ -157,7 +159,7 @@ class Answer:
         if self.bracket is None or self.hardness is None:
             return ""
         low, high = (f"{end:.3f}" for end in self.bracket)
-        ends = f"{low} (μ0 + τ0/H)" + (f" to {high}" if low != high else "")
+        ends = f"{low} (μ0 + τ0/{'H′' if self.grows else 'H'})" + (f" to {high}" if low != high else "")
         return f"at H = {with_unit(self.hardness, 'GPa')} a finer scan would give {ends}"
 
     @property
@@ -180,7 +182,7 @@ class Answer:
     @property
     def covers(self) -> str:
         """What the 95 % interval of the first rule covers; empty without an interval."""
-        if not math.isfinite(self.upper - self.lower) or self.members < 2:
+        if math.isnan(self.upper - self.lower) or self.members < 2:
             return ""
         inputs = dict.fromkeys(left.words for left in self.budget) or [f"the mean over {self.averaged}"]
         return f"95 % interval of {', '.join(inputs)}"
@@ -278,6 +280,7 @@ def answer(point: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ())
         at=_place_of(point, study),
         bracket=None if any(_spoils_bracket(doubt) for doubt in doubts) else _bracket(point, study, mean),
         hardness=None if study.contact.hardness is None else float(study.contact.hardness),
+        grows=bool(study.contact.junction_growth),
         budget=_budget(point, rules[0].rule), parts=_parts(point, rules[0]),
         from_roughness=_from_roughness(point, study, rules[0]),
         waited=_waited(point, rules[0].rule),
@@ -303,7 +306,7 @@ def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
 
 def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
     lower, upper = (float(own[name].sel(statistic=each)) if name in own else math.nan for each in STATISTICS[1:])
-    return (lower, upper) if math.isfinite(lower) and math.isfinite(upper) else None
+    return (lower, upper) if math.isfinite(lower) and not math.isnan(upper) else None
 
 
 def _budget(point: xarray.Dataset, rule: str) -> tuple[Left, ...]:
@@ -330,7 +333,8 @@ def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float]
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
     load = float(point["load"])
-    mu0, adhesion = float(point["mu0"]), float(point["tau0"]) * value_of(point, "contact_area") / load
+    area = "contact_area_at_onset" if "contact_area_at_onset" in point else "contact_area"
+    mu0, adhesion = float(point["mu0"]), float(point["tau0"]) * value_of(point, area) / load
     if "contact_load" in point:
         mu0 *= value_of(point, "contact_load") / load
     return mu0, adhesion, rule.value - mu0 - adhesion
@@ -352,8 +356,7 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
     parts = _parts(point, rule)
     if parts is None or not study.is_measured:
         return None
-    hardness = study.contact.hardness
-    return rule.value - parts[0] - (0.0 if hardness is None else float(point["tau0"]) / float(hardness))
+    return rule.value - parts[0] - (plastic_adhesion(point, study) or 0.0)
 
 
 def _spoils_bracket(doubt: Doubt) -> bool:
@@ -370,7 +373,9 @@ def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[f
     measured = study.is_measured and study.by_half_space and not study.contact.adheres
     if hardness is None or not measured or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
-    mu0, adhesion = float(point["mu0"]), float(point["tau0"]) / float(hardness)
+    mu0, adhesion = float(point["mu0"]), plastic_adhesion(point, study)
+    if adhesion is None or math.isnan(adhesion):
+        return None
     upper = all_rub.upper if math.isfinite(all_rub.upper) else None
     contacts = value_of(point, "contact_count") * value_of(point, "members")
     return friction_bracket(all_rub.value, mu0, adhesion, contacts, upper)
@@ -397,6 +402,8 @@ def _inputs(point: xarray.Dataset, study: Study) -> str:
     hardness = study.contact.hardness
     if hardness is not None:
         words.append(f"hardness {with_unit(float(hardness), 'GPa')}{_range(study)}")
+        if growth := study.contact.junction_growth:
+            words.append(f"α = {study.known.junction_growth or f'{growth:g}'}")
     elif study.is_measured:
         words.append("yielding by Jackson and Green" if "jackson" in law_of(study) else "elastic")
     if study.contact.adheres:

@@ -24,8 +24,13 @@ SMALL = 2**28  # bytes
 
 
 def in_memory(result: xarray.Dataset | Stored) -> xarray.Dataset | Stored:
-    """A stored result that is small as a dataset, because it is read several times; a large one as it is stored."""
-    return result.dataset() if hasattr(result, "path") and result.nbytes < SMALL else result
+    """Return a small stored result as a dataset, because it is read several times, and other results unchanged.
+
+    Junction growth takes the areas at other hardnesses, which a dataset does not contain.
+    """
+    if not isinstance(result, Stored) or result.nbytes >= SMALL or result.study.contact.junction_growth:
+        return result
+    return result.dataset()
 
 
 def asked_loads(result: xarray.Dataset | Stored) -> Floats:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 MOST_DIGITS = 4  # most significant digits of a value: nothing here is known better, however narrow its interval
+NO_END = "\N{INFINITY}"  # upper end of an interval that has none
 HUGE = 100.0  # ratio of the upper end of an interval to its value, from which on that end is printed by one digit
 
 _PREFIXES = {
@@ -26,6 +27,9 @@ def with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -
         return "none"
     if math.isnan(lower) or math.isnan(upper):
         return f"{significant(mean, 3)} no interval"
+    if math.isinf(upper):
+        decimals = _decimals(mean, lower, 2 * mean - lower, digits)
+        return f"{_in_decimals(mean, decimals)} [{_in_decimals(lower, decimals)}, {NO_END})"
     decimals = _decimals(mean, lower, upper, digits)
     ends = [_in_decimals(end, decimals) for end in (lower, upper)]
     if ends[0] == ends[1]:
@@ -46,6 +50,8 @@ def quoted(mean: float, lower: float = math.nan, upper: float = math.nan) -> str
 
 def from_to(low: float, high: float) -> str:
     """Two ends by one digit of half of what is between them, and at least two."""
+    if math.isinf(high):
+        return f"{significant(low)} to {NO_END}"
     decimals = _decimals(max(abs(low), abs(high)), low, high, 1)
     ends = [_in_decimals(end, decimals) for end in (low, high)]
     return ends[0] if ends[0] == ends[1] else " to ".join(ends)

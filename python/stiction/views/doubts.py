@@ -15,7 +15,8 @@ from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
 from stiction.studies.at_load import ABOVE_NOMINAL, COMPLETE
-from stiction.studies.hardness import inputs_of, materials_of
+from stiction.studies.hardness import growth_of, inputs_of, materials_of
+from stiction.studies.known import Known
 from stiction.views.digits import percent, significant, with_unit
 from stiction.views.point import (
     RuleValue,
@@ -54,6 +55,9 @@ FILLED = 0.02  # part of the points of a scan from which on it matters that they
 COARSER = 3.0  # ratio of spacings above which one scan is too coarse beside the other
 GROWTH = 27.0  # α of junction growth at which a body shears at its hardness over 27^(1/2) (von Mises)
 GROWN = 0.05  # relative increase of a coefficient by junction growth above which there is a caveat
+
+NEARLY = 0.7  # τ0 over H/√α above which an interface is nearly as strong as the bulk
+SEIZING = 0.025  # fraction of samples of the inputs that seize above which an interval has no upper end
 
 PART_BEYOND = 0.1
 """Part of the load that has to be at the hardness for its strength to be compared with that of the body."""
@@ -110,6 +114,11 @@ ADVICE = {
     "below-range": ("the first step of the result carries more than this load", "give more load, or smaller steps"),
     "not-solved": ("the half-space did not reach its tolerance", "try another load, or mechanics asperities"),
     "self-locked": ("friction on such slopes holds at any tangential load", "check μ0 and τ0"),
+    "seizure": (
+        "the interface is stronger than the bulk (τ0 is at least H/√α), or its junctions grow over the whole area; "
+        "the model has no coefficient",
+        "check τ0, the hardness and α",
+    ),
     "no-contact": ("the bodies do not touch", "give more load or a larger approach"),
     "": ("there is no coefficient", "see how many members have an answer"),
 }
@@ -252,7 +261,7 @@ def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str,
     relative = value.value / mu0 if mu0 > 0 and float(point["tau0"]) == 0 else math.nan
     return own | {
         "deficit": -value.value,
-        "missing_interval": float(not (math.isfinite(value.lower) and math.isfinite(value.upper))),
+        "missing_interval": float(math.isnan(value.lower) or math.isnan(value.upper)),
         "half_width": width / (2 * value.value) if value.value else math.inf * width,
         "mean_pressure": pressure_of(point),
         # Contacts that have merged into one over much of the area average over it.
@@ -314,16 +323,36 @@ def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> I
     """Where a strength is above that of the softer body, and where the answer is mu0 alone."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and value_of(point, "load_share_at_hardness") > PART_BEYOND:
+        growth = growth_of(study)
         own, grown = tabor_friction(float(hardness), mu0, tau0, [0.0, GROWTH])
         bulk = float(hardness) * GROWTH**-0.5
-        if not grown <= (1 + GROWN) * own:
+        if growth is not None:
+            yield from _of_the_growth(point, float(hardness), tau0, growth)
+        elif study.contact.junction_growth is None and not grown <= (1 + GROWN) * own:
             more = f"by up to {percent(grown / own - 1)}" if math.isfinite(grown) else "without limit (seizure)"
             text = (
                 f"τ0 is {percent(tau0 / bulk)} of the shear strength of the softer body, {with_unit(bulk, 'GPa')}; "
-                f"junction growth, which is left out, raises the friction of metals {more}"
+                f"junction growth, which is taken as 0, would raise the friction of a ductile body {more}"
             )
-            yield Doubt(text, "press at the hardness of hardness_under_shear", "caution")
+            yield Doubt(text, "give --junction-growth '0..27' if it is ductile, 0 if it is not", "caution")
     yield from doubted(([IS_MU0],), _numbers(point, study, value))
+
+
+def _of_the_growth(point: xarray.Dataset, hardness: float, tau0: float, growth: Known) -> Iterator[Doubt]:
+    """Yield caveats of an interface that is nearly as strong as the bulk."""
+    strength = hardness * growth.high**-0.5 if growth.high else math.inf
+    seizing = value_of(point, "fraction_seizing")
+    if seizing > 0:
+        text = (
+            f"{percent(seizing)} of the samples of the inputs seize: τ0 is at least H/√α, and junctions grow without "
+            "limit" + ("; the interval has no upper end" if seizing > SEIZING else "")
+        )
+        yield Doubt(text, "measure the hardness and τ0", "fault" if seizing > SEIZING else "caution")
+    elif tau0 > NEARLY * strength:
+        text = (
+            f"the interface is nearly as strong as the bulk: τ0 is {tau0 / strength:.2f} of H/√α at α = {growth.high:g}"
+        )
+        yield Doubt(text, "friction rises without limit at 1: measure the hardness and τ0", "caution")
 
 
 def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:

@@ -45,6 +45,7 @@ def pair(
     young: Quantity | Sequence[Quantity] | None = None,
     poisson: float | Sequence[float] | None = None,
     hardness: Quantity | None = None,
+    junction_growth: float | str | None = None,
     wait: Quantity | Sequence[Quantity] | None = None,
     creep: float | str | None = None,
     work_of_adhesion: Quantity | None = None,
@@ -112,6 +113,9 @@ def pair(
     poisson : float, or two
         In place of materials, or beside them the hardness. One of effective_modulus, young with poisson, or materials
         is needed: nothing is assumed of a measured body.
+    junction_growth : float or str
+        α of p² + α s² = H² for pressure and shear in plastic contacts, a number or a range, "0..27": contacts that have
+        yielded grow under shear. By default "0..27" of metals by name, and 0 of other bodies.
     wait : str or float, or several, s
         Times under load before the pair is sheared, "1 h"; the hardness is that after 1 s and falls as t**-creep.
     creep : float or str

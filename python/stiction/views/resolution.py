@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction.mechanics.brackets import friction_stretch, interface_stretch
+from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
 from stiction.studies.resolution import Seen, seen
@@ -72,11 +73,18 @@ def hardness_of(study: Study) -> float:
 
 
 def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:
-    """mu0 + tau0/H, below which no finer scan comes where all contacts rub; None without a hardness."""
+    """Return mu0 + tau0/H', below which no finer scan comes where all contacts rub; None without a hardness."""
+    adhesion = plastic_adhesion(point, study)
+    return None if adhesion is None else float(point["mu0"]) + adhesion
+
+
+def plastic_adhesion(point: xarray.Dataset, study: Study) -> float | None:
+    """Return tau0/H', the part of adhesion where all contacts yield; NaN of seizure, None without a hardness."""
     hardness = hardness_of(study)
     if math.isnan(hardness) or not study.by_half_space:
         return None
-    return float(point["mu0"]) + float(point["tau0"]) / hardness
+    mu0, tau0, growth = float(point["mu0"]), float(point["tau0"]), study.contact.junction_growth or 0.0
+    return tau0 / float(hardness_under_shear(hardness, mu0, tau0, growth))
 
 
 def cut_off_records(at: xarray.Dataset, study: Study) -> list[dict[str, Any]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Sequence
+from dataclasses import replace
 from inspect import signature
 from typing import Any
 
@@ -15,7 +16,7 @@ from stiction._text import printable
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import SIX
 from stiction.mechanics.quantities import DIRECTED, QUANTITIES, shown_in
-from stiction.studies.at_load import at_load
+from stiction.studies.at_load import areas_of, at_load
 from stiction.studies.budget import with_uncertainty
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.maps import MOTIONS
@@ -135,6 +136,30 @@ def _facts_of(dataset: xarray.Dataset, result: xarray.Dataset | Stored, study: S
         "kinds": _kinds(dataset), "lines": dataset["line"].values.tolist() if "line" in dataset.coords else None,
         "offsets": [listed(dataset[axis].values) for axis in ("x", "y")] if "x" in dataset.coords else None,
         "asked": asked, "answers": _answers(result, study), "combined": _combined(result, loads), "gap": _gap(dataset),
+        "growth": _growth(result, study),
+    }  # fmt: skip
+
+
+GROWTH_LOGS = np.linspace(0.0, -4.0, 81)  # ln H'/H at which a page has the area of junction growth
+
+
+def _growth(result: xarray.Dataset | Stored, study: Study) -> dict[str, Any] | None:
+    """Return the area at the onset of sliding over that before shear, over rules, loads and ln H'/H; None without."""
+    alpha = study.contact.junction_growth
+    if not alpha:
+        return None
+    at = at_load(result, study.contact.steps(), mu0=[0.0], tau0=[0.0])
+    areas = areas_of(at, result)
+    assert areas.hardness is not None, "contacts that do not yield do not grow"
+    areas = replace(areas, pressures=np.zeros_like(areas.pressures))  # that a load is borne, the page sees to
+    hardness = np.full(GROWTH_LOGS.size, areas.hardness)
+    factors = [
+        [np.log(areas.grown(load, rule, hardness, hardness * np.exp(GROWTH_LOGS))) for load in range(at.sizes["load"])]
+        for rule in at["sliding"].values.tolist()
+    ]
+    return {
+        "hardness": areas.hardness, "alpha": float(alpha), "logs": GROWTH_LOGS.tolist(),
+        "factors": np.round(factors, 9).tolist(),
     }  # fmt: skip
 
 

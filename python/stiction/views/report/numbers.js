@@ -396,13 +396,31 @@ function tickText(value) {
 /** Index of the step that is a load, or -1. */
 const stepOf = ({steps}, load) => steps.findIndex((step) => Math.abs(step - load) <= 1e-9 * load);
 
+/** True area at the onset of sliding over that before shear, by junction growth; Infinity where interfaces seize. */
+function grownArea({growth, directions, steps, area}, motion, step, mu0, tau0) {
+  if (!growth) return 1;
+  const {hardness, alpha, logs, factors} = growth;
+  const left = hardness ** 2 - alpha * tau0 ** 2;
+  const shear = alpha * mu0 * tau0;
+  const pressure = left / (shear + Math.sqrt(shear ** 2 + (1 + alpha * mu0 ** 2) * Math.max(left, 0)));
+  if (!(pressure > steps[step] / area)) return Infinity;
+  const own = factors[Math.floor(motion / directions.length)][step];
+  const log = Math.log(pressure / hardness);
+  const last = logs.length - 1;
+  if (log <= logs[last]) return Math.exp(own[last] + logs[last] - log);
+  const after = Math.max(logs.findIndex((each) => each <= log), 1);
+  const part = (log - logs[after - 1]) / (logs[after] - logs[after - 1]);
+  return Math.exp(own[after - 1] + part * (own[after] - own[after - 1]));
+}
+
 /** Normal and tangential load of each member at a step, in a motion. */
 function loadsOfMembers({facts, motions, members}, motion, d, a, step, mu0, tau0) {
+  const sheared = tau0 && tau0 * grownArea(facts, motion, step, mu0, tau0);
   return members.map((member) => {
     const at = (pairIndex(facts, d, a) * facts.repetitions + member) * facts.steps.length + step;
     return [OF_NORMAL, OF_TANGENTIAL].map((names) => {
       const [elastic, frictional, adhesive] = names.map((name) => motions[motion].sums[name][at]);
-      return elastic + mu0 * frictional + tau0 * adhesive;
+      return elastic + mu0 * frictional + (sheared && adhesive ? sheared * adhesive : 0);
     });
   });
 }
@@ -428,7 +446,8 @@ function meanOfMembers(result, quantity, d, a, load, mu0, tau0) {
   const [value, lower, upper] = intervalOf(result, values);
   const answered = values.filter(Number.isFinite).length;
   const loads = answered ? [] : loadsOfMembers(result, result.chosen[0], d, a, step, mu0, tau0);
-  const status = answered ? "ok" : loads.some(([normal]) => normal <= 0) ? "self-locked" : "not-solved";
+  const seizes = loads.some(([, tangential]) => tangential === Infinity);
+  const status = answered ? "ok" : seizes ? "seizure" : loads.some(([normal]) => normal <= 0) ? "self-locked" : "not-solved";
   return {...said, status, value, lower, upper, answered, all: values.length};
 }
 

@@ -33,6 +33,7 @@ STATUSES = {
     friction.STATUS_OK: "", friction.STATUS_NOT_REACHED: "load not reached",
     friction.STATUS_BELOW_RANGE: "below the loads computed", friction.STATUS_NO_CONTACT: "no contact",
     friction.STATUS_NOT_SOLVED: "not solved", friction.STATUS_SELF_LOCKED: "self-locked: no load is carried",
+    friction.STATUS_SEIZURE: "seizure: junctions grow without limit",
 }  # fmt: skip
 """What the legend of the map says of each status; why it is so, `ADVICE` says."""
 

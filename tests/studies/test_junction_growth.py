@@ -1,0 +1,131 @@
+"""Junction growth of a measured pair: plastic contacts under shear carry H' of `hardness_under_shear`, and grow."""
+
+import numpy as np
+import pytest
+from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
+
+OF_PLASTIC = 5e-3
+"""Relative difference of contacts that all yield from Tabor's closed form."""
+
+OF_NODES = {"all": 0.01, "opposing": 0.03}
+"""Relative difference of a coefficient from that of a pair pressed at H', by rule: an upper bound of "opposing"."""
+
+STRENGTH = {"mu0": 0.2, "tau0": 0.05}
+PLASTIC = {"effective_modulus": 100.0, "hardness": 0.5, "load": "20 MPa", "cutoff": "none", "shifts": 8}
+
+
+def bodies(rms=0.05):
+    rough = {"shape": (64, 64), "spacing": 0.1, "hurst_exponent": 0.8, "rms": rms, "shortest_wavelength": 0.4}
+    return tuple(
+        Surface(self_affine_surface(5, side=side, **rough).heights, spacing=0.1) for side in ("upper", "lower")
+    )
+
+
+def coefficient(result, rule="all", **at):
+    point = result.at(**at) if at else result.at()
+    return float(point["friction_all_round"].sel(statistic="mean", sliding=rule).isel(cut_off=0, load=0, mu0=0, tau0=0))
+
+
+@pytest.fixture(scope="module")
+def grown():
+    return pair(*bodies(), **PLASTIC | STRENGTH, junction_growth=27)
+
+
+@pytest.fixture(scope="module")
+def unsheared():
+    return pair(*bodies(), **PLASTIC | STRENGTH, junction_growth=0)
+
+
+def test_contacts_that_all_yield_have_the_coefficient_of_tabor():
+    result = pair(*bodies(0.01), **PLASTIC | STRENGTH | {"effective_modulus": 1e4}, junction_growth=27)
+    wanted = float(tabor_friction(PLASTIC["hardness"], **STRENGTH, alpha=27))
+    assert coefficient(result) == pytest.approx(wanted, rel=OF_PLASTIC)
+
+
+@pytest.mark.parametrize("rule", ["all", "opposing"])
+@pytest.mark.parametrize("hardness", [0.5, 3.0])
+def test_coefficient_is_that_of_a_pair_pressed_at_the_pressure_under_shear(rule, hardness):
+    tau0 = 0.1 * hardness
+    inputs = PLASTIC | {"mu0": 0.2, "tau0": tau0, "hardness": hardness}
+    pressure = float(hardness_under_shear(hardness, 0.2, tau0, 27.0))
+    direct = pair(*bodies(), **inputs | {"hardness": pressure}, junction_growth=0)
+    found = pair(*bodies(), **inputs, junction_growth=27)
+    assert coefficient(found, rule) == pytest.approx(coefficient(direct, rule), rel=OF_NODES[rule])
+    area = found.at()["contact_area_at_onset"].sel(statistic="mean").squeeze()
+    assert float(area) == pytest.approx(float(direct.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02)
+
+
+def test_no_growth_changes_no_bit(unsheared):
+    default = pair(*bodies(), **PLASTIC | STRENGTH)
+    assert unsheared.study.contact.junction_growth == 0
+    assert default.study.contact.junction_growth is None
+    assert unsheared.at().equals(default.at())
+    assert unsheared.interval == default.interval
+
+
+def test_friction_without_adhesive_strength_is_unchanged(grown, unsheared):
+    assert coefficient(grown, tau0=[0.0]) == coefficient(unsheared, tau0=[0.0])
+    at = grown.at(tau0=[0.0])
+    assert (at["contact_area_at_onset"].sel(statistic="mean") > 1.1 * at["contact_area"].sel(statistic="mean")).all()
+
+
+def test_other_strengths_need_no_pressing(grown):
+    other = pair(*bodies(), **PLASTIC | {"mu0": 0.1, "tau0": 0.03}, junction_growth=27)
+    assert coefficient(grown, mu0=[0.1], tau0=[0.03]) == pytest.approx(coefficient(other), rel=5e-3)
+
+
+def test_area_stiffness_and_contacts_are_those_before_shear(grown, unsheared):
+    for name in ("contact_area", "contact_count", "mean_pressure", "normal_stiffness"):
+        assert grown.at()[name].equals(unsheared.at()[name])
+
+
+def test_interval_covers_the_range_of_growth():
+    result = pair(*bodies(), **PLASTIC | STRENGTH, junction_growth="0..27")
+    ends = [pair(*bodies(), **PLASTIC | STRENGTH, junction_growth=each) for each in (0.675, 26.325)]
+    assert result.study.contact.junction_growth == 13.5
+    lower, upper = result.interval
+    assert lower == pytest.approx(coefficient(ends[0]), rel=0.02)
+    assert upper == pytest.approx(coefficient(ends[1]), rel=0.02)
+    assert result.budget["input"].iloc[0] == "the junction growth α"
+
+
+def test_interface_stronger_than_the_bulk_has_status_seizure():
+    result = pair(*bodies(), **PLASTIC | {"mu0": 0.2, "tau0": 0.11}, junction_growth=27)
+    assert (result.at()["status"] == "seizure").all()
+    assert np.isnan(result.value)
+    assert result.verdict == "Do not quote"
+
+
+@pytest.mark.parametrize(("tau0", "has_end"), [("60..90 MPa", True), ("70..130 MPa", False)])
+def test_interval_has_no_upper_end_where_more_than_a_fortieth_of_the_samples_seize(tau0, has_end):
+    result = pair(*bodies(), **PLASTIC | {"mu0": 0.2, "tau0": tau0}, junction_growth="20..27")
+    assert np.isfinite(result.interval[1]) == has_end
+    assert np.isfinite(result.interval[0])
+    assert (result.at()["status"] == "ok").all()
+
+
+def test_growth_of_waiting_contacts_takes_the_hardness_that_is_left():
+    inputs = PLASTIC | STRENGTH | {"wait": "100 s", "creep": 0.05}
+    waited = pair(*bodies(), **inputs, junction_growth=27).answers[0].waited[-1].value
+    softer = pair(*bodies(), **PLASTIC | STRENGTH | {"hardness": 0.5 * 100**-0.05}, junction_growth=27)
+    assert waited == pytest.approx(coefficient(softer), rel=0.01)
+
+
+@pytest.mark.parametrize(("upper", "lower", "text"), [
+    ("steel", "brass", "0..27"), ("PMMA", "steel", None), ("silicon", "silicon", None),
+])  # fmt: skip
+def test_metals_grow_by_default(upper, lower, text):
+    result = pair(*bodies(), upper=upper, lower=lower, load="10 MPa", mu0=0.2, tau0=0.001, shifts=2, cutoff="none")
+    assert result.study.known.junction_growth == text
+
+
+@pytest.mark.parametrize(("arguments", "word"), [
+    ({"junction_growth": -1.0}, "junction_growth"), ({"junction_growth": 101}, "100"),
+    ({"junction_growth": "27..0"}, "smaller"), ({"junction_growth": 9, "hardness": None}, "hardness"),
+    ({"junction_growth": 9, "mechanics": "asperities", "hardness": None}, "half-space"),
+    ({"junction_growth": 9, "work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion"),
+    ({"junction_growth": float("nan")}, "junction_growth"),
+])  # fmt: skip
+def test_bad_growth_is_rejected(arguments, word):
+    with pytest.raises(ValueError, match=word):
+        pair(*bodies(), **PLASTIC | STRENGTH | arguments)
