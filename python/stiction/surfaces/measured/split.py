@@ -19,6 +19,7 @@ from stiction.surfaces.measured.raw import FormatError
 _SAMPLE = 60  # lines by which the separator and the decimal mark are found
 _SAMPLE_SIZE = 10_000  # characters of all of them
 _LONG = 200  # characters of a line above which lines are counted in one by one
+MAX_SAMPLED = 20_000  # rows by which the printed digits of a column are measured
 MAX_COUNTS = 2  # cells of a line of counts or sizes above the numbers
 _JOINT = "\x1f"  # separator of cells that were quoted
 _EXPONENT = r"(?:[eE]([+-]?[0-9]{1,3}))?"
@@ -94,10 +95,15 @@ class Block:
         return self.dialect.cells(self.text.line(int(self.lines[at])))
 
     def digits(self, column: int) -> Floats:
-        """Return what the last printed digit of each number of a column is worth."""
+        """Return what the last printed digit of each number of a column is worth, by at most `MAX_SAMPLED` rows."""
         decimals = digits = 0
         most = -1000
-        for at in range(self.lines.size):
+        count = self.lines.size
+        sample = np.arange(count)
+        if count > MAX_SAMPLED:  # the first rows, and rows from the whole column
+            half = MAX_SAMPLED // 2
+            sample = np.concatenate([sample[:half], np.linspace(half, count - 1, half).astype(np.int64)])
+        for at in sample.tolist():
             row = self.row(at)
             match = self.dialect.number.fullmatch(row[column]) if column < len(row) else None
             if match is not None and (match[2] or match[3]):
