@@ -6,6 +6,7 @@ Whoever calls gives a NumPy generator, so that a seed repeats a run. A finding i
 import io
 import math
 import os
+import re
 import shutil
 import warnings
 import zipfile
@@ -149,6 +150,9 @@ _PIECES = [
 ]  # fmt: skip
 
 
+_COUNTS = [b"inf", b"nan", b"1e999", b"-1e999", b"1e-400", b"-3", b"0", b"2.5", b"1e12", b"1e5", b"9" * 30, b"1e"]
+
+
 def fuzz_measured(random, name, pristine, folder):
     """A damaged file of measured heights through both readers; whether one of them took it."""
     data = bytearray(pristine)
@@ -180,9 +184,11 @@ def fuzz_measured(random, name, pristine, folder):
 def scramble(random, data):
     for _ in range(random.integers(1, 5)):
         at = int(random.integers(len(data) + 1))
-        match random.integers(6):
+        match random.integers(7):
             case 0:
                 del data[at:]
+            case 6 if (match := re.compile(rb"[0-9.+-]+(?:[eE][+-]?[0-9]+)?").search(bytes(data), int(at))) is not None:
+                data[match.start() : match.end()] = _COUNTS[int(random.integers(len(_COUNTS)))]
             case 1:
                 del data[at : at + int(random.integers(1, 20))]
             case 2 | 3:
