@@ -94,7 +94,7 @@ def test_the_gap_has_the_slopes_of_its_own():
     assert float(at["gentle_friction"].sel(sliding="opposing", direction=90.0).squeeze()) == pytest.approx(float(alone))
 
 
-def test_means_have_intervals_of_student():
+def test_means_have_intervals_of_student_of_the_logarithm():
     upper, lower = pair()
     result = pressed_maps(upper, lower, LOADS, mu0=0.3, shifts=5, mechanics="asperities")
     result["friction_coefficient"].values[0, 0, 2] = np.nan
@@ -103,8 +103,10 @@ def test_means_have_intervals_of_student():
     values = np.delete(result["friction_coefficient"].values[0, 0, :, 0, 0, 0], 2)
     middle, lower_end, upper_end = mean["friction_coefficient"].values[0, 0, 0, 0, 0]
     half = 3.182446305 * values.std(ddof=1) / 2  # Student's t of 3 degrees of freedom
-    assert (middle, upper_end) == pytest.approx((values.mean(), values.mean() + half))
-    assert lower_end == pytest.approx(max(values.mean() - half, 0.0))
+    factor = np.exp(half / values.mean())
+    assert (values >= 0).all()
+    assert middle == pytest.approx(values.mean())
+    assert (lower_end, upper_end) == pytest.approx((values.mean() / factor, values.mean() * factor))
     assert int(mean["ok"][0, 0, 0, 0, 0]), int(mean["shifts"]) == (4, 5)
     two = pressed_maps_mean(pressed_maps(upper, lower, LOADS, mu0=0.3, shifts=2, mechanics="asperities"))
     assert np.isnan(two["contact_area"].sel(statistic="upper")).all()
