@@ -13,7 +13,7 @@ import xarray
 
 from stiction._checks import Floats
 from stiction._text import printable
-from stiction.mechanics.closed_forms import gentle_friction
+from stiction.mechanics.closed_forms import gentle_friction, hardness_under_shear
 from stiction.mechanics.friction import SIX
 from stiction.mechanics.quantities import DIRECTED, QUANTITIES, shown_in
 from stiction.studies.at_load import areas_of, at_load
@@ -152,14 +152,18 @@ def _growth(result: xarray.Dataset | Stored, study: Study) -> dict[str, Any] | N
     areas = areas_of(at, result)
     assert areas.hardness is not None, "contacts that do not yield do not grow"
     areas = replace(areas, pressures=np.zeros_like(areas.pressures))  # that a load is borne, the page sees to
-    hardness = np.full(GROWTH_LOGS.size, areas.hardness)
+    # The values of the study are exact, others interpolated.
+    mu0, tau0 = np.array(study.friction.mu0, float)[:, np.newaxis], np.array(study.friction.tau0, float)
+    own = np.log(hardness_under_shear(areas.hardness, mu0, tau0, float(alpha)) / areas.hardness).ravel()
+    logs = np.unique([*GROWTH_LOGS, *own[own > GROWTH_LOGS[-1]]])[::-1]
+    hardness = np.full(logs.size, areas.hardness)
     factors = [
-        [np.log(areas.grown(load, rule, hardness, hardness * np.exp(GROWTH_LOGS))) for load in range(at.sizes["load"])]
+        [np.log(areas.grown(load, rule, hardness, hardness * np.exp(logs))) for load in range(at.sizes["load"])]
         for rule in at["sliding"].values.tolist()
     ]
     return {
-        "hardness": areas.hardness, "alpha": float(alpha), "logs": GROWTH_LOGS.tolist(),
-        "factors": np.round(factors, 9).tolist(),
+        "hardness": areas.hardness, "alpha": float(alpha), "logs": logs.tolist(),
+        "factors": np.round(factors, 12).tolist(),
     }  # fmt: skip
 
 
