@@ -115,11 +115,10 @@ def at_load(
         point = _of_ensemble(result, values, *material)
     else:
         members = _members_before_growth(result, values, *material, reading, of)
-        point = _of_members(study, members)
         if study.contact.junction_growth:
-            areas = areas_of(point, result)
+            areas = _areas_of_members(members, result)
             members = _with_growth(members, result, areas, of)
-            point = _of_members(study, members)
+        point = _of_members(study, members)
         if measured:
             gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
             cells = [str(dim) for dim in gradient.dims]
@@ -388,7 +387,7 @@ def member_values(
     study = study_of_result(result)
     if not study.contact.junction_growth:
         return members
-    return _with_growth(members, result, areas_of(_of_members(study, members), result), of)
+    return _with_growth(members, result, _areas_of_members(members, result), of)
 
 
 def _members_before_growth(
@@ -408,6 +407,14 @@ def areas_of(at: xarray.Dataset, result: Result) -> Areas:
     ratio = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
     gradient = float(at["rms_gradient"].sel(statistic="mean").mean())
     return Areas.of(loads, ratio, gradient, growth_of_area(result, loads), study, result)
+
+
+def _areas_of_members(members: xarray.Dataset, result: Result) -> Areas:
+    """Return how the true area follows the hardness at the study's own E*, from `member_values`."""
+    loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
+    ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
+    study = study_of_result(result)
+    return Areas.of(loads, ratio, float(gradient.mean()), np.zeros(loads.size), study, result)
 
 
 def growth_of_area(result: Result, loads: Floats) -> Floats:

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solved
 from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.materials import Material, material, softer_material
@@ -51,8 +50,8 @@ NODES = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.
 NARROW = 0.2
 """Half of the range of ln E* below which the growth of the area with the load at the study's own E* will do."""
 
-SHEARED_STEP, MAX_SHEARED = 0.5, 4
-"""Step of ln H between nodes below the range of the hardness, for junction growth, and their largest number.
+SHEARED_STEP, NUM_SHEARED = 0.6, 3
+"""Step of ln H between nodes below the range of the hardness, for junction growth, and their number.
 
 Contacts are plastic there, and their area goes as 1/H below the last of them."""
 
@@ -170,19 +169,10 @@ def bodies_wanted(study: Study) -> tuple[Floats, Floats]:
 
 
 def _sheared_nodes(study: Study, softest: float) -> Floats:
-    """Return the nodes below a hardness (GPa) that junction growth asks for, down to the least pressure under shear."""
-    growth = growth_of(study)
-    if growth is None:
+    """Return the nodes below a hardness (GPa) that junction growth takes, whatever mu0 and tau0 are."""
+    if growth_of(study) is None:
         return np.zeros(0)
-    inputs, most = inputs_of(study), {}
-    for name in ("mu0", "tau0"):
-        own = max(map(float, getattr(study.friction, name)))
-        most[name] = max(own, float(inputs[name].known.quantile(OUTER[1]))) if name in inputs else own
-    least = float(hardness_under_shear(softest, **most, alpha=growth.quantile(OUTER[1])))
-    lowest = softest * np.exp(-SHEARED_STEP * MAX_SHEARED)
-    span = np.log(softest / max(least if np.isfinite(least) else 0.0, lowest))
-    count = int(np.ceil(span / SHEARED_STEP))
-    return np.asarray(softest * np.exp(-span * np.arange(1, count + 1) / max(count, 1)))
+    return np.asarray(softest * np.exp(-SHEARED_STEP * np.arange(1, NUM_SHEARED + 1)))
 
 
 def areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
@@ -376,16 +366,17 @@ class Areas:
         if rule == "all" or self.opposing is None:
             ratio = self.factor(load, pressure, modulus) / self.factor(load, hardness, modulus)
         else:
-            table = self.nodes, self.opposing[load], self._opposing_elastic(load)
+            table = self.nodes, *self.sheared(load, rule)
             ratio = area_per_load(pressure / modulus, *table) / area_per_load(hardness / modulus, *table)
         return np.where(known, np.where(pressure == hardness, 1.0, ratio), np.inf)
 
-    def _opposing_elastic(self, load: int) -> float:
-        """Return the part of the elastic A/F on opposing contacts, as at the hardest node."""
-        assert self.opposing is not None, "only with junction growth"
+    def sheared(self, load: int, rule: str) -> tuple[Floats, float]:
+        """Return A/F (1/GPa) of the sheared contacts at the nodes and of elastic bodies, at the study's own E*."""
         middle = self.moduli.size // 2
-        part = self.opposing[load, -1] / self.at_nodes[load, middle, -1]
-        return float(self.elastic[load, middle] * part)
+        areas, elastic = self.at_nodes[load, middle], float(self.elastic[load, middle])
+        if rule == "all" or self.opposing is None:
+            return areas, elastic
+        return self.opposing[load], elastic * float(self.opposing[load, -1] / areas[-1])
 
 
 def _errors_over_hardness(solved: xarray.Dataset, own: float | None) -> Floats:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Sequence
-from dataclasses import replace
 from inspect import signature
 from typing import Any
 
@@ -13,8 +12,9 @@ import xarray
 
 from stiction._checks import Floats
 from stiction._text import printable
-from stiction.mechanics.closed_forms import gentle_friction, hardness_under_shear
+from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import SIX
+from stiction.mechanics.hardness import EXPONENT, POWER
 from stiction.mechanics.quantities import DIRECTED, QUANTITIES, shown_in
 from stiction.studies.at_load import areas_of, at_load
 from stiction.studies.budget import with_uncertainty
@@ -140,30 +140,20 @@ def _facts_of(dataset: xarray.Dataset, result: xarray.Dataset | Stored, study: S
     }  # fmt: skip
 
 
-GROWTH_LOGS = np.linspace(0.0, -4.0, 81)  # ln H'/H at which a page has the area of junction growth
-
-
 def _growth(result: xarray.Dataset | Stored, study: Study) -> dict[str, Any] | None:
-    """Return the area at the onset of sliding over that before shear, over rules, loads and ln H'/H; None without."""
+    """Return A/F over hardness for each rule and load, from which a page has junction growth; None without growth."""
     alpha = study.contact.junction_growth
     if not alpha:
         return None
     at = at_load(result, study.contact.steps(), mu0=[0.0], tau0=[0.0])
     areas = areas_of(at, result)
-    assert areas.hardness is not None, "contacts that do not yield do not grow"
-    areas = replace(areas, pressures=np.zeros_like(areas.pressures))  # that a load is borne, the page sees to
-    # The values of the study are exact, others interpolated.
-    mu0, tau0 = np.array(study.friction.mu0, float)[:, np.newaxis], np.array(study.friction.tau0, float)
-    own = np.log(hardness_under_shear(areas.hardness, mu0, tau0, float(alpha)) / areas.hardness).ravel()
-    logs = np.unique([*GROWTH_LOGS, *own[own > GROWTH_LOGS[-1]]])[::-1]
-    hardness = np.full(logs.size, areas.hardness)
-    factors = [
-        [np.log(areas.grown(load, rule, hardness, hardness * np.exp(logs))) for load in range(at.sizes["load"])]
-        for rule in at["sliding"].values.tolist()
-    ]
+    pages: list[list[dict[str, Any]]] = []
+    for rule in at["sliding"].values.tolist():
+        tables = [areas.sheared(load, rule) for load in range(at.sizes["load"])]
+        pages.append([{"areas": listed(values), "elastic": elastic} for values, elastic in tables])
     return {
-        "hardness": areas.hardness, "alpha": float(alpha), "logs": logs.tolist(),
-        "factors": np.round(factors, 12).tolist(),
+        "hardness": areas.hardness, "alpha": float(alpha), "mixing": [EXPONENT, POWER], "nodes": areas.nodes.tolist(),
+        "tables": pages,
     }  # fmt: skip
 
 

@@ -396,21 +396,35 @@ function tickText(value) {
 /** Index of the step that is a load, or -1. */
 const stepOf = ({steps}, load) => steps.findIndex((step) => Math.abs(step - load) <= 1e-9 * load);
 
+/** A/F of a hardness where the elastic A/F is known; as `mechanics.hardness._estimate`. */
+function estimatedArea({mixing: [exponent, power]}, hardness, elastic) {
+  const own = exponent * (hardness * elastic) ** power;
+  const [smaller, larger] = [Math.min(1 / hardness, elastic), Math.max(1 / hardness, elastic)];
+  return larger * Math.exp(Math.log1p((smaller / larger) ** own) / own);
+}
+
+/** A/F of a hardness between those that were solved; as `mechanics.hardness.area_per_load`. */
+function areaPerLoad(growth, {areas, elastic}, hardness) {
+  const logs = growth.nodes.map(Math.log);
+  const last = logs.length - 1;
+  const excess = (node) => Math.log(areas[node] / estimatedArea(growth, growth.nodes[node], elastic));
+  if (!last) return estimatedArea(growth, hardness, elastic) * Math.exp(excess(0));
+  const log = Math.min(Math.max(Math.log(hardness), logs[0]), logs[last]);
+  const after = Math.max(logs.findIndex((each) => each >= log), 1);
+  const part = (log - logs[after - 1]) / (logs[after] - logs[after - 1]);
+  return estimatedArea(growth, hardness, elastic) * Math.exp(excess(after - 1) * (1 - part) + excess(after) * part);
+}
+
 /** True area at the onset of sliding over that before shear, by junction growth; Infinity where interfaces seize. */
 function grownArea({growth, directions, steps, area}, motion, step, mu0, tau0) {
   if (!growth) return 1;
-  const {hardness, alpha, logs, factors} = growth;
+  const {hardness, alpha, tables} = growth;
   const left = hardness ** 2 - alpha * tau0 ** 2;
   const shear = alpha * mu0 * tau0;
   const pressure = left / (shear + Math.sqrt(shear ** 2 + (1 + alpha * mu0 ** 2) * Math.max(left, 0)));
   if (!(pressure > steps[step] / area)) return Infinity;
-  const own = factors[Math.floor(motion / directions.length)][step];
-  const log = Math.log(pressure / hardness);
-  const last = logs.length - 1;
-  if (log <= logs[last]) return Math.exp(own[last] + logs[last] - log);
-  const after = Math.max(logs.findIndex((each) => each <= log), 1);
-  const part = (log - logs[after - 1]) / (logs[after] - logs[after - 1]);
-  return Math.exp(own[after - 1] + part * (own[after] - own[after - 1]));
+  const table = tables[Math.floor(motion / directions.length)][step];
+  return areaPerLoad(growth, table, pressure) / areaPerLoad(growth, table, hardness);
 }
 
 /** Normal and tangential load of each member at a step, in a motion. */
