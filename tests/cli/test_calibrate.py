@@ -135,7 +135,7 @@ def test_tests_that_held_are_bounds_and_other_separators_do(tmp_path):
     assert np.isclose(json.loads(done.stdout)["fits"][0]["freedom"], 3)
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16"])
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-16-le"])
 def test_tests_file_reads_semicolons_and_decimal_commas_in_any_encoding(tmp_path, encoding):
     rows = [f"{1e3 * load:g};{load * y:.6g};{0.03 * load * y:.6g}" for load, y, _ in ball_rows()]
     plain = ["load (uN);force (mN);uncertainty (mN)", *rows]

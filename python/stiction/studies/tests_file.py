@@ -13,6 +13,7 @@ from stiction._files import NotReadableError, content, reason
 from stiction._text import named, printable
 from stiction._units import shortened, units_of
 from stiction.studies.interfaces import FrictionTest
+from stiction.surfaces.measured.decode import decode
 
 TEST_COLUMNS = ("load", "force", "coefficient", "uncertainty", "pair", "run", "slid", "wait")
 """Names of columns."""
@@ -46,7 +47,7 @@ def friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[Frictio
     pair names one of the bodies, results or balls. A `ValueError` names the line that does not fit its columns.
     """
     try:
-        text = _decoded(content(Path(path), MAX_TABLE_BYTES))
+        text = decode(content(Path(path), MAX_TABLE_BYTES)).data.decode()
     except OSError as error:
         raise ValueError(f"{named(path)}: cannot be read: {reason(error)}") from None
     except (ValueError, NotReadableError) as error:
@@ -65,19 +66,6 @@ def friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[Frictio
         return tuple(table.tests())
     except (ValueError, csv.Error) as error:
         raise ValueError(f"{named(path)}: {error}") from None
-
-
-def _decoded(data: bytes) -> str:
-    """Text in UTF-8, UTF-16 with its mark, or Latin-1."""
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return data.decode("utf-16")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        text = data.decode("latin-1")
-    if any(ord(character) < 32 and character not in "\t\n\r\f\x1a" for character in text):
-        raise ValueError("it is binary, not text")
-    return text.rstrip("\x1a")
 
 
 def _titles(head: list[str]) -> dict[str, tuple[int, str]]:
