@@ -1,4 +1,4 @@
-"""How soon is `stiction app` there, and its first answer? With the pictures of docs/app.md on the way."""
+"""How soon is `stiction app` there, and its first answer? With the pictures of docs/howto/app.md on the way."""
 
 import base64
 import os

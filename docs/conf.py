@@ -83,9 +83,14 @@ REACHABLE = (
 """What the theme leaves out for those who use a keyboard or a screen reader, and what it should say."""
 
 
+def written_pages(app: Sphinx) -> list[Path]:
+    """Return the pages that were written from Markdown."""
+    return [Path(app.outdir) / f"{name}.html" for name in sorted(app.env.found_docs)]
+
+
 def make_reachable(app: Sphinx, exception: Exception | None) -> None:
     """What scrolls sideways can be reached by keys, and headings have a level."""
-    for page in sorted(Path(app.outdir).glob("*.html")) if exception is None else ():
+    for page in written_pages(app) if exception is None else ():
         text = page.read_text("utf-8")
         for before, after in REACHABLE:
             text = text.replace(before, after)
@@ -131,7 +136,7 @@ def refuse_paths(app: Sphinx, exception: Exception | None) -> None:
 
 def refuse_broken_emphasis(app: Sphinx, exception: Exception | None) -> None:
     """End the build if a paragraph ends in a star: emphasis that an E* in it has ended before."""
-    for page in sorted(Path(app.outdir).glob("*.html")) if exception is None else ():
+    for page in written_pages(app) if exception is None else ():
         if found := re.search(r"[^\n<>]{0,40}[.!?)]\*</p>", page.read_text("utf-8")):
             raise SphinxError(f"{page.name} has emphasis that ends too early: {found[0]}")
 

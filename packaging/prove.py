@@ -29,7 +29,7 @@ PROJECT = PYPROJECT["project"]
 STEM = f"{PROJECT['name']}-{PROJECT['version']}"
 
 NEWEST_GLIBC = (2, 34)
-"""That a wheel may ask for: docs/installing.md names it."""
+"""That a wheel may ask for: docs/howto/installing.md names it."""
 
 SECONDS_OF_AN_IMPORT = 5.0
 """More than that is no slow machine, but something that should be imported later; 0.3 s where nothing else runs."""
@@ -142,9 +142,9 @@ def check_floor(wheel: Path) -> None:
     if min(floors) > NEWEST_GLIBC:
         fail(f"{wheel.name} needs a newer glibc than the {NEWEST_GLIBC[0]}.{NEWEST_GLIBC[1]} that is promised")
     promise = f"glibc {NEWEST_GLIBC[0]}.{NEWEST_GLIBC[1]} or newer"
-    page = ROOT / "docs/installing.md"
+    page = ROOT / "docs/howto/installing.md"
     if page.exists() and promise not in page.read_text(encoding="utf-8"):
-        fail(f"docs/installing.md does not say {promise!r}")
+        fail(f"docs/howto/installing.md does not say {promise!r}")
 
 
 def check_extension(extension: Path) -> None:

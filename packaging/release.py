@@ -1,4 +1,4 @@
-"""Walk the list of docs/releasing.md: each line is looked at, not remembered.
+"""Walk the list of docs/project/releasing.md: each line is looked at, not remembered.
 
     python packaging/release.py                  what is so, and what is not yet
     python packaging/release.py --tagged         for the tag that is being released, by its workflow
@@ -164,7 +164,7 @@ def write_address(url: str) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Walk the list of docs/releasing.md.")
+    parser = argparse.ArgumentParser(description="Walk the list of docs/project/releasing.md.")
     parser.add_argument("--tagged", action="store_true", help="for the tag that is being released")
     parser.add_argument("--address", metavar="URL", help="write the public address of the sources where it belongs")
     asked = parser.parse_args()

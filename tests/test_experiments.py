@@ -1,4 +1,4 @@
-"""The script of docs/experiments.md: on bodies that are made, and on the data where somebody has them."""
+"""The script of docs/explanation/experiments.md: on bodies that are made, and on the data where somebody has them."""
 
 import os
 import runpy

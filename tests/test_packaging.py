@@ -64,7 +64,7 @@ def test_the_conda_recipe_asks_for_what_the_package_does(release, monkeypatch):
 
 def test_the_promised_floor_of_glibc_is_the_one_that_is_held(release):
     major, minor = sys.modules["prove"].NEWEST_GLIBC
-    assert f"glibc {major}.{minor} or newer" in text("docs/installing.md")
+    assert f"glibc {major}.{minor} or newer" in text("docs/howto/installing.md")
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Draws docs/images/fractures.png and prints the tables of docs/experiments.md: two fractures in granodiorite.
+"""Draws docs/images/fractures.png and prints the tables of explanation/experiments.md: two fractures in granodiorite.
 
     python docs/scripts/fractures.py FOLDER [SPECIMEN ...]
 

@@ -1,4 +1,4 @@
-"""Draws docs/images/pla_silicone.png and prints what docs/from_a_test.md says of two silicones on polylactic acid.
+"""Draws docs/images/pla_silicone.png and prints the numbers of two silicones in tutorials/from_a_test.md.
 
     python docs/scripts/pla_silicone.py pla_silicone.csv
 

@@ -1,4 +1,4 @@
-"""Prints what docs/experiments.md says of published laws of rough contacts, as computed here.
+"""Prints what docs/explanation/experiments.md says of published laws of rough contacts, as computed here.
 
 python docs/scripts/published.py
 """

@@ -53,14 +53,14 @@ def _verdict(cell: str) -> str:
 # ---- Names ----------------------------------------------------------------------------------------------------------
 
 GROUPS = ("surfaces", "roughness", "mechanics", "closed_forms", "studies", "measured", "files")
-"""Pages of the Python reference, ``docs/api_GROUP.md``."""
+"""Pages of the Python reference, ``docs/reference/api_GROUP.md``."""
 
 
 def names(docs: Path) -> str:
     """A table for each group: every name and the first line of what it says of itself."""
     lines = []
     for group in GROUPS:
-        text = (docs / f"api_{group}.md").read_text("utf-8")
+        text = (docs / f"reference/api_{group}.md").read_text("utf-8")
         title = re.search(r"^# (.*)$", text, re.MULTILINE)
         assert title is not None
         lines += [f"## [{title[1]}](api_{group}.md)", "", "| name | |", "|---|---|"]
@@ -71,7 +71,9 @@ def names(docs: Path) -> str:
 
 def targets(docs: Path) -> dict[str, str]:
     """What the reference calls each name, by the name as pages write it."""
-    found = (name for group in GROUPS for name in ENTRY.findall((docs / f"api_{group}.md").read_text("utf-8")))
+    found = (
+        name for group in GROUPS for name in ENTRY.findall((docs / f"reference/api_{group}.md").read_text("utf-8"))
+    )
     return {name.split(".")[-1]: name if name.startswith("stiction.") else f"stiction.{name}" for name in found}
 
 

@@ -1,4 +1,4 @@
-"""What neglecting the interaction of asperities costs: points of docs/half_space.md, and what they stand on."""
+"""Effect of neglected interactions of asperities: points of explanation/half_space.md and their references."""
 
 import numpy as np
 import pytest

@@ -138,4 +138,4 @@ def test_the_table_of_the_documents_is_that_of_the_package():
     ]
     unseen = sum("not looked up" in source for source in sources)
     said = f"Of {len(sources)} numbers {len(sources) - unseen} were compared"
-    assert said in " ".join((docs / "materials.md").read_text(encoding="utf-8").split())
+    assert said in " ".join((docs / "reference/materials.md").read_text(encoding="utf-8").split())

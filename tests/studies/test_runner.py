@@ -93,7 +93,7 @@ def test_families_and_their_size_do_not_matter(result, monkeypatch):
 
 @pytest.mark.parametrize("points", [500, 1000, 4000, 20_000])
 def test_a_task_holds_no_more_than_is_said(monkeypatch, points):
-    """docs/cluster.md: FAMILY_MEMORY for each body and a profile of each that is scaled, or 32 bytes for each point."""
+    """cluster.md: FAMILY_MEMORY for each body and a profile of each that is scaled, or 32 bytes for each point."""
     family = 8 * 2500
     monkeypatch.setattr(pressed, "FAMILY_MEMORY", family)
     made = []

@@ -100,7 +100,7 @@ class Crossing:
 
 
 class AtLoads:
-    """Means of values, read off where the means of normal loads reach loads, and their intervals: docs/intervals.md.
+    """Means of values, read off where the means of normal loads reach loads, and their intervals: docs, intervals.md.
 
     A jackknife over the repetitions. With v and n the values and normal loads of each at the crossing, and e the
     exponent of the mean curve there, mean(v) ~ mean(n)^e, a repetition that is left out moves the logarithm of the mean
@@ -274,7 +274,7 @@ def _of_count(count: int) -> tuple[Floats, Floats, float, float]:
 
 
 def of_neighbours(values: Floats) -> tuple[float, float, float]:
-    """Mean of values (r,) in the order in which they are neighbours, and its interval: docs/intervals.md.
+    """Mean of values (r,) in the order in which they are neighbours, and its interval: docs/explanation/intervals.md.
 
     That of the mixture of autoregressive processes over all correlations from 0 to 0.95, each weighted by the
     likelihood that the values give it and by sqrt(1 - ρ), on a scale that takes their skewness off, and not beyond

@@ -111,8 +111,8 @@ SURFACE_PARAMETERS = (
         "Str", "texture aspect ratio", f"{_AREAL}, 4.3 spatial", r"Sal/\max \{r: f_{ACF}(r) \le 0.2\}", "",
         "a decay to 0.2 within half the map in all directions",
     ),
-    Parameter("Std", "texture direction", f"{_AREAL}, 4.3 spatial", r"\arg\max f_{APS}(s)", "degrees"),
-    Parameter("Ssw", "dominant spatial wavelength", f"{_AREAL}, 4.3 spatial", r"2π/|q|,\ q = \arg\max |\hat z(q)|"),
+    Parameter("Std", "texture direction", f"{_AREAL}, 4.3 spatial", r"\argmax f_{APS}(s)", "degrees"),
+    Parameter("Ssw", "dominant spatial wavelength", f"{_AREAL}, 4.3 spatial", r"2π/|q|,\ q = \argmax |\hat z(q)|"),
     Parameter(
         "Smr", "material ratio at the mean plane, (c) = 0", f"{_AREAL}, 4.5 material ratio",
         r"\frac1A\,|\{z > c\}|", "", is_fraction=True,

@@ -64,7 +64,7 @@ PART_BEYOND = 0.1
 
 ADDED = 0.05  # part of the load that adhesion adds to that of the contacts, from which on it decides
 TYPICAL_WORK = 5e-5  # mN/µm, 50 mJ/m²: what most solids have in air
-RIM = 4.3  # least squares over 395 solved pairs, lines and areas, E* 2 MPa to 200 GPa; see docs/adhesion.md
+RIM = 4.3  # least squares over 395 solved pairs, lines and areas, E* 2 MPa to 200 GPa; see docs/explanation/adhesion.md
 ONLY_MU0 = 0.02  # relative difference of a coefficient from mu0 below which it is that
 ROUND_UP = 1 + 1e-12  # factor by which a number in the middle of two, as 2.25 is, is rounded up as on a page
 WIDE = 0.5  # half the width of an interval over its value above which a coefficient says too little
