@@ -13,7 +13,7 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
-import browser  # noqa: E402
+from support import browser  # noqa: E402
 
 IMAGES = HERE.parent / "docs/images"
 

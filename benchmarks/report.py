@@ -17,7 +17,7 @@ from stiction.views.report import save_report
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
-import browser  # noqa: E402
+from support import browser  # noqa: E402
 
 STEPS = 40
 POINTS = 20

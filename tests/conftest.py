@@ -9,9 +9,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import pytest
-from command import nothing_drawn
-from small import SMALL
 from stiction import Profile, random_phases, run, weierstrass_mandelbrot
+from support.command import disable_drawing
+from support.generated_studies import SMALL
 
 # A shell that runs the tests in the background has them and their children ignore Ctrl-C, which some of them press.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -71,7 +71,7 @@ def no_figures():
 
     @contextlib.contextmanager
     def undrawn():
-        with pytest.MonkeyPatch.context() as patch, nothing_drawn():
+        with pytest.MonkeyPatch.context() as patch, disable_drawing():
             patch.setattr("stiction.views.figures.drawn", lambda *_, **__: [])
             yield
 

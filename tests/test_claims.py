@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small import empty_dataset
 from stiction import Study, area_map, friction_map, run, stiffness_map
+from support.generated_studies import empty_dataset
 
 SCRIPT = Path(__file__).parents[1] / "docs/scripts/claims.py"
 if not SCRIPT.exists():

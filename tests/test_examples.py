@@ -22,12 +22,12 @@ from typing import NamedTuple, get_args
 import numpy as np
 import pytest
 import stiction
-from command import stiction_command
 from markdown_it import MarkdownIt
 from matplotlib.testing.compare import compare_images
 from stiction import Study
 from stiction.studies import store
 from stiction.views.study_keys import study_keys
+from support.command import call_stiction
 
 ROOT = Path(__file__).parents[1]
 MODULES = [
@@ -144,7 +144,7 @@ def run_command(line, cwd):
                     check=False,
                 )  # fmt: skip
             else:
-                done = stiction_command(*shlex.split(words)[1:], cwd=cwd)
+                done = call_stiction(*shlex.split(words)[1:], cwd=cwd)
             assert done.returncode == 0, (line, done.stderr)
             if to:
                 (cwd / to.strip()).write_text(done.stdout, encoding="utf-8")

@@ -2,10 +2,10 @@
 
 from collections import Counter
 
-import fuzzing
 import numpy as np
 import pytest
 from stiction import run
+from support import fuzzing
 
 
 def test_any_arrays_and_numbers_are_taken_or_refused_with_a_reason():

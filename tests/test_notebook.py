@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import stiction
 import xarray
-from command import stiction_command, stiction_done
 from matplotlib.figure import Figure
 from stiction import (
     Profile,
@@ -34,6 +33,7 @@ from stiction import (
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.at_load import at_load, member_values
 from stiction.studies.contact_picture import contact_picture
+from support.command import call_stiction, check_stiction
 
 NAMES = [name for name in stiction.__all__ if name != "__version__"]
 ERRORS = [name for name in NAMES if inspect.isclass(value := getattr(stiction, name)) and issubclass(value, Exception)]
@@ -424,7 +424,7 @@ def where(tmp_path_factory):
 def by_command(where):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stiction.views.figures.drawn", lambda *_, **__: [])
-        done = stiction_command("pair", "upper.npy", "lower.npy", *OPTIONS, "--output", "command", cwd=where)
+        done = call_stiction("pair", "upper.npy", "lower.npy", *OPTIONS, "--output", "command", cwd=where)
     assert done.returncode == 0, done
     return read_result(where / "command")
 
@@ -445,7 +445,7 @@ def test_the_function_is_the_command(by_command, by_function, where):
 
 
 def test_the_command_reads_what_the_function_wrote(by_function, where):
-    done = stiction_done("at", "function", "--load", "10 MPa", cwd=where)
+    done = check_stiction("at", "function", "--load", "10 MPa", cwd=where)
     assert f"{by_function.value:.2f}" in done.stdout
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import stiction
 from stiction import _core
-from ticking import ticks_during
+from support.threads import runs_other_threads
 
 ROOT = Path(__file__).parents[1]
 
@@ -34,4 +34,4 @@ def test_the_core_converts_nothing_silently():
 
 def test_another_thread_makes_progress_during_a_long_call():
     phases = stiction.random_phases(1)
-    assert ticks_during(lambda: stiction.weierstrass_mandelbrot(phases, 1.5, points=100_000))
+    assert runs_other_threads(lambda: stiction.weierstrass_mandelbrot(phases, 1.5, points=100_000))

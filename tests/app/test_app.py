@@ -7,20 +7,20 @@ import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import SimpleNamespace
 
-import browser
 import numpy as np
 import pytest
+from support import browser
 
 pytest.importorskip("starlette", reason="the extra app is not installed")
 pytest.importorskip("selenium", reason="selenium is not installed")
 
 from app.served import PATIENCE, served, until, write_maps
-from command import stiction_command, stiction_done
 from stiction import Profile, Study, Surface, run, write_profile, write_surface
 from stiction.app.run import ALONE, is_left
 from stiction.app.server import OPTIONS
 from stiction.cli import showing
 from stiction.views.digits import with_unit
+from support.command import call_stiction, check_stiction
 
 pytestmark = browser.IN_BROWSER
 
@@ -136,7 +136,7 @@ def same_as(driver, folder, monkeypatch):
     """What the line says that the page shows, of the same files: its numbers and sentence."""
     line = driver.find_element("id", "command").get_property("textContent")
     monkeypatch.setattr(showing, "draw_result", lambda *_, **__: None)
-    done = stiction_done(*shlex.split(line)[1:], "--json", cwd=folder)
+    done = check_stiction(*shlex.split(line)[1:], "--json", cwd=folder)
     return of_record(json.loads(done.stdout))
 
 
@@ -239,7 +239,7 @@ def test_two_metal_profiles_reach_a_number(fresh, tmp_path, monkeypatch, rough_p
 
 def test_two_maps_are_dropped_and_pressed_and_all_follows(app, fresh, maps, monkeypatch):
     """Drop, answer, another mu0, share, reload: always what the command says."""
-    roughness = json.loads(stiction_command("characterise", maps[0], "--json", cwd=app.folder).stdout)["values"]
+    roughness = json.loads(call_stiction("characterise", maps[0], "--json", cwd=app.folder).stdout)["values"]
     height = with_unit(next(each["value"] for each in roughness if each["name"] == "Sq"), "um")
     assert f"Sq {height}," in drop(fresh, "upper", maps[0])["hint"]
     assert "Sq" in choose(fresh, "lower", maps[1])["hint"]
@@ -292,7 +292,7 @@ def test_two_maps_are_dropped_and_pressed_and_all_follows(app, fresh, maps, monk
 
     # Without the page's own private names it is the study of these files, wherever they are.
     (maps[0].parent / "study.toml").write_bytes(app.ask("GET", f"/jobs/{job}/study.toml")[2])
-    stiction_done("run", "study.toml", "--part=1/2", "--output=again", cwd=maps[0].parent)
+    check_stiction("run", "study.toml", "--part=1/2", "--output=again", cwd=maps[0].parent)
 
 
 def test_what_is_stopped_is_kept_and_goes_on_beside_another_window(fresh, tmp_path, app):
@@ -313,7 +313,7 @@ def test_what_is_stopped_is_kept_and_goes_on_beside_another_window(fresh, tmp_pa
     assert f"{told['finished']} of 400 are finished" in fresh.find_element("id", "answer").text
     studies = app.private()[0].glob("results/*/pair/study.toml")
     (folder,) = [path.parent for path in studies if "repetitions = 400" in path.read_text("utf-8")]
-    said = stiction_command("info", folder, "--json", cwd=app.folder)
+    said = call_stiction("info", folder, "--json", cwd=app.folder)
     assert answer(fresh) == of_record(json.loads(said.stdout))
     with app.held(200):
         press(fresh)
@@ -354,9 +354,7 @@ def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_p
 
     def told(path, *options):
         return (
-            stiction_command("characterise", path.name, *options, cwd=tmp_path)
-            .stderr.removeprefix("stiction: ")
-            .strip()
+            call_stiction("characterise", path.name, *options, cwd=tmp_path).stderr.removeprefix("stiction: ").strip()
         )
 
     def mend(name, value):

@@ -6,10 +6,10 @@ import sys
 import threading
 
 import pytest
-from command import assert_refused, stiction_command, stiction_done
 from stiction import read_spectrum
 from stiction.cli import application, main
 from stiction.surfaces.measured.raw import FormatError
+from support.command import assert_rejected, call_stiction, check_stiction
 
 TINY = [
     "--set", "surfaces.fractal_dimension=[1.1]", "--set", "surfaces.points=1000", "--set", "surfaces.extent=1 um",
@@ -34,7 +34,7 @@ def test_whoever_stops_listening_does_not_stop_the_work(tmp_path):
 
 def test_a_full_disk_and_letters_that_an_encoding_lacks(tmp_path):
     done = shell('"$@" > /dev/full', "studies", cwd=tmp_path)
-    assert_refused(done, "stiction: ", "No space left on device")
+    assert_rejected(done, "stiction: ", "No space left on device")
     done = subprocess.run(
         [sys.executable, "-m", "stiction", "run", "quick", *TINY, "--set", "figures.draw=[]"],
         cwd=tmp_path, capture_output=True, check=False, timeout=120, env=os.environ | {"PYTHONIOENCODING": "latin-1"},
@@ -59,7 +59,7 @@ def test_too_little_of_anything_is_one_message(tmp_path, monkeypatch, error, wor
         raise error
 
     monkeypatch.setattr("stiction.studies.complete.filled", fail)
-    assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), words)
+    assert_rejected(call_stiction("run", "quick", *TINY, cwd=tmp_path), words)
 
 
 def test_an_interruption_while_libraries_are_loaded_is_no_traceback(monkeypatch):
@@ -81,7 +81,7 @@ def test_no_threads_are_one_message(tmp_path, monkeypatch):
         raise RuntimeError("can't start new thread")
 
     monkeypatch.setattr(threading.Thread, "start", refuse)
-    assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), "stiction: can't start new thread")
+    assert_rejected(call_stiction("run", "quick", *TINY, cwd=tmp_path), "stiction: can't start new thread")
     assert os.listdir(tmp_path) == []
 
 
@@ -98,8 +98,8 @@ def test_no_threads_are_one_message(tmp_path, monkeypatch):
 )
 def test_a_hostile_study_is_one_short_message(tmp_path, content, words):
     (tmp_path / "s.toml").write_text(content)
-    done = stiction_command("run", "s.toml", cwd=tmp_path)
-    assert_refused(done, words)
+    done = call_stiction("run", "s.toml", cwd=tmp_path)
+    assert_rejected(done, words)
     assert done.stderr.replace("\n", "").isprintable()
     assert len(done.stderr) < 1000
     assert all(line.startswith("stiction: s.toml: ") for line in done.stderr.splitlines())
@@ -109,26 +109,26 @@ def test_a_pipe_or_a_device_is_no_study_and_no_measurement(tmp_path):
     for name in ("fifo.toml", "fifo.csv"):
         os.mkfifo(tmp_path / name)  # which would be waited for
     for name in ("fifo.toml", "/dev/zero"):
-        assert_refused(stiction_command("run", name, "-o", "o", cwd=tmp_path), f"{name}: is no regular file")
-    assert_refused(stiction_command("characterise", "fifo.csv", cwd=tmp_path), "fifo.csv: is not a file")
+        assert_rejected(call_stiction("run", name, "-o", "o", cwd=tmp_path), f"{name}: is no regular file")
+    assert_rejected(call_stiction("characterise", "fifo.csv", cwd=tmp_path), "fifo.csv: is not a file")
     with pytest.raises(FormatError, match="is no regular file"):
         read_spectrum(tmp_path / "fifo.csv")
 
 
 def test_names_of_any_length_and_kind_are_shown_on_one_line(tmp_path):
     for name in ("a\nstiction: all is well", "\x1b[31m", "a/b" * 1500, "x" * 5000):
-        done = stiction_command("info", name, cwd=tmp_path)
-        assert_refused(done, "stiction: ")
+        done = call_stiction("info", name, cwd=tmp_path)
+        assert_rejected(done, "stiction: ")
         assert len(done.stderr.splitlines()) == 1
         assert len(done.stderr) < 500
         assert done.stderr.strip().isprintable()
 
 
 def test_pages_and_exports_of_any_name(tmp_path):
-    stiction_done("run", "quick", *TINY, "-o", ".", cwd=tmp_path)
+    check_stiction("run", "quick", *TINY, "-o", ".", cwd=tmp_path)
     long = "x" * 240
     for command, option, end in (("report", "--output=", ".html"), ("export", "", ".nc"), ("export", "", ".csv")):
-        stiction_done(command, ".", f"{option}{long}{end}", cwd=tmp_path)
+        check_stiction(command, ".", f"{option}{long}{end}", cwd=tmp_path)
         assert (tmp_path / f"{long}{end}").stat().st_size > 1000
 
 
@@ -140,7 +140,7 @@ def test_pages_and_exports_of_any_name(tmp_path):
     ],
 )
 def test_command_names_the_nearest_of_an_unknown_word(arguments, hint, tmp_path):
-    assert_refused(stiction_command(*arguments, cwd=tmp_path), hint)
+    assert_rejected(call_stiction(*arguments, cwd=tmp_path), hint)
 
 
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
@@ -155,7 +155,7 @@ def test_command_with_closed_streams_computes_and_writes(tmp_path, closed):
 @pytest.mark.parametrize("limit", [150_000, 450_000, 1_040_000])
 def test_too_little_address_space_is_one_message(tmp_path, limit):
     done = shell(f'ulimit -v {limit}; "$@"', "run", "quick", *TINY, cwd=tmp_path)
-    assert_refused(done, "memory is limited to", "at least 1073 MB")
+    assert_rejected(done, "memory is limited to", "at least 1073 MB")
 
 
 EMPTY = [
@@ -171,5 +171,5 @@ EMPTY = [
 def test_empty_name_is_not_the_current_folder(tmp_path, arguments, name):
     (tmp_path / "scan.csv").write_text("0,1\n1,2\n")
     more = ["--effective-modulus", "1 GPa", "--load", "1 mN", "--mu0", "0.2"] if arguments[0] == "pair" else []
-    assert_refused(stiction_command(*arguments, *more, cwd=tmp_path), name, "empty")
+    assert_rejected(call_stiction(*arguments, *more, cwd=tmp_path), name, "empty")
     assert [path.name for path in tmp_path.iterdir()] == ["scan.csv"]

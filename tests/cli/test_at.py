@@ -6,14 +6,14 @@ import shutil
 
 import pytest
 import xarray
-from command import assert_refused, stiction_command, stiction_done
-from small import SMALL
 from stiction import read_result, run, self_affine, self_affine_surface, write_profile, write_surface
 from stiction.studies.at_load import at_load
 from stiction.studies.store import open_stored
 from stiction.views.answer import answers
 from stiction.views.digits import quoted
 from stiction.views.rows import SCHEMA
+from support.command import assert_rejected, call_stiction, check_stiction
+from support.generated_studies import SMALL
 
 MATERIAL = ("--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "0 MPa,20 MPa")
 
@@ -43,7 +43,7 @@ def folder(tmp_path_factory, no_figures):
 
 
 def said(*arguments, cwd):
-    done = stiction_done(*arguments, cwd=cwd, blank=True)
+    done = check_stiction(*arguments, cwd=cwd, without_figures=True)
     return done.stdout
 
 
@@ -130,7 +130,7 @@ def test_at_in_one_direction_is_not_the_mean_of_all(folder):
     ],
 )
 def test_at_refuses_by_the_name_of_the_option(folder, arguments, words):
-    assert_refused(stiction_command("at", *arguments, cwd=folder), *words)
+    assert_rejected(call_stiction("at", *arguments, cwd=folder), *words)
 
 
 # ---- info, export, run, plot -----------------------------------------------------------------------------------------
@@ -161,8 +161,8 @@ def test_info_of_every_result_has_one_schema_and_doubts(folder, name):
 def test_scale_heights_computes_on_request_and_prints_a_table_or_json(folder, tmp_path):
     shutil.copytree(folder / "maps", tmp_path / "maps")
     arguments = ("at", "maps", "--scale-heights", "0.5,1,2", "--load", "10 MPa", "--mu0", "0.25")
-    assert_refused(
-        stiction_command(*arguments, cwd=tmp_path),
+    assert_rejected(
+        call_stiction(*arguments, cwd=tmp_path),
         "--scale-heights needs 2 factors from 0.5 to 2 computed, about ", "give --compute",
     )  # fmt: skip
     text = said(*arguments, "--compute", cwd=tmp_path)
@@ -201,7 +201,7 @@ def test_scale_heights_computes_on_request_and_prints_a_table_or_json(folder, tm
     ],
 )  # fmt: skip
 def test_scale_heights_rejects_bad_input_in_a_sentence(folder, name, arguments, words):
-    assert_refused(stiction_command("at", name, *arguments, cwd=folder), words)
+    assert_rejected(call_stiction("at", name, *arguments, cwd=folder), words)
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
@@ -218,9 +218,9 @@ def test_export_writes_the_whole_result_or_a_table(folder, name, tmp_path):
     record = json.loads(said("info", name, "--json", cwd=folder))
     assert {row["verdict"] for row in rows} == {one["verdict"] for one in record["answers"]}
     for file in ("r.nc", "r.csv"):
-        assert_refused(stiction_command("export", name, str(tmp_path / file), cwd=folder), "exists already")
+        assert_rejected(call_stiction("export", name, str(tmp_path / file), cwd=folder), "exists already")
     for file in ("r.xlsx", "r"):
-        assert_refused(stiction_command("export", name, file, cwd=folder), "must end in .nc", ".csv")
+        assert_rejected(call_stiction("export", name, file, cwd=folder), "must end in .nc", ".csv")
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -230,7 +230,7 @@ def test_a_pair_is_extended_by_running_its_folder(folder, name, tmp_path):
     total = open_stored(tmp_path / name).study.ensemble.repetitions
     said("run", str(tmp_path / name), "--set", f"ensemble.repetitions={total + 2}", cwd=folder)
     assert open_stored(tmp_path / name).finished.size == total + 2
-    assert_refused(stiction_command("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=folder), "mu0")
+    assert_rejected(call_stiction("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=folder), "mu0")
 
 
 def test_plot_draws_where_and_as_it_is_told(folder, tmp_path, monkeypatch):
@@ -244,4 +244,4 @@ def test_plot_draws_where_and_as_it_is_told(folder, tmp_path, monkeypatch):
     text = said("plot", "lines", "--output", str(tmp_path / "figures"), "--format", "pdf,svg", cwd=folder)
     assert text.splitlines() == [f"wrote {tmp_path / 'figures' / 'a.pdf'}"]
     assert wanted == [(tmp_path / "figures", ("pdf", "svg"))]
-    assert_refused(stiction_command("plot", "lines", "--format", "bmp", cwd=folder), "formats must be some of png")
+    assert_rejected(call_stiction("plot", "lines", "--format", "bmp", cwd=folder), "formats must be some of png")

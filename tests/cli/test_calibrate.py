@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from command import assert_refused, stiction_command, stiction_done
 from stiction import Ball, Result, interface, read_interface, self_affine_surface, write_interface, write_surface
 from stiction.studies.store import open_stored
 from stiction.studies.tests_file import friction_tests
+from support.command import assert_rejected, call_stiction, check_stiction
 
 MU0, TAU0 = 0.15, 0.012
 BALL = ("--ball", "5 mm", "--effective-modulus", "3 GPa")
@@ -32,10 +32,10 @@ def pressed(tmp_path_factory):
         for side, seed in (("upper", 1), ("lower", 2)):
             surface = self_affine_surface(seed, hurst_exponent=0.8, rms=rms, shape=(48, 48), spacing=0.1, side=side)
             write_surface(surface, where / f"{name}_{side}.csv")
-        stiction_done(
+        check_stiction(
             "pair", f"{name}_upper.csv", f"{name}_lower.csv", "--effective-modulus", "80 GPa", "--mu0", MU0, "--tau0",
             "300 MPa", "--load", "40 MPa", "--load", "160 MPa", "--shifts", 4, "--onset", 0, "-o", name, cwd=where,
-            blank=True,
+            without_figures=True,
         )  # fmt: skip
         result = Result(open_stored(where / name))
         for load in (40, 80, 160):
@@ -48,7 +48,7 @@ def pressed(tmp_path_factory):
 
 def test_a_ball_gives_both_and_keeps_them(tmp_path):
     table(tmp_path / "forces.csv", ball_rows())
-    done = stiction_done("calibrate", "forces.csv", *BALL, "-o", "film", cwd=tmp_path)
+    done = check_stiction("calibrate", "forces.csv", *BALL, "-o", "film", cwd=tmp_path)
     first, *rest = done.stdout.splitlines()
     assert first.startswith("μ0 + τ0 A/F = ")
     assert rest[0].startswith("μ0 = 0.1")
@@ -62,19 +62,19 @@ def test_a_ball_gives_both_and_keeps_them(tmp_path):
 
 def test_two_finishes_tell_them_apart_and_one_does_not(pressed):
     given = ["forces.csv", "--pair", "ground", "--pair", "lapped/", "--sliding", "all", "--json"]
-    record = json.loads(stiction_done("calibrate", *given, cwd=pressed, blank=True).stdout)
+    record = json.loads(check_stiction("calibrate", *given, cwd=pressed, without_figures=True).stdout)
     assert (record["kind"], record["separated"]) == ("interface", True)
     values = {each["name"]: each for each in record["values"]}
     assert values["mu0"]["lower"] < MU0 < values["mu0"]["upper"]
     assert values["tau0"]["lower"] < 0.3 < values["tau0"]["upper"]
-    one = stiction_done("calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=pressed)
+    one = check_stiction("calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=pressed)
     assert "Only μ0 + τ0 A/F is measured" in one.stdout
     assert "a smooth ball below yield" in one.stdout
 
 
 def test_a_ball_beyond_yield_is_told(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
-    done = stiction_done("calibrate", *options, cwd=tmp_path)
+    done = check_stiction("calibrate", *options, cwd=tmp_path)
     assert "may be beyond yield" in done.stderr
 
 
@@ -104,7 +104,7 @@ def test_a_ball_beyond_yield_is_told(tmp_path):
 )
 def test_a_table_that_says_something_else_is_refused(tmp_path, head, row, words):
     table(tmp_path / "forces.csv", [row], head)
-    assert_refused(stiction_command("calibrate", "forces.csv", *BALL, cwd=tmp_path), "forces.csv", words)
+    assert_rejected(call_stiction("calibrate", "forces.csv", *BALL, cwd=tmp_path), "forces.csv", words)
 
 
 @pytest.mark.parametrize(
@@ -125,13 +125,13 @@ def test_a_table_that_says_something_else_is_refused(tmp_path, head, row, words)
 )
 def test_arguments_that_do_not_go_together_are_refused(tmp_path, arguments, words):
     table(tmp_path / "forces.csv", ball_rows())
-    assert_refused(stiction_command("calibrate", *arguments, cwd=tmp_path), words)
+    assert_rejected(call_stiction("calibrate", *arguments, cwd=tmp_path), words)
 
 
 def test_tests_that_held_are_bounds_and_other_separators_do(tmp_path):
     text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(f"{x};{y};{0.03 * y};1" for x, y, _ in ball_rows())
     (tmp_path / "forces.csv").write_text(f"{text}\n50;0.1;0.01;0\n", encoding="utf-8")
-    done = stiction_done("calibrate", "forces.csv", *BALL, "--json", cwd=tmp_path)
+    done = check_stiction("calibrate", "forces.csv", *BALL, "--json", cwd=tmp_path)
     assert np.isclose(json.loads(done.stdout)["fits"][0]["freedom"], 3)
 
 
@@ -180,11 +180,11 @@ def test_tests_file_uses_the_units_of_its_columns(tmp_path):
 def test_calibrate_widens_tau0_by_ranges_of_the_moduli(tmp_path, ranges):
     table(tmp_path / "forces.csv", ball_rows())
     common = ("calibrate", "forces.csv", "--ball", "5 mm", "--json", "--sliding", "all")
-    done = stiction_done(*common, *ranges, cwd=tmp_path, blank=True)
+    done = check_stiction(*common, *ranges, cwd=tmp_path, without_figures=True)
     wide = {each["name"]: each for each in json.loads(done.stdout)["values"]}["tau0"]
     ends = {"--effective-modulus": ("2", "4.5"), "--young": ("2.25", "4.86"), "--upper": ("2.49", "3.53")}[ranges[0]]
     for end in ends:
-        done = stiction_done(*common, "--effective-modulus", f"{end} GPa", cwd=tmp_path, blank=True)
+        done = check_stiction(*common, "--effective-modulus", f"{end} GPa", cwd=tmp_path, without_figures=True)
         tau0 = {each["name"]: each for each in json.loads(done.stdout)["values"]}["tau0"]["value"]
         assert wide["lower"] < tau0 < wide["upper"]
 
@@ -192,10 +192,10 @@ def test_calibrate_widens_tau0_by_ranges_of_the_moduli(tmp_path, ranges):
 def test_a_folder_of_own_interfaces_is_listed(tmp_path):
     write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "film", {"operator": "A. B."})
     (tmp_path / "notes.txt").write_text("nothing")
-    done = stiction_command("interfaces", ".", cwd=tmp_path)
+    done = call_stiction("interfaces", ".", cwd=tmp_path)
     assert done.stdout.splitlines()[0] == "film"
     assert "operator A. B." in done.stdout
     assert "notes" not in done.stdout
-    assert_refused(stiction_command("interfaces", "nowhere", cwd=tmp_path), "nowhere", "cannot be listed")
+    assert_rejected(call_stiction("interfaces", "nowhere", cwd=tmp_path), "nowhere", "cannot be listed")
     (tmp_path / "empty").mkdir()
-    assert "empty: holds no interfaces" in stiction_command("interfaces", "empty", cwd=tmp_path).stdout
+    assert "empty: holds no interfaces" in call_stiction("interfaces", "empty", cwd=tmp_path).stdout

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import assert_refused, stiction_command, stiction_done
 from matplotlib.image import imread
 from stiction import (
     Profile,
@@ -24,6 +23,7 @@ from stiction import (
     write_surface,
 )
 from stiction.views.characterisation import characterisation_text
+from support.command import assert_rejected, call_stiction, check_stiction
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def folder(tmp_path, profile, surface):
 
 def characterise(*arguments, cwd):
     """History, the rest of the table, and the figure, beside which a page is written."""
-    done = stiction_done("characterise", *arguments, cwd=cwd, blank=True)
+    done = check_stiction("characterise", *arguments, cwd=cwd, without_figures=True)
     assert done.stderr == ""
     lines = done.stdout.splitlines()
     assert lines.pop(0).startswith(f"{Path(arguments[0]).name}: ")
@@ -98,7 +98,7 @@ def test_missing_points_are_interpolated_if_that_is_asked_and_columns_are_chosen
     lines = (folder / "scan.csv").read_text(encoding="utf-8").splitlines()
     lines[100] = lines[100].split(",")[0] + ",nan"
     (folder / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
-    assert_refused(stiction_command("characterise", "gaps.csv", cwd=folder), "1 missing points of 3000", "interpolate")
+    assert_rejected(call_stiction("characterise", "gaps.csv", cwd=folder), "1 missing points of 3000", "interpolate")
     for missing, done in (("interpolate", "interpolated"), ("mask", "masked")):
         history, said, _ = characterise("gaps.csv", "--missing", missing, cwd=folder)
         assert (
@@ -139,31 +139,31 @@ def test_a_figure_is_drawn_over_its_own_kind_but_over_no_other_picture(folder):
     assert (folder / "scan.png").stat().st_ino != before
     photograph = b"\x89PNG\r\n\x1a\n of the instrument"
     (folder / "scan.png").write_bytes(photograph)
-    assert_refused(stiction_command("characterise", "scan.csv", cwd=folder), "scan.png: exists already")
+    assert_rejected(call_stiction("characterise", "scan.csv", cwd=folder), "scan.png: exists already")
     assert (folder / "scan.png").read_bytes() == photograph
 
 
 def test_a_page_says_how_it_was_made_and_not_where(folder):
     options = ["--level", "quadratic", "--tip", "2 um"]
-    done = stiction_command("characterise", folder / "scan.csv", *options, cwd=folder, blank=True)
+    done = call_stiction("characterise", folder / "scan.csv", *options, cwd=folder, without_figures=True)
     assert done.stdout.endswith("wrote scan.html\nwrote scan.png\n")
     page = (folder / "scan.html").read_text(encoding="utf-8")
     assert "stiction characterise scan.csv --tip &#x27;2 um&#x27; --level quadratic" in page
     assert str(folder) not in page
-    done = stiction_command("characterise", "scan.csv", "--json", "-o", "alone.html", cwd=folder, blank=True)
+    done = call_stiction("characterise", "scan.csv", "--json", "-o", "alone.html", cwd=folder, without_figures=True)
     assert done.stderr == "stiction: wrote alone.html, the page alone\n"
     (folder / "alone.html").write_text("<p>of somebody else</p>", encoding="utf-8")
-    done = stiction_command("characterise", "scan.csv", "-o", "alone.html", cwd=folder)
-    assert_refused(done, "alone.html: exists already")
+    done = call_stiction("characterise", "scan.csv", "-o", "alone.html", cwd=folder)
+    assert_rejected(done, "alone.html: exists already")
 
 
 def test_json_and_a_figure_do_not_exclude_each_other(folder):
-    done = stiction_done("characterise", "scan.csv", "--json", "-o", "look.png", cwd=folder)
+    done = check_stiction("characterise", "scan.csv", "--json", "-o", "look.png", cwd=folder)
     assert done.stderr == "stiction: wrote look.html\nstiction: wrote look.png\n"
     assert imread(folder / "look.png").std() > 0.05
     record = json.loads(done.stdout)
     assert record["command"] == "characterise"
-    assert record == json.loads(stiction_command("characterise", "scan.csv", "--json", cwd=folder).stdout)
+    assert record == json.loads(call_stiction("characterise", "scan.csv", "--json", cwd=folder).stdout)
     assert not (folder / "scan.png").exists()
     for value in record["values"]:
         assert list(value) == ["name", "value", "unit", "lower", "upper", "at", "status"]
@@ -173,20 +173,20 @@ def test_json_and_a_figure_do_not_exclude_each_other(folder):
 def test_several_files_make_one_table(folder):
     files = ["scan.csv", "map.npy"]
     options = ["--unit", "um", "--spacing", "10 nm"]
-    done = stiction_done("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
+    done = check_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
     assert [line.partition(":")[0] for line in done.stdout.splitlines()] == [*files, "wrote finishes.csv, 2 files"]
     rows = list(csv.DictReader((folder / "finishes.csv").read_text(encoding="utf-8").splitlines()))
     assert [row["holds"] for row in rows] == ["profile", "surface"]
     assert [row["points"] for row in rows] == ["3000", "60 x 90"]
-    record = json.loads(stiction_command("characterise", *files, *options, "--json", cwd=folder).stdout)
+    record = json.loads(call_stiction("characterise", *files, *options, "--json", cwd=folder).stdout)
     for row in rows:
         values = {value["name"]: value for value in record["values"] if value["at"]["file"] == row["file"]}
         for name, value in values.items():
             title = name if value["unit"] == "1" else f"{name} ({value['unit']})"
             assert row[title] == "" or float(row[title]) == pytest.approx(value["value"], rel=1e-8)
     assert rows[0]["Sq (um)"] == rows[1]["Pq (um)"] == ""
-    done = stiction_command("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
-    assert_refused(done, "finishes.csv: exists already")
+    done = call_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
+    assert_rejected(done, "finishes.csv: exists already")
 
 
 @pytest.mark.parametrize(
@@ -219,8 +219,8 @@ def test_several_files_make_one_table(folder):
 )
 def test_bad_input_is_one_message_and_status_2(folder, arguments, said):
     (folder / "empty.csv").touch()
-    done = stiction_command("characterise", *arguments, cwd=folder)
-    assert_refused(done, said)
+    done = call_stiction("characterise", *arguments, cwd=folder)
+    assert_rejected(done, said)
     assert len(done.stderr.splitlines()) == 1
     assert done.stderr.startswith("stiction: ")
 
@@ -257,7 +257,7 @@ def test_short_waves_are_taken_off_and_a_tip_is_asked_of_the_curvature(folder, p
     _, blunt, _ = characterise("scan.csv", "--tip", "100 um", cwd=folder)
     assert "not to be trusted below" in blunt
     assert "sharper than the tip follows" in blunt
-    assert_refused(stiction_command("characterise", "scan.csv", "--cutoff", "20 um", cwd=folder), "--cutoff")
+    assert_rejected(call_stiction("characterise", "scan.csv", "--cutoff", "20 um", cwd=folder), "--cutoff")
 
 
 def test_several_scans_are_one_spectrum(folder):
@@ -266,20 +266,20 @@ def test_several_scans_are_one_spectrum(folder):
     write_surface(Surface(coarse, spacing=0.08), folder / "coarse.npy")
     write_surface(Surface(fine, spacing=0.02), folder / "fine.npy")
     given = ["fine.npy", "coarse.npy", "--together"]
-    assert_refused(stiction_command("characterise", "fine.npy", "--together", cwd=folder), "--together")
-    done = stiction_done("characterise", *given, cwd=folder)
+    assert_rejected(call_stiction("characterise", "fine.npy", "--together", cwd=folder), "--together")
+    done = check_stiction("characterise", *given, cwd=folder)
     assert "waves taken" in done.stdout
     assert (folder / "joined.png").read_bytes().startswith(b"\x89PNG")
-    stiction_done("characterise", *given, "--output", "spectra.svg", cwd=folder)
+    check_stiction("characterise", *given, "--output", "spectra.svg", cwd=folder)
     assert (folder / "spectra.svg").exists()
-    assert_refused(stiction_command("characterise", *given, "--output", "spectra.doc", cwd=folder), "must end in")
+    assert_rejected(call_stiction("characterise", *given, "--output", "spectra.doc", cwd=folder), "must end in")
     joined = joined_spectrum(
         [levelled(Surface(each, spacing=step), "plane") for each, step in ((fine, 0.02), (coarse, 0.08))]
     )
     with (folder / "joined.csv").open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     np.testing.assert_allclose([float(row["C2D (um4)"]) for row in rows], joined.density, rtol=1e-6)
-    record = json.loads(stiction_command("characterise", *given, "--json", cwd=folder).stdout)
+    record = json.loads(call_stiction("characterise", *given, "--json", cwd=folder).stdout)
     assert [scan["file"] for scan in record["scans"]] == ["fine.npy", "coarse.npy"]
     np.testing.assert_allclose(record["spectrum"]["rms_gradient"], joined.roughness().gradient)
 
@@ -290,7 +290,7 @@ def test_two_scans_of_one_place_give_their_mean_and_the_noise(tmp_path):
     for name, first in (("a.csv", 0), ("b.csv", 25)):
         heights = place.heights[first : first + 2900] + 1e-3 * random.normal(size=2900)
         write_profile(Profile(heights, spacing=0.01), tmp_path / name)
-    done = stiction_done("characterise", "a.csv", "b.csv", "--repeated", cwd=tmp_path)
+    done = check_stiction("characterise", "a.csv", "b.csv", "--repeated", cwd=tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {
         "a.csv", "b.csv", "repeated.npy", "noise.csv", "noise.png",
     }  # fmt: skip
@@ -300,20 +300,20 @@ def test_two_scans_of_one_place_give_their_mean_and_the_noise(tmp_path):
     assert np.array_equal(read_profile(tmp_path / "repeated.npy").heights, found.scan.heights)
     assert f"--cutoff '{1000 * found.limit:g} nm'" in " ".join(done.stdout.split())
     for more, why in (([], "repeated.npy: exists already"), (["--together"], "without --together")):
-        assert_refused(stiction_command("characterise", "a.csv", "b.csv", "--repeated", *more, cwd=tmp_path), why)
-    told = stiction_command("characterise", "a.csv", "b.csv", "--repeated", "--json", cwd=tmp_path)
+        assert_rejected(call_stiction("characterise", "a.csv", "b.csv", "--repeated", *more, cwd=tmp_path), why)
+    told = call_stiction("characterise", "a.csv", "b.csv", "--repeated", "--json", cwd=tmp_path)
     assert json.loads(told.stdout)["limit_um"] == found.limit
 
 
 def test_dry_run_shows_how_files_are_read(folder):
-    done = stiction_done(
+    done = check_stiction(
         "characterise", "scan.csv", "heights.npy", "--unit", "um", "--spacing", "10 nm", "--dry-run", cwd=folder
     )
     first, second = done.stdout.splitlines()
     assert first.startswith("scan.csv: positions and heights; 3000 points; 10 nm apart; heights 1 (z (um)) in um")
     assert second.startswith("heights.npy: NumPy array; 3000 points; 10 nm apart")
     assert not list(folder.glob("*.png"))
-    done = stiction_done("characterise", "scan.csv", "--dry-run", "--json", cwd=folder)
+    done = check_stiction("characterise", "scan.csv", "--dry-run", "--json", cwd=folder)
     (file,) = json.loads(done.stdout)["files"]
     assert (file["layout"], file["points"], file["caveats"]) == ("positions and heights", [3000], [])
 
@@ -323,8 +323,8 @@ def test_codes_for_missing_points_are_doubted_until_they_are_declared(folder):
     heights[[5, 70]] = -9999
     np.save(folder / "codes.npy", heights)
     given = ["codes.npy", "--unit", "um", "--spacing", "10 nm", "--missing", "interpolate", "--dry-run"]
-    done = stiction_done("characterise", *given, cwd=folder)
+    done = check_stiction("characterise", *given, cwd=folder)
     assert "--missing-value -9999 takes them for missing points (repeated-extreme)" in done.stderr
-    done = stiction_done("characterise", *given, "--missing-value", "-9999", cwd=folder)
+    done = check_stiction("characterise", *given, "--missing-value", "-9999", cwd=folder)
     assert done.stderr == ""
     assert "2 of 3000 missing" in done.stdout

@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 import stiction
 import typer
-from command import assert_refused, stiction_command, stiction_done
 from stiction import Study, study_names
 from stiction.cli.application import COMMANDS, app
 from stiction.studies import store
+from support.command import assert_rejected, call_stiction, check_stiction
 
 TINY = [
     "--set", "surfaces.fractal_dimension=[1.1, 1.4]", "--set", "surfaces.points=4000", "--set", "surfaces.extent=2 um",
@@ -20,7 +20,7 @@ TINY = [
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
     where = tmp_path_factory.mktemp("ran")
-    done = stiction_done("run", "quick", *TINY, "--workers", 2, cwd=where, blank=True)
+    done = check_stiction("run", "quick", *TINY, "--workers", 2, cwd=where, without_figures=True)
     return where, done
 
 
@@ -39,32 +39,32 @@ def test_run_writes_the_result_and_its_figures_where_it_says(ran):
 def test_run_again_computes_nothing_again_and_draws(ran):
     where, _ = ran
     for again in (("quick", *TINY), ("quick/study.toml",), ("quick/study.toml", "--output", "quick")):
-        done = stiction_done("run", *again, cwd=where, blank=True)
+        done = check_stiction("run", *again, cwd=where, without_figures=True)
         assert "holds this study already" in done.stdout
     (where / "quick" / "area.png").unlink()
-    stiction_done("plot", "quick", cwd=where, blank=True)
+    check_stiction("plot", "quick", cwd=where, without_figures=True)
     assert (where / "quick" / "area.png").exists()
 
 
 def test_more_repetitions_are_added_and_what_is_not_finished_is_said(ran, tmp_path):
-    assert_refused(stiction_command("run", "quick", *TINY, "--set", "ensemble.seed=1", cwd=ran[0]), "ensemble.seed")
+    assert_rejected(call_stiction("run", "quick", *TINY, "--set", "ensemble.seed=1", cwd=ran[0]), "ensemble.seed")
     shutil.copytree(ran[0] / "quick", tmp_path / "quick")
-    done = stiction_done("run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path, blank=True)
+    done = check_stiction("run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path, without_figures=True)
     assert "3 of its 5 repetitions were there already" in done.stdout
-    assert_refused(stiction_command("run", "quick", *TINY, cwd=tmp_path), "ensemble.repetitions")
+    assert_rejected(call_stiction("run", "quick", *TINY, cwd=tmp_path), "ensemble.repetitions")
     last = sorted((tmp_path / "quick" / "blocks").iterdir())[-1]
     last.unlink()
-    done = stiction_done("info", "quick", cwd=tmp_path)
+    done = check_stiction("info", "quick", cwd=tmp_path)
     for words in ("surfaces.points = 4_000", 'surfaces.extent = "2 um"', " of 5 finished", "MiB", stiction.__version__):
         assert words in done.stdout, done.stdout
     assert "gamma" not in done.stdout
-    done = stiction_done("plot", "quick", cwd=tmp_path, blank=True)
+    done = check_stiction("plot", "quick", cwd=tmp_path, without_figures=True)
     assert "of 5 repetitions are finished" in done.stderr
 
 
 def test_parts_together_are_the_whole(ran, tmp_path):
     for part in ("1/2", "2/2"):
-        done = stiction_done("run", "quick", *TINY, "--part", part, cwd=tmp_path)
+        done = check_stiction("run", "quick", *TINY, "--part", part, cwd=tmp_path)
         assert f"part {part} is finished" in done.stdout
         assert "μ_s" not in done.stdout
     assert store.read(tmp_path / "quick").equals(store.read(ran[0] / "quick"))
@@ -78,24 +78,24 @@ def test_a_study_file_runs_as_the_study_it_is(tmp_path):
         }
     )  # fmt: skip
     (tmp_path / "mine.toml").write_text(study.to_toml(), encoding="utf-8")
-    stiction_done("run", "mine.toml", "--output", "there", cwd=tmp_path, blank=True)
+    check_stiction("run", "mine.toml", "--output", "there", cwd=tmp_path, without_figures=True)
     assert store.info(tmp_path / "there").study == study
 
 
 def test_studies_lists_and_prints(tmp_path):
-    listed = stiction_command("studies", cwd=tmp_path).stdout.splitlines()
+    listed = call_stiction("studies", cwd=tmp_path).stdout.splitlines()
     assert [line.split()[0] for line in listed] == study_names()
     assert all(re.fullmatch(r"[\w-]+ +[A-Z][^#]+\.", line) for line in listed)
-    printed = stiction_command("studies", "figure5", cwd=tmp_path).stdout
+    printed = call_stiction("studies", "figure5", cwd=tmp_path).stdout
     (tmp_path / "figure5.toml").write_text(printed, encoding="utf-8")
     assert Study.from_toml(tmp_path / "figure5.toml") == Study.named("figure5")
 
 
 def test_version_and_help(tmp_path):
-    version, built = stiction_command("--version", cwd=tmp_path).stdout.splitlines()
+    version, built = call_stiction("--version", cwd=tmp_path).stdout.splitlines()
     assert version == f"stiction {stiction.__version__}"
     assert all(value in built for value in stiction._core.build().values())
-    done = stiction_done("--help", cwd=tmp_path)
+    done = check_stiction("--help", cwd=tmp_path)
     for name, sentence in (each for group in COMMANDS.values() for each in group.items()):
         assert re.search(rf"^  {name} +{re.escape(sentence[1])}$", done.stdout, re.MULTILINE)
 
@@ -126,7 +126,7 @@ def test_a_shell_completes_commands_and_options(monkeypatch, tmp_path):
     for words, at, expected in (("stiction ru", "1", "run"), ("stiction pair --mu", "2", "--mu0")):
         for name, value in (("_STICTION_COMPLETE", "complete_bash"), ("COMP_WORDS", words), ("COMP_CWORD", at)):
             monkeypatch.setenv(name, value)
-        assert expected in stiction_command(cwd=tmp_path).stdout.split()
+        assert expected in call_stiction(cwd=tmp_path).stdout.split()
 
 
 # ---- Refusals --------------------------------------------------------------------------------------------------------
@@ -158,4 +158,4 @@ def test_a_shell_completes_commands_and_options(monkeypatch, tmp_path):
 def test_bad_input_is_one_message_and_status_2(tmp_path, arguments, words):
     (tmp_path / "binary.toml").write_bytes(b"\x89PNG\r\n\x1a\n\xff\xfe\x00")
     (tmp_path / "file").write_text("")
-    assert_refused(stiction_command(*arguments, cwd=tmp_path), *words)
+    assert_rejected(call_stiction(*arguments, cwd=tmp_path), *words)

@@ -3,12 +3,12 @@
 import json
 
 import pytest
-from command import assert_refused, stiction_command, stiction_done
 from stiction import materials
+from support.command import assert_rejected, call_stiction, check_stiction
 
 
 def test_all_materials_are_listed_and_fit_a_terminal(tmp_path):
-    done = stiction_done("materials", cwd=tmp_path, columns=80)
+    done = check_stiction("materials", cwd=tmp_path, columns=80)
     assert max(map(len, done.stdout.splitlines())) <= 80
     for each in materials():
         assert f"\n{each.name} " in done.stdout
@@ -16,7 +16,7 @@ def test_all_materials_are_listed_and_fit_a_terminal(tmp_path):
 
 
 def test_one_is_found_by_any_of_its_names(tmp_path):
-    done = stiction_command("materials", "steel", "--json", cwd=tmp_path)
+    done = call_stiction("materials", "steel", "--json", cwd=tmp_path)
     (entry,) = json.loads(done.stdout)["materials"]
     assert entry["name"] == "mild steel"
     assert "steel" in entry["aliases"]
@@ -24,5 +24,5 @@ def test_one_is_found_by_any_of_its_names(tmp_path):
     assert hardness["low"] < hardness["value"] < hardness["high"]
     assert hardness["value"] == pytest.approx((hardness["low"] * hardness["high"]) ** 0.5)
     assert "Tabor" in hardness["source"]
-    assert "gold   77–78 [1]  0.42–0.44 [1]  0.19–0.73 [2]" in stiction_done("materials", "gold", cwd=tmp_path).stdout
-    assert_refused(stiction_command("materials", "unobtainium", cwd=tmp_path), "unobtainium")
+    assert "gold   77–78 [1]  0.42–0.44 [1]  0.19–0.73 [2]" in check_stiction("materials", "gold", cwd=tmp_path).stdout
+    assert_rejected(call_stiction("materials", "unobtainium", cwd=tmp_path), "unobtainium")

@@ -5,9 +5,9 @@ import errno
 
 import numpy as np
 import pytest
-from command import assert_refused, stiction_command, stiction_done
 from stiction import _files, self_affine_surface, write_surface
 from stiction.studies import complete
+from support.command import assert_rejected, call_stiction, check_stiction
 
 PAIR = ["pair", "upper.csv", "lower.csv", "--effective-modulus", "80 GPa", "--mu0", "0.2", "--load", "2 mN"]
 PAIR += ["--shifts", "2", "--onset", "0"]
@@ -49,8 +49,8 @@ def test_command_rejects_output_over_foreign_file(folder, arguments, name, kind)
         target = target.rename(path)
     else:
         path.symlink_to(target)
-    done = stiction_command(*arguments, cwd=folder)
-    assert_refused(done, f"{path.name}: exists already")
+    done = call_stiction(*arguments, cwd=folder)
+    assert_rejected(done, f"{path.name}: exists already")
     assert done.stdout == ""  # before anything is computed
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
@@ -58,7 +58,7 @@ def test_command_rejects_output_over_foreign_file(folder, arguments, name, kind)
 @pytest.mark.parametrize("scan_name", ["result.csv", "onset.csv"])
 def test_pair_rejects_folder_whose_output_is_its_own_scan(folder, scan_name):
     content = (folder / "upper.csv").rename(folder / scan_name).read_bytes()
-    assert_refused(stiction_command("pair", scan_name, *PAIR[2:], "-o", ".", cwd=folder), f"{scan_name}: exists")
+    assert_rejected(call_stiction("pair", scan_name, *PAIR[2:], "-o", ".", cwd=folder), f"{scan_name}: exists")
     assert (folder / scan_name).read_bytes() == content
 
 
@@ -66,29 +66,29 @@ def test_pair_rejects_folder_whose_output_is_its_own_scan(folder, scan_name):
     (PAIR, ("result.csv", "report.html", "friction.png")), (TABLE, ("table.csv", "laws.csv", "table.nc")),
 ])  # fmt: skip
 def test_command_replaces_its_own_output(folder, arguments, names):
-    stiction_done(*arguments, cwd=folder)
+    check_stiction(*arguments, cwd=folder)
     where = folder / arguments[0]
     first = {name: (where / name).stat().st_ino for name in names}
-    stiction_done(*arguments, *(["--mu0", "0.3"]), cwd=folder)
+    check_stiction(*arguments, *(["--mu0", "0.3"]), cwd=folder)
     assert all((where / name).stat().st_ino != inode for name, inode in first.items())
 
 
 def test_characterise_rejects_repeated_scan_as_output(folder):
     content = (folder / "upper.csv").read_bytes()
-    done = stiction_command(*SCANS, "--repeated", "--output", "upper.csv", cwd=folder)
-    assert_refused(done, "upper.csv: exists already")
+    done = call_stiction(*SCANS, "--repeated", "--output", "upper.csv", cwd=folder)
+    assert_rejected(done, "upper.csv: exists already")
     assert (folder / "upper.csv").read_bytes() == content
 
 
 def test_export_on_full_disk_leaves_no_file(folder, monkeypatch):
-    stiction_done(*PAIR, cwd=folder)
+    check_stiction(*PAIR, cwd=folder)
 
     def write_half(path, text, **_):
         path.write_bytes(text.encode()[: len(text) // 2])
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(_files.Path, "write_text", write_half)
-    assert_refused(stiction_command("export", "pair", "x.csv", cwd=folder), "x.csv: cannot be written")
+    assert_rejected(call_stiction("export", "pair", "x.csv", cwd=folder), "x.csv: cannot be written")
     assert not (folder / "x.csv").exists()
     assert not list(folder.glob(".stiction*"))
 
@@ -97,7 +97,7 @@ def test_export_on_full_disk_leaves_no_file(folder, monkeypatch):
 def test_csv_quotes_names_that_start_formulas(folder, start):
     name = f"{start}cmd.csv"
     (folder / "upper.csv").rename(folder / name)
-    stiction_done("characterise", "--output", "t.csv", "--", name, "lower.csv", cwd=folder)
+    check_stiction("characterise", "--output", "t.csv", "--", name, "lower.csv", cwd=folder)
     with (folder / "t.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["file"] for row in rows] == [f"'{name}", "lower.csv"]
@@ -105,6 +105,6 @@ def test_csv_quotes_names_that_start_formulas(folder, start):
 
 
 def test_pair_prints_an_estimate_of_long_computing_without_a_terminal(folder, monkeypatch):
-    assert "computing" not in stiction_done(*PAIR, "-o", "short", cwd=folder).stderr
+    assert "computing" not in check_stiction(*PAIR, "-o", "short", cwd=folder).stderr
     monkeypatch.setattr(complete, "LONG", 0.0)
-    assert "computing 2 repetitions: about " in stiction_done(*PAIR, "-o", "long", cwd=folder).stderr
+    assert "computing 2 repetitions: about " in check_stiction(*PAIR, "-o", "long", cwd=folder).stderr

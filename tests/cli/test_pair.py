@@ -10,7 +10,6 @@ import pandas
 import pytest
 import stiction
 import typer
-from command import assert_refused, stiction_command, stiction_done
 from stiction import Study, effective_modulus, run, self_affine, self_affine_surface, tabor_friction, write_profile
 from stiction._errors import ArgumentError
 from stiction.cli.application import app, tell
@@ -24,6 +23,7 @@ from stiction.studies.store import export
 from stiction.studies.values import StudyError
 from stiction.views.digits import quoted
 from stiction.views.inputs import doubts_of_inputs
+from support.command import assert_rejected, call_stiction, check_stiction
 
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "50 MPa"]
 LOAD = ["--load", "20 uN"]
@@ -322,8 +322,8 @@ def test_smallest_load_is_pressed_without_lower_ones(where):
     ],
 )
 def test_bad_input_is_one_message_and_status_2(where, arguments, words):
-    done = stiction_command("pair", *MATERIAL, *LOAD, "--output", "bad", *arguments, cwd=where)
-    assert_refused(done, *words)
+    done = call_stiction("pair", *MATERIAL, *LOAD, "--output", "bad", *arguments, cwd=where)
+    assert_rejected(done, *words)
     assert not (where / "bad" / "blocks").exists()
 
 
@@ -337,12 +337,12 @@ def test_what_waits_has_a_first_answer_and_a_check_that_do_not(where):
 
 def test_table_and_record_have_the_interval_of_each_rule_and_of_one_direction_its_own(where, tmp_path):
     options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--shifts", 4, "--direction", "0,90", "--onset", 0]
-    stiction_command("pair", *MAPS, *MATERIAL, *options, "--output", tmp_path / "out", cwd=where, blank=True)
+    call_stiction("pair", *MAPS, *MATERIAL, *options, "--output", tmp_path / "out", cwd=where, without_figures=True)
     table = pandas.read_csv(tmp_path / "out" / "result.csv", comment="#").set_index("sliding")
     ends = [f"coefficient of static friction: {end}" for end in ("lower", "upper")]
     read = ["at", tmp_path / "out", "--load", "7 MPa", "--json"]
     for more, told in (([], 1), (["--direction", 0], 0)):
-        for rule in json.loads(stiction_command(*read, *more, cwd=where).stdout)["answers"][0]["rules"]:
+        for rule in json.loads(call_stiction(*read, *more, cwd=where).stdout)["answers"][0]["rules"]:
             assert rule["lower"] <= rule["value"] <= rule["upper"]
             known = table.loc[[rule["rule"]], ends].dropna().to_numpy()
             assert len(known) == 1
@@ -358,7 +358,7 @@ def test_lines_and_gaps_with_holes_have_a_page(where, tmp_path, bodies):
     )
     np.save(where / "hole.npy", rows)
     options = ["--missing", "mask", "--mechanics", "half-space", "--onset", 0, "--output", tmp_path / "out"]
-    stiction_done("pair", *bodies, *MATERIAL, *LOAD, *options, cwd=where)
+    check_stiction("pair", *bodies, *MATERIAL, *LOAD, *options, cwd=where)
     assert (tmp_path / "out" / "report.html").exists()
 
 
@@ -376,7 +376,7 @@ def test_lines_and_gaps_with_holes_have_a_page(where, tmp_path, bodies):
     ],
 )
 def test_materials_are_needed_and_told_apart_from_files(where, arguments, words):
-    assert_refused(stiction_command("pair", *arguments, *LOAD, "--mu0", "0.3", cwd=where), *words)
+    assert_rejected(call_stiction("pair", *arguments, *LOAD, "--mu0", "0.3", cwd=where), *words)
 
 
 # ---- While it is computed --------------------------------------------------------------------------------------------
@@ -386,7 +386,7 @@ def test_whoever_watches_sees_a_first_answer_and_standard_output_does_not(where,
     for module in ("application", "pair"):
         monkeypatch.setattr(f"stiction.cli.{module}.is_watched", lambda: True)
     command = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--onset", 0, "--json", "-o", "first"]
-    done = stiction_done(*command, cwd=where, blank=True)
+    done = check_stiction(*command, cwd=where, without_figures=True)
     assert "at first, by asperities: μ_s = " in done.stderr
     assert json.loads(done.stdout)["command"] == "pair"
     with contextlib.chdir(where):
@@ -397,7 +397,7 @@ def test_whoever_watches_sees_a_first_answer_and_standard_output_does_not(where,
     for given in ([*PROFILES, *LOAD], [*MAPS, "--load", "10 MPa", "--mechanics", "asperities"]):
         with contextlib.chdir(where):
             assert asked(where, *given, *MATERIAL).first_study is None
-    again = stiction_command(*command, cwd=where, blank=True)
+    again = call_stiction(*command, cwd=where, without_figures=True)
     assert "at first" not in again.stderr, "what is there already has its answer"
 
 
@@ -423,7 +423,7 @@ RUBBER = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--tau0", "20
     ids=["lapped", "ground", "rubber", "maps", "honed"],
 )  # fmt: skip
 def test_number_and_verdict_are_on_a_terminal_of_24_lines_when_it_is_done(where, given, tmp_path):
-    done = stiction_done("pair", *given, "-o", tmp_path / "out", cwd=where, columns=80)
+    done = check_stiction("pair", *given, "-o", tmp_path / "out", cwd=where, columns=80)
     answer, _, paths = (done.stderr + done.stdout).partition("wrote ")  # longer here than in a folder of one's own
     assert "report.html" in paths
     of_terminal = 1 + sum(1 + max(len(line) - 1, 0) // 80 for line in answer.splitlines())
@@ -472,16 +472,18 @@ def test_what_an_instrument_s_file_costs_is_said_once(where, monkeypatch):
 @pytest.fixture(scope="module")
 def checked(where):
     """Two profiles, pressed by both mechanics."""
-    done = stiction_done("pair", *PROFILES, *MATERIAL, *LOAD, "--offsets", 4, "--check", cwd=where, blank=True)
+    done = check_stiction(
+        "pair", *PROFILES, *MATERIAL, *LOAD, "--offsets", 4, "--check", cwd=where, without_figures=True
+    )
     return done
 
 
 @pytest.fixture(scope="module")
 def areas(where):
     """Two maps, pressed as areas by asperities."""
-    done = stiction_done(
+    done = check_stiction(
         "pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--mechanics", "asperities", "-o", "areas",
-        cwd=where, blank=True,
+        cwd=where, without_figures=True,
     )  # fmt: skip
     return done
 
@@ -497,7 +499,7 @@ def test_a_pair_is_the_study_in_its_folder(where, checked, areas):
         assert "</html>" in (where / folder / "report.html").read_text("utf-8")
     assert "By half-space" in checked.stdout
     again = ["pair", *PROFILES, *MATERIAL, *LOAD, "--offsets", 4, "--check", "--json"]
-    again = stiction_command(*again, cwd=where, blank=True)
+    again = call_stiction(*again, cwd=where, without_figures=True)
     assert json.loads(again.stdout)["check"][0]["values"]
     assert "wrote" in areas.stdout
 
@@ -505,14 +507,14 @@ def test_a_pair_is_the_study_in_its_folder(where, checked, areas):
 @pytest.mark.usefixtures("undrawn")
 def test_the_same_command_goes_on_and_another_is_refused(where, areas):
     again = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--mechanics", "asperities", "-o", "areas"]
-    done = stiction_done(*again, "--shifts", 4, "--json", cwd=where)
+    done = check_stiction(*again, "--shifts", 4, "--json", cwd=where)
     assert json.loads(done.stdout)
     assert "3 of its 4 repetitions were there already" in done.stderr
     (where / "areas" / "picture.nc").unlink()
-    stiction_done(*again, "--shifts", 4, cwd=where)
+    check_stiction(*again, "--shifts", 4, cwd=where)
     assert (where / "areas" / "picture.nc").exists()
-    assert_refused(stiction_command(*again, "--shifts", 4, "--rotate", 10, cwd=where), "holds another study")
-    stiction_done(*again, "--shifts", 2, "--rotate", 10, "--replace", cwd=where)
+    assert_rejected(call_stiction(*again, "--shifts", 4, "--rotate", 10, cwd=where), "holds another study")
+    check_stiction(*again, "--shifts", 2, "--rotate", 10, "--replace", cwd=where)
     assert store.open_stored(where / "areas").finished.size == 2
 
 
@@ -520,9 +522,9 @@ def test_the_same_command_goes_on_and_another_is_refused(where, areas):
 def test_another_friction_keeps_the_positions_and_says_so(where):
     command = ("pair", *MAPS, "--effective-modulus", "10 GPa", "--mu0", "0.3", "--load", "1 MPa", "--shifts", 2)
     command += ("--mechanics", "asperities", "--onset", 0, "--output", "friction")
-    stiction_done(*command, "--tau0", "0 MPa", cwd=where)
+    check_stiction(*command, "--tau0", "0 MPa", cwd=where)
     seen = sorted((where / "friction" / "blocks").iterdir())
-    done = stiction_done(*command, "--tau0", "50 MPa", cwd=where)
+    done = check_stiction(*command, "--tau0", "50 MPa", cwd=where)
     assert "friction was asked for other friction; its 2 repetitions are kept" in done.stderr
     assert "friction.tau0 = " in done.stderr
     assert sorted((where / "friction" / "blocks").iterdir()) == seen
@@ -544,7 +546,7 @@ def test_what_another_writer_has_written_meanwhile_is_replaced(where, monkeypatc
     for module, name in ((contact_picture, "contact_picture"), (onset, "onset_of_result")):
         monkeypatch.setattr(module, name, beside(getattr(module, name), module.FILE))
     command = ("pair", *MAPS, *MATERIAL, "--load", "1 MPa", "--shifts", 2, "--mechanics", "asperities", "--onset", 2)
-    done = stiction_done(*command, "--output", "twice", cwd=where)
+    done = check_stiction(*command, "--output", "twice", cwd=where)
     assert "μ_s" in done.stdout
 
 
@@ -552,9 +554,9 @@ def test_what_another_writer_has_written_meanwhile_is_replaced(where, monkeypatc
 def test_parts_are_computed_one_after_the_other(where):
     given = ["pair", *PROFILES, *MATERIAL, *LOAD, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
-        stiction_done(*given, "--part", part, cwd=where)
+        check_stiction(*given, "--part", part, cwd=where)
     assert store.open_stored(where / "parts").finished.size == 4
-    done = stiction_done(*given, cwd=where)
+    done = check_stiction(*given, cwd=where)
     assert "not in percent" in done.stdout, "what is seldom meant is said, and it goes on"
 
 
@@ -562,10 +564,10 @@ def test_parts_are_computed_one_after_the_other(where):
 def test_another_file_of_the_same_name_is_refused(where):
     given = ["pair", "scan.npy", "lower.npy", *MAPS[2:], *MATERIAL, *LOAD, "--mechanics", "asperities", "-o", "other"]
     np.save(where / "scan.npy", surface("upper", 48).heights)
-    stiction_done(*given, "--shifts", 1, cwd=where)
+    check_stiction(*given, "--shifts", 1, cwd=where)
     np.save(where / "scan.npy", -surface("upper", 48).heights)
     more = ["run", "other", "--set", "ensemble.repetitions=2"]
-    assert_refused(stiction_command(*more, cwd=where), "scan.npy", "another file")
+    assert_rejected(call_stiction(*more, cwd=where), "scan.npy", "another file")
 
 
 # ---- Measured data --------------------------------------------------------------------------------------------------
@@ -575,7 +577,7 @@ def test_another_file_of_the_same_name_is_refused(where):
 def test_a_stylus_profile_shifted_along_itself(measured, tmp_path):
     file = measured("dektak-1.csv")
     shifted = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
-    stiction_done("pair", file, file, *MATERIAL, *shifted, cwd=tmp_path)
+    check_stiction("pair", file, file, *MATERIAL, *shifted, cwd=tmp_path)
     result = store.read(tmp_path / "pair")
     assert float(result["x"][0]) == pytest.approx(200, abs=1)
 
@@ -586,7 +588,7 @@ def test_an_afm_map_and_a_surrogate(measured, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
     file = measured("di-4.di")
     given = ["--lines", lines, "--surrogates", "lower", "--along", "y", "--json"]
-    stiction_done("pair", file, file, *MATERIAL, *LOAD, *given, cwd=tmp_path)
+    check_stiction("pair", file, file, *MATERIAL, *LOAD, *given, cwd=tmp_path)
     assert store.read(tmp_path / "pair")["surrogate"].values.all()
 
 
@@ -602,7 +604,7 @@ def beside(tmp_path_factory):
         np.save(folder / f"{side}.npy", made.heights)
     given = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "50 MPa", "--load", "10 MPa"]
     given += ["--shifts", 3, "--direction", "0,180", "--onset", 3]
-    done = stiction_done("pair", *MAPS, *given, "--json", cwd=folder)
+    done = check_stiction("pair", *MAPS, *given, "--json", cwd=folder)
     return folder, given, json.loads(done.stdout)
 
 
@@ -619,7 +621,7 @@ def test_a_pair_says_how_finely_it_was_seen_and_what_no_finer_scan_passes(beside
     files = folder / "pair"
     assert (files / "onset.csv").exists()
     assert [path.name for path in files.glob("*.png")] == ["friction.png"]
-    stiction_done("plot", "pair", cwd=folder)
+    check_stiction("plot", "pair", cwd=folder)
     assert {"cut_off.png", "onset.png", "slip.png"} <= {path.name for path in files.iterdir()}
 
 
@@ -631,7 +633,7 @@ def test_a_pair_says_how_it_begins_to_slide(beside):
     assert 0 < onset["displacement_at_sliding"]["mean"] < 0.1
     # The same again computes nothing, and says the same as text.
     (folder / "pair/onset.csv").unlink()
-    done = stiction_command("pair", *MAPS, *given, "--verbose", cwd=folder, blank=True)
+    done = call_stiction("pair", *MAPS, *given, "--verbose", cwd=folder, without_figures=True)
     assert "holds this study already" in done.stdout
     assert not (folder / "pair/onset.csv").exists()
     assert onset["sentence"][:12] in done.stdout
@@ -727,10 +729,10 @@ def test_force_on_a_width_is_the_force_over_it_on_a_strip(where):
 @pytest.mark.usefixtures("undrawn")
 def test_answer_of_profiles_has_its_assumptions_everywhere(where, tmp_path):
     given = ["pair", *PROFILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
-    record = json.loads(stiction_done(*given, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=where).stdout)
+    record = json.loads(check_stiction(*given, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=where).stdout)
     assumed = record["answers"][0]["assumptions"]
     assert assumed == ["parallel grooves across the scans on a strip 1 µm wide", "no adhesion"]
-    done = stiction_done("at", tmp_path / "out", cwd=where)
+    done = check_stiction("at", tmp_path / "out", cwd=where)
     text = " ".join(done.stdout.split())
     assert "Assumes parallel grooves across the scans on a strip 1 µm wide, no adhesion." in text
     table = (tmp_path / "out" / "result.csv").read_text()

@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from command import assert_refused, stiction_command, stiction_done
 from stiction import (
     JoinedSpectrum,
     Study,
@@ -23,6 +22,7 @@ from stiction.studies.resolution import resolution_at
 from stiction.studies.store import open_stored
 from stiction.surfaces.pairing import SpectrumPairs
 from stiction.views.resolution import limits
+from support.command import assert_rejected, call_stiction, check_stiction
 
 SPACING, POINTS = 0.02, 256
 MATERIAL = {"effective_modulus": "100 GPa", "hardness": "4 GPa", "mu0": 0.2, "tau0": "200 MPa", "load": "20 MPa"}
@@ -109,16 +109,16 @@ def test_two_instruments_give_the_answer_of_the_whole_surface(spectra, surfaces)
 
 
 def test_is_a_study_as_any_other(where):
-    done = stiction_done(
-        "pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2", "--json", cwd=where, blank=True
+    done = check_stiction(
+        "pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2", "--json", cwd=where, without_figures=True
     )
     record = json.loads(done.stdout)
     study = Study.from_toml(where / "pair" / "study.toml")
     assert study.surfaces.press == "surrogates"
     assert study.surfaces.upper.sha256 is not None
     assert study.ensemble.repetitions == 2
-    stiction_done("at", "pair", "--load", "30 MPa", cwd=where)
-    stiction_done("report", "pair", cwd=where, blank=True)
+    check_stiction("at", "pair", "--load", "30 MPa", cwd=where)
+    check_stiction("report", "pair", cwd=where, without_figures=True)
     at_cut_offs = resolution_at(open_stored(where / "pair")).isel(load=0, mu0=0, tau0=0)
     closed = limits(at_cut_offs, study)["spectral"]  # what the picture over cut-offs draws beside
     assert float(closed.mean_pressure.max()) == pytest.approx(4.0)
@@ -129,15 +129,15 @@ def test_is_a_study_as_any_other(where):
 
 def test_beside_a_scan_that_is_taken_by_its_own_spectrum(where, surfaces, spectra):
     command = ["pair", "upper.csv", "lower.npy", *OPTIONS, "--surrogates", "2", "--output", "mixed"]
-    stiction_done(*command, cwd=where, blank=True)
+    check_stiction(*command, cwd=where, without_figures=True)
     changed = where / "changed"
     changed.mkdir()
     for name in ("upper.csv", "lower.csv"):
         (changed / name).write_bytes((where / name).read_bytes())
     command = ["pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2"]
-    stiction_done(*command, cwd=changed, blank=True)
+    check_stiction(*command, cwd=changed, without_figures=True)
     (changed / "upper.csv").write_bytes((where / "lower.csv").read_bytes())
-    assert_refused(stiction_command("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed), "another file")
+    assert_rejected(call_stiction("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed), "another file")
 
 
 REFUSED = ["--output", "refused"]
@@ -154,7 +154,7 @@ REFUSED = ["--output", "refused"]
     ],
 )
 def test_what_does_not_apply_is_refused(where, arguments, said):
-    assert_refused(stiction_command(*arguments, cwd=where), said)
+    assert_rejected(call_stiction(*arguments, cwd=where), said)
 
 
 # ---- The file -------------------------------------------------------------------------------------------------------

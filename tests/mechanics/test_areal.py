@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from reference import areal
-from rough_bodies import rough_maps
 from scipy.special import ellipe, ellipk
 from stiction import (
     ContactModel,
@@ -20,6 +19,7 @@ from stiction import (
     press,
     self_affine,
 )
+from support.rough_surfaces import rough_maps
 
 # Independent evaluations of the same heights: other splines, another search, another solution for the ellipse.
 INDEPENDENT = 1e-8

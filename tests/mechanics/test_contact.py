@@ -16,7 +16,7 @@ from stiction import (
     slope_friction,
     weierstrass_mandelbrot,
 )
-from ticking import ticks_during
+from support.threads import runs_other_threads
 
 SUMS = (
     "contact_count", "contact_area", "normal_elastic", "tangential_elastic",
@@ -463,4 +463,4 @@ class TestInterface:
 def test_press_lets_other_threads_run(rough_pair):
     upper, lower = rough_pair(1.5)
     approaches = np.linspace(1e-4, 0.04, 20)
-    assert ticks_during(lambda: press(upper, lower, approaches))
+    assert runs_other_threads(lambda: press(upper, lower, approaches))

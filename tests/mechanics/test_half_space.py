@@ -9,8 +9,6 @@ import pytest
 import scipy.fft
 import stiction._core as _core
 from reference import dense_half_space
-from rough_bodies import flat_like
-from rough_bodies import periodic_body as rough
 from soak import half_space as soak
 from stiction import (
     HalfSpaceCurve,
@@ -29,6 +27,8 @@ from stiction import (
     westergaard_pressure,
 )
 from stiction.studies.members import pair_of
+from support.rough_surfaces import flat_like
+from support.rough_surfaces import periodic_body as rough
 
 MODULUS = 10.0
 DENSE = 1e-8  # of the highest pressure, against dense matrices with a solver's tolerance of 1e-11

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rough_bodies import rough_maps
 from stiction import half_space
 from stiction.mechanics.hardness import area_per_load
 from stiction.studies.hardness import NODES
+from support.rough_surfaces import rough_maps
 
 FRICTION, AREA = 0.01, 0.03
 """Largest relative errors of friction and of area between nodes, on maps of 96 by 96 points with few contacts."""

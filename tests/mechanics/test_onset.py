@@ -3,7 +3,6 @@ import pickle
 import numpy as np
 import pytest
 from reference import dense_half_space, dense_onset
-from rough_bodies import flat_like, periodic_body, rough_maps
 from scipy.integrate import quad
 from stiction import (
     FourParameterIwan,
@@ -21,6 +20,7 @@ from stiction import (
     weierstrass_mandelbrot,
 )
 from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
+from support.rough_surfaces import flat_like, periodic_body, rough_maps
 
 MODULUS = 10.0
 ROUND_OFF = 1e-12

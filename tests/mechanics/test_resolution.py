@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from rough_bodies import rough_maps
 from stiction import (
     Profile,
     Surface,
@@ -17,6 +16,7 @@ from stiction import (
     self_affine,
 )
 from stiction.mechanics.brackets import kappa_spread, most_area
+from support.rough_surfaces import rough_maps
 
 ROUND_OFF = 1e-12
 EDGES = 0.1  # of an area, what cells at the edges of contacts are uncertain by on a coarse grid

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from rough_bodies import rough_maps
 from stiction import Profile, gentle_friction, resolution, scale_dependent_roughness, spectral_resolution
+from support.rough_surfaces import rough_maps
 
 OPTIONS = {"pressure": 0.05, "hardness": 4.0, "mu0": 0.2, "tau0": 0.2, "effective_modulus": 115.0}
 

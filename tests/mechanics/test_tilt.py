@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
-from rough_bodies import rough_maps
 from stiction import Profile, Surface, half_space
+from support.rough_surfaces import rough_maps
 
 OFF_CENTRE = 1e-4  # of the length, what a balance leaves
 LINEAR = 0.03  # of a stiffness, taken over 2 % of the load on both sides, in which points come into contact

@@ -3,7 +3,7 @@
 import pytest
 from stiction import run
 from stiction.studies import runner
-from tiny import TINY
+from support.generated_studies import TINY
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from rough_bodies import rough_maps
 from stiction import Study, half_space, pair, run, self_affine_surface
 from stiction.mechanics.quantities import HELD
 from stiction.studies.at_load import at_load
@@ -14,6 +13,7 @@ from stiction.views.doubts import ADDED, TYPICAL_WORK, added_by_adhesion
 from stiction.views.point import points
 from stiction.views.rows import csv_text, record_text
 from stiction.views.sticking import Sticking
+from support.rough_surfaces import rough_maps
 
 EXACT = 1e-9
 """Relative: the same contacts, solved with others before them, to a tolerance of 1e-6 of the gap."""

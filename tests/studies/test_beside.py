@@ -5,13 +5,13 @@ import random
 import h5py
 import pytest
 import xarray
-from measured_studies import study_of, write_maps
 from stiction.studies import contact_picture, onset
 from stiction.studies.contact_picture import picture_beside
 from stiction.studies.executors import threads
 from stiction.studies.onset import onset_beside, onset_of_result
 from stiction.studies.runner import fill
 from stiction.studies.store import SEAL, StoreError, export, open_stored, read
+from support.measured_studies import study_of, write_maps
 
 FILES = {"picture.nc": picture_beside, "onset.nc": onset_beside}
 

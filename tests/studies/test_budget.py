@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray
-from rough_bodies import rough_maps
 from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
@@ -17,6 +16,7 @@ from stiction.studies.known import ENDS, known
 from stiction.studies.pair import pair_study
 from stiction.studies.values import StudyError
 from stiction.views.answer import answers
+from support.rough_surfaces import rough_maps
 
 SIDES = ("upper", "lower")
 BY_DRAWS = 0.02  # largest difference of an end of an interval by draws from the exact one, over its width

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rough_bodies import rough_maps
 from stiction import (
     Ball,
     FrictionTest,
@@ -22,6 +21,7 @@ from stiction import (
 )
 from stiction.studies.hardness import hardness_beside, inputs_of
 from stiction.studies.interfaces import HARDNESS, credible_interval
+from support.rough_surfaces import rough_maps
 
 BALL = Ball("5 mm", "3 GPa")
 LOADS = np.geomspace(5.0, 2000.0, 8)

@@ -9,7 +9,7 @@ from stiction import Study, run
 from stiction.studies import executors, runner, store
 from stiction.studies.executors import ClusterError
 from stiction.studies.values import StudyError
-from tiny import assert_same_bits
+from support.generated_studies import assert_same_bits
 
 distributed = pytest.importorskip("distributed")
 # distributed leaves sockets and loops to the collector.

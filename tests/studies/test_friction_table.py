@@ -5,9 +5,9 @@ import csv
 import numpy as np
 import pytest
 import xarray
-from command import assert_refused, stiction_command, stiction_done
 from stiction import half_space, pair_of, run
 from stiction.studies.friction_table import friction_table, table_study
+from support.command import assert_rejected, call_stiction, check_stiction
 
 SMALL = {
     "hurst_exponents": [0.6, 0.8], "rms": [0.01, 0.03], "pressures": [0.003, 0.01, 0.03, 0.1], "points": 48,
@@ -126,7 +126,7 @@ ASKED = [
 
 
 def test_the_command_writes_what_the_library_says(tmp_path):
-    stiction_done("table", *ASKED, cwd=tmp_path)
+    check_stiction("table", *ASKED, cwd=tmp_path)
     study = table_study(
         hurst_exponents=[0.8], rms=[0.02], pressures=[0.003, 0.01, 0.03], points=32, shortest_wavelength=0.625,
         repetitions=3,
@@ -143,7 +143,7 @@ def test_the_command_writes_what_the_library_says(tmp_path):
     laws = list(csv.DictReader((tmp_path / "table" / "laws.csv").read_text().splitlines()))
     assert float(laws[0]["c of k/A0 = b p^c"]) == pytest.approx(float(wanted["stiffness_exponent"][0, 0, 0]))
     # The same command goes on, also with other materials.
-    stiction_done("table", *ASKED, "--mu0", "0.1", cwd=tmp_path)
+    check_stiction("table", *ASKED, "--mu0", "0.1", cwd=tmp_path)
     assert len((tmp_path / "table" / "table.csv").read_text().splitlines()) == 1 + 2 * 3
 
 
@@ -156,5 +156,5 @@ def test_the_command_writes_what_the_library_says(tmp_path):
     ],
 )
 def test_bad_options(tmp_path, changes, words):
-    assert_refused(stiction_command("table", *ASKED, *changes, cwd=tmp_path), words)
+    assert_rejected(call_stiction("table", *ASKED, *changes, cwd=tmp_path), words)
     assert not (tmp_path / "table" / "table.nc").exists()

@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 import pytest
-from rough_bodies import rough_maps
 from stiction import joined_spectrum, pair, read_result, self_affine, write_surface
 from stiction.studies import height_scale
 from stiction.studies.at_load import at_load
@@ -24,7 +23,8 @@ from stiction.studies.height_scale import (
 )
 from stiction.studies.store import STUDY, open_stored
 from stiction.views.report import report_page
-from tiny import TINY
+from support.generated_studies import TINY
+from support.rough_surfaces import rough_maps
 
 SAME = 1e-9  # relative: the same bodies, made in another way
 OF_SOLUTIONS = 1e-3  # relative, of the true area: equal problems in other units, solved to the same tolerance

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import assert_refused, stiction_command, stiction_done
 from stiction import (
     Ball,
     FrictionTest,
@@ -24,6 +23,7 @@ from stiction import (
 )  # fmt: skip
 from stiction.studies.interfaces import interface_of
 from stiction.studies.known import ENDS
+from support.command import assert_rejected, call_stiction, check_stiction
 
 KINDS = ("measured", "lumped", "bound")
 
@@ -89,7 +89,7 @@ def test_without_its_file_the_ranges_count(film, tmp_path) -> None:
     result = pair(*bodies(), interface=copy, **QUICK)
     joint, path = result.interval, result.path
     Path(copy).unlink()
-    done = stiction_done("at", path, "--load", "20 MPa", "--json", cwd=tmp_path)
+    done = check_stiction("at", path, "--load", "20 MPa", "--json", cwd=tmp_path)
     (answer,) = json.loads(done.stdout)["answers"]
     rule = answer["rules"][0] if "rules" in answer else answer
     assert np.ptp([rule["lower"], rule["upper"]]) > 1.2 * np.ptp(joint)
@@ -123,17 +123,17 @@ def test_what_does_not_go_together_is_refused(asked, words) -> None:
 
 
 def test_the_command_lists_them_and_takes_one(tmp_path) -> None:
-    listed = stiction_command("interfaces", cwd=tmp_path).stdout
-    record = json.loads(stiction_command("interfaces", "--json", cwd=tmp_path).stdout)
+    listed = call_stiction("interfaces", cwd=tmp_path).stdout
+    record = json.loads(call_stiction("interfaces", "--json", cwd=tmp_path).stdout)
     assert [each["name"] for each in record["interfaces"]] == list(interfaces())
     assert all(f"{name}\n  {about['kind']}, " in listed for name, about in interfaces().items())
     for side, body in zip(("upper", "lower"), bodies(), strict=True):
         write_surface(body, tmp_path / f"{side}.csv")
     asked = ("pair", "upper.csv", "lower.csv", "--load", "20 MPa", "--effective-modulus", "3 GPa", "--shifts", "2")
-    done = stiction_done(*asked, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path)
+    done = check_stiction(*asked, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path)
     assert "interface steel on ice (lumped, kinetic)" in " ".join(done.stdout.split())
-    assert_refused(stiction_command(*asked, cwd=tmp_path), "give --mu0, or the --interface")
-    assert_refused(stiction_command(*asked, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be given")
+    assert_rejected(call_stiction(*asked, cwd=tmp_path), "give --mu0, or the --interface")
+    assert_rejected(call_stiction(*asked, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be given")
 
 
 def test_what_calibrate_gave_is_taken_and_kept_beside_the_result(film, result) -> None:
@@ -158,7 +158,7 @@ def test_damaged_interface_is_rejected_by_name_and_skipped_in_folder(film, tmp_p
     with pytest.raises(ValueError, match=r"bad: is (no|a damaged) interface"):
         read_interface(tmp_path / "bad")
     shutil.copy(film, tmp_path / "good")
-    done = stiction_done("interfaces", ".", "--json", cwd=tmp_path)
+    done = check_stiction("interfaces", ".", "--json", cwd=tmp_path)
     assert [each["name"] for each in json.loads(done.stdout)["interfaces"]] == ["good"]
 
 

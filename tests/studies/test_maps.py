@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 import xarray
-from small import empty_dataset
 from stiction import Study, friction_map, stiffness_map
 from stiction.mechanics.load_curve import LoadCurve
 from stiction.studies.maps import area_map
+from support.generated_studies import empty_dataset
 
 EXACT = 1e-12
 APPROACH = np.linspace(0.01, 0.1, 10)

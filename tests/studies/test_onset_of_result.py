@@ -7,7 +7,6 @@ import numpy as np
 import pandas
 import pytest
 import xarray
-from measured_studies import study_of, write_maps, write_profiles
 from stiction import Profile, Study, approach_at_load, contacts, half_space, read_result, self_affine
 from stiction.studies.executors import threads
 from stiction.studies.intervals import of_sample
@@ -18,6 +17,7 @@ from stiction.studies.runner import fill
 from stiction.studies.store import export, open_stored
 from stiction.views.onset import onset_record, onset_rows, onset_text
 from stiction.views.report import report_page
+from support.measured_studies import study_of, write_maps, write_profiles
 
 
 def computed(study, **options):

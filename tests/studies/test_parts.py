@@ -10,7 +10,7 @@ import xarray
 from stiction import run
 from stiction.studies import runner, store
 from stiction.studies.runner import Folder, fill
-from tiny import TINY, Inline, assert_same_bits, repetitions
+from support.generated_studies import TINY, InlineExecutor, assert_same_bits, with_repetitions
 
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
 
@@ -32,7 +32,7 @@ def test_parts_meet_in_one_folder(tmp_path, undisturbed, computed):
 
 
 def test_parts_of_other_numbers_and_of_more_repetitions_do_no_harm(tmp_path, undisturbed):
-    fill(repetitions(10), tmp_path, part=(1, 2))
+    fill(with_repetitions(10), tmp_path, part=(1, 2))
     fill(TINY, tmp_path, part=(3, 5))
     fill(TINY, tmp_path, part=(1, 1))
     assert_same_bits(store.read(tmp_path), undisturbed)
@@ -56,7 +56,7 @@ class Workers(Executor):
             args = [replace(each, path=Path("/nowhere")) if isinstance(each, Folder) else each for each in args]
             if isinstance(getattr(function, "__self__", None), Folder):  # Folder.is_seen
                 function = Folder(Path("/nowhere"), "").is_seen
-        return Inline().submit(function, *args)
+        return InlineExecutor().submit(function, *args)
 
 
 def test_workers_write_where_they_see_the_folder_and_send_where_not(tmp_path, undisturbed, monkeypatch):
@@ -67,7 +67,7 @@ def test_workers_write_where_they_see_the_folder_and_send_where_not(tmp_path, un
     task = runner.block_task
     monkeypatch.setattr(runner, "block_task", lambda *args: done.append(task(*args)) or done[-1])
     for where, executor, who in (
-        ("here", Inline(), "in 6 files"),
+        ("here", InlineExecutor(), "in 6 files"),
         ("shared", Workers(True), "in 6 files"),
         ("apart", Workers(False), "this process writes them"),
     ):
@@ -94,5 +94,5 @@ def test_a_member_that_fails_does_not_lose_blocks(tmp_path, monkeypatch):
 
     monkeypatch.setattr(runner, "member_sums", fail)
     with pytest.raises(ValueError, match="member 6"):
-        run(TINY, store=tmp_path, executor=Inline())
+        run(TINY, store=tmp_path, executor=InlineExecutor())
     assert store.open_stored(tmp_path).finished.tolist() == [*range(4), *range(8, 22)]

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from measured_studies import study_of, write_maps, write_profiles
 from stiction import Study, run, self_affine_surface
 from stiction.studies.at_load import at_load
 from stiction.studies.members import bodies_of
@@ -12,6 +11,7 @@ from stiction.studies.store import open_stored
 from stiction.surfaces.scale import scale_dependent_roughness
 from stiction.surfaces.surface import Surface
 from stiction.views.resolution import cut_off_rows, limits, plastic_limit, waves_text, yielding
+from support.measured_studies import study_of, write_maps, write_profiles
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ from stiction.studies.result import bytes_of_member
 from stiction.studies.store import StoreError
 from stiction.studies.study import study_of
 from stiction.studies.values import StudyError
-from tiny import TINY, Inline, assert_same_bits, repetitions
+from support.generated_studies import TINY, InlineExecutor, assert_same_bits, with_repetitions
 
 SMALL = TINY.with_changes(
     {
@@ -81,7 +81,7 @@ def test_any_executor_and_any_block_give_the_same_bits(result, monkeypatch):
     monkeypatch.setattr(runner, "MOST_SUBMITTED", 2)
     for size in (1, 2, 3, 100):
         monkeypatch.setattr(runner, "block_size", lambda study, size=size: size)
-        assert_same_bits(run(SMALL, executor=Inline()), result)
+        assert_same_bits(run(SMALL, executor=InlineExecutor()), result)
 
 
 def test_families_and_their_size_do_not_matter(result, monkeypatch):
@@ -115,7 +115,7 @@ def test_the_result_says_what_it_is(result):
 def test_a_block_is_little_work_and_there_are_many(name):
     study = Study.named(name)
     for total in (1, 10, 100, 1_000_000):
-        size = runner.block_size(repetitions(total, study))
+        size = runner.block_size(with_repetitions(total, study))
         assert 1 <= size <= runner.MOST_MEMBERS
         assert size == 1 or size * cost_of_member(study) <= runner.BLOCK_TIME
         assert size == 1 or size * bytes_of_member(study) <= runner.MOST_BYTES
@@ -143,7 +143,7 @@ def test_what_no_memory_holds_is_refused(tmp_path, monkeypatch):
 
 
 def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
-    computed, sums, interrupted = [], runner.member_sums(repetitions(1), 0), threading.Event()
+    computed, sums, interrupted = [], runner.member_sums(with_repetitions(1), 0), threading.Event()
 
     def record(study, number):
         computed.append(number)
@@ -160,7 +160,7 @@ def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
     held = None
     with ThreadPoolExecutor(1) as pool:
         try:
-            run(repetitions(800), executor=pool)
+            run(with_repetitions(800), executor=pool)
         except KeyboardInterrupt as error:
             held = error  # and with it every frame of the run
             interrupted.set()
@@ -184,7 +184,7 @@ def test_a_process_that_ends_is_said(tmp_path):
 
 def test_progress_is_drawn_on_request(capfd, monkeypatch):
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
-    run(repetitions(2), progress=True)
+    run(with_repetitions(2), progress=True)
     out, err = capfd.readouterr()
     assert "2/2" in out + err
 
@@ -205,7 +205,7 @@ def test_progress_is_drawn_in_a_notebook(capfd, monkeypatch):
         """By its name rich knows a notebook."""
 
     monkeypatch.setattr(builtins, "get_ipython", ZMQInteractiveShell, raising=False)
-    run(repetitions(2), progress=True)
+    run(with_repetitions(2), progress=True)
     assert "2/2" in capfd.readouterr().err
 
 

@@ -24,7 +24,7 @@ from stiction.studies import result as results
 from stiction.studies import runner, store
 from stiction.studies.runner import fill
 from stiction.studies.store import BLOCKS, STUDY, Block, ExportError, StoreError, export
-from tiny import TINY, Inline, assert_same_bits, repetitions, rewritten
+from support.generated_studies import TINY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
 
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
 
@@ -82,7 +82,7 @@ def test_gives_back_what_was_written(tmp_path, undisturbed):
 
 
 def test_equal_members_are_equal_bytes(tmp_path, whole):
-    fill(TINY, tmp_path / "again", executor=Inline())
+    fill(TINY, tmp_path / "again", executor=InlineExecutor())
     assert files(whole).keys() == files(tmp_path / "again").keys()
 
 
@@ -104,13 +104,13 @@ def test_a_block_is_a_result_by_itself(whole, undisturbed):
 def test_every_bit_is_kept(tmp_path, monkeypatch):
     """Zeros, signed or not, what has no answer, and the smallest numbers."""
     values = itertools.cycle([-0.0, np.nan, 0.0, 5e-324, 1e99])
-    shape = run(repetitions(1), executor=Inline())["contact_area"].values[:, :, 0].shape
+    shape = run(with_repetitions(1), executor=InlineExecutor())["contact_area"].values[:, :, 0].shape
     sums = {
         name: np.full(shape, 7 if name.endswith("_count") else 0.0 if name in ("contact_area", "normal_elastic") else x)
         for name, x in zip(TINY.sums(), values, strict=False)
     }
     monkeypatch.setattr(runner, "member_sums", lambda *_: sums)
-    result = run(repetitions(1), store=tmp_path)
+    result = run(with_repetitions(1), store=tmp_path)
     for name in sums:
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
@@ -175,13 +175,13 @@ def test_what_is_missing_is_computed(whole, undisturbed, computed):
 def test_more_are_added_and_none_again(tmp_path, undisturbed, computed):
     seen = {}
     for total in (6, 7, 22):
-        result = run(repetitions(total), store=tmp_path)
+        result = run(with_repetitions(total), store=tmp_path)
         assert_same_bits(result.assign_attrs(undisturbed.attrs), undisturbed.isel(repetition=slice(total)))
         assert seen.items() <= files(tmp_path).items()
         seen = files(tmp_path)
     assert sorted(computed) == list(range(22))
     with pytest.raises(StoreError, match=r"repetition 21 is finished, and ensemble\.repetitions = 21"):
-        run(repetitions(21), store=tmp_path)
+        run(with_repetitions(21), store=tmp_path)
 
 
 def test_files_may_overlap(whole, undisturbed, monkeypatch):
@@ -198,7 +198,7 @@ def test_files_may_overlap(whole, undisturbed, monkeypatch):
 
 def test_two_writers_do_no_harm(tmp_path, undisturbed):
     with ThreadPoolExecutor(4) as pool:
-        results = list(pool.map(lambda _: run(TINY, store=tmp_path / "r", executor=Inline()), range(4)))
+        results = list(pool.map(lambda _: run(TINY, store=tmp_path / "r", executor=InlineExecutor()), range(4)))
     for result in results:
         assert_same_bits(result, undisturbed)
     assert len(files(tmp_path / "r")) == 6
@@ -233,14 +233,14 @@ def test_another_version_is_read_but_not_continued(whole, undisturbed, monkeypat
     monkeypatch.setattr(store, "__version__", "9.9")
     assert_same_bits(run(TINY, store=whole), undisturbed)
     with pytest.raises(StoreError, match=r"was begun by stiction .* and this is 9\.9"):
-        run(repetitions(23), store=whole)
+        run(with_repetitions(23), store=whole)
 
 
 def test_another_machine_does_not_continue_where_steps_differ(whole, monkeypatch):
     steps = type(TINY.contact).steps
     monkeypatch.setattr(type(TINY.contact), "steps", lambda self: steps(self) * (1 + 2e-16))
     with pytest.raises(StoreError, match="whose steps differ"):
-        run(repetitions(23), store=whole)
+        run(with_repetitions(23), store=whole)
 
 
 def test_a_study_of_somebody_without_blocks_stays(tmp_path, undisturbed):
@@ -251,7 +251,7 @@ def test_a_study_of_somebody_without_blocks_stays(tmp_path, undisturbed):
     assert (tmp_path / STUDY).read_text().startswith("# by hand")
     shutil.rmtree(tmp_path / BLOCKS)
     (tmp_path / STUDY).write_text(f"{store.MARK} 0.1.0.\n" + TINY.to_toml())
-    assert run(repetitions(1).with_changes({"ensemble.seed": 1}), store=tmp_path).sizes["repetition"] == 1
+    assert run(with_repetitions(1).with_changes({"ensemble.seed": 1}), store=tmp_path).sizes["repetition"] == 1
 
 
 # ---- Damaged --------------------------------------------------------------------------------------------------------
@@ -333,7 +333,7 @@ def test_what_is_no_result_is_one_sentence(tmp_path, where):
 def replaced(name, make):
     """A lie: a variable is replaced by another one over the same dimensions."""
 
-    return lambda file: rewritten(file, name, make)
+    return lambda file: rewrite_variable(file, name, make)
 
 
 def attribute(name, value):
@@ -425,7 +425,7 @@ def test_a_full_disk_loses_nothing(tmp_path, undisturbed, monkeypatch):
     monkeypatch.setattr(_files.Path, "write_bytes", write_while_there_is_space)
     for space, kept in ((0, 0), (1, 0), (2, 8), (1, 12)):  # noqa: B007, which the disk has
         with pytest.raises(StoreError, match="cannot be written: No space left on device") as full:
-            run(TINY, store=tmp_path, executor=Inline())
+            run(TINY, store=tmp_path, executor=InlineExecutor())
         if kept:
             assert store.open_stored(tmp_path).finished.size == kept
             assert f"{kept} of 22 repetitions are finished and kept" in str(full.value)
@@ -444,7 +444,7 @@ def test_a_folder_that_is_removed_underneath_is_not_made_again(tmp_path, monkeyp
 
     monkeypatch.setattr(runner, "put", put_and_remove)
     with pytest.raises(StoreError, match="was removed or replaced"):
-        run(TINY, store=path, executor=Inline())
+        run(TINY, store=path, executor=InlineExecutor())
     assert os.listdir(tmp_path) == ["moved"]
     assert store.info(tmp_path / "moved").finished == 8
 
@@ -457,7 +457,7 @@ def test_a_finished_folder_on_a_read_only_disk_is_read_and_no_other_is_begun(who
     other = TINY.with_changes({"friction.mu0": [0.2]})
     assert run(other, store=whole).attrs["study"] == other.to_toml()
     assert computed == []
-    for study, folder in ((repetitions(23), whole), (TINY, whole.with_name("new"))):
+    for study, folder in ((with_repetitions(23), whole), (TINY, whole.with_name("new"))):
         with pytest.raises(StoreError, match="cannot be written: Read-only file system"):
             run(study, store=folder)
 
@@ -496,7 +496,7 @@ def test_a_half_written_file_that_somebody_sweeps_is_written_again(tmp_path, und
             self.unlink()
         return replace(self, target)
 
-    fill(repetitions(4), tmp_path)
+    fill(with_repetitions(4), tmp_path)
     monkeypatch.setattr(Path, "replace", sweep)
     (tmp_path / STUDY).write_text(f"{store.MARK} 0.1.0.\n" + TINY.to_toml())
     assert_same_bits(run(TINY, store=tmp_path), undisturbed)
@@ -522,7 +522,7 @@ from pathlib import Path
 from stiction import Study, run
 from stiction.studies import runner
 runner.block_size = lambda study: 4
-class Inline:
+class InlineExecutor:
     def submit(self, function, *args):
         future = Future()
         future.set_result(function(*args))
@@ -542,7 +542,7 @@ def run_until(step):
         setattr(Path, name, change)
     for name in ("write_bytes", "replace", "mkdir", "unlink", "touch"):
         counted(name)
-    run(Study.from_toml("s.toml"), store="r", executor=Inline())
+    run(Study.from_toml("s.toml"), store="r", executor=InlineExecutor())
 import xarray  # before the children, which need not import it again
 for step in range(1, 1000):
     child = os.fork()
@@ -655,7 +655,7 @@ except KeyboardInterrupt:
 
 
 def test_an_interruption_is_answered_soon_and_what_was_computed_is_kept(tmp_path):
-    study = repetitions(1000)
+    study = with_repetitions(1000)
     (tmp_path / "s.toml").write_text(study.to_toml())
     with (
         subprocess.Popen(
@@ -673,5 +673,5 @@ def test_an_interruption_is_answered_soon_and_what_was_computed_is_kept(tmp_path
     kept = store.open_stored(tmp_path / "r")
     assert 8 <= kept.finished.size < 500  # and not all, however busy the machine is
     assert_nothing_is_left(tmp_path)
-    computed = run(repetitions(int(kept.finished[-1]) + 1))
+    computed = run(with_repetitions(int(kept.finished[-1]) + 1))
     assert_same_bits(kept.dataset().assign_attrs(computed.attrs), computed.isel(repetition=kept.finished))

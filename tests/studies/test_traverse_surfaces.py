@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
-from rough_bodies import rough_maps
 from stiction import Surface, press, traverse
+from support.rough_surfaces import rough_maps
 
 CHOICES = {
     "hurst_exponent": 0.8, "rms": 0.03, "shape": (64, 80), "spacing": (0.05, 0.04), "shortest_wavelength": 0.4,

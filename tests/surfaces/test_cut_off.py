@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from rough_bodies import rough, self_affine_map
 from stiction import Profile, Surface, cut_off, surface_spectrum
 from stiction.surfaces.filters import transmission
+from support.rough_surfaces import rough, self_affine_map
 
 ROUND_OFF = 1e-12
 

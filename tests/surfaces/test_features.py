@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 from reference import roughness as slow
-from rough_bodies import self_affine_map
 from stiction import Surface, surface_parameters
 from stiction.surfaces.features import feature_parameters, significant_peaks
+from support.rough_surfaces import self_affine_map
 
 
 @pytest.mark.parametrize("seed", range(5))

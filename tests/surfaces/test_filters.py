@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 from reference.gaussian_filters import mean_line, mean_surface, robust_mean_line
-from rough_bodies import rough, self_affine_map
 from stiction import Profile, Surface, cut_off, filtered
+from support.rough_surfaces import rough, self_affine_map
 
 ROUND_OFF = 1e-12
 

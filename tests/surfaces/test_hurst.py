@@ -6,7 +6,6 @@ from itertools import product
 
 import numpy as np
 import pytest
-from rough_bodies import rough, self_affine_map, wave
 from stiction import (
     Profile,
     Surface,
@@ -17,6 +16,7 @@ from stiction import (
     surface_spectrum,
     weierstrass_mandelbrot,
 )
+from support.rough_surfaces import rough, self_affine_map, wave
 
 BAND = {"longest_wavelength": 4.0, "shortest_wavelength": 0.08}
 ALWAYS = (False, BAND, False)

@@ -4,13 +4,13 @@ import io
 import itertools
 import warnings
 
-import fuzzing
 import numpy as np
 import pytest
 from stiction import FormatError, FormatWarning, Surface, read_measurement, write_surface
 from stiction.surfaces.measured.decode import decode
 from stiction.surfaces.measured.layouts import LAYOUTS
 from stiction.surfaces.measured.reading import reading_of
+from support import fuzzing
 
 random = np.random.default_rng(8)
 ROWS, COLUMNS = 7, 9

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 from reference import roughness as slow
-from rough_bodies import rough, self_affine_map
 from scipy.stats import norm
 from stiction import Surface, material_ratio, roughness_parameters, section_parameters, surface_parameters
 from stiction.surfaces.material_ratio import core_parameters, heights_at, volumes
 from stiction.surfaces.parameters import PARAMETERS, PROFILE_PARAMETERS, SURFACE_PARAMETERS
+from support.rough_surfaces import rough, self_affine_map
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,6 @@ import tracemalloc
 import zipfile
 from collections import Counter
 
-import fuzzing
 import numpy as np
 import pytest
 from stiction import (
@@ -29,6 +28,7 @@ from stiction.surfaces.measured import npy as npy_files
 from stiction.surfaces.measured import split as split_files
 from stiction.surfaces.measured.raw import Raw
 from stiction.surfaces.measured.reading import READERS
+from support import fuzzing
 
 HEIGHTS = [0.5, -0.25, 1.0, 0.125, 2.0]
 

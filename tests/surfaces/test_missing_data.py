@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from machined import CLEAN, filtered_noise
 from stiction import (
     Profile,
     Surface,
@@ -21,6 +20,7 @@ from stiction import (
 )
 from stiction.studies.pair import Pair
 from stiction.surfaces.missing_data import find_outliers
+from support.machined_surfaces import CLEAN, filtered_noise
 
 HOLE = np.s_[20:44, 30:50]
 READ = {"unit": "um", "spacing": "0.1 um"}

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from rough_bodies import AMPLITUDE, WAVELENGTH, rough, wave
 from stiction import (
     Profile,
     Surface,
@@ -16,6 +15,7 @@ from stiction import (
     surface_parameters,
 )
 from stiction.surfaces.roughness import autocorrelation
+from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough, wave
 
 # Of sums over some thousand points, of transforms and their squares.
 ROUND_OFF = 1e-12

@@ -5,8 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from machined import CLEAN, filtered_noise, turned, unit
-from rough_bodies import rough, self_affine_map, wave
 from stiction import (
     Profile,
     Surface,
@@ -22,6 +20,8 @@ from stiction import (
     surface_spectrum,
 )
 from stiction.surfaces.scale import interval_power_laws
+from support.machined_surfaces import CLEAN, filtered_noise, turned, unit
+from support.rough_surfaces import rough, self_affine_map, wave
 
 ROUND_OFF = 1e-9
 BINS = 0.03  # of a slope between two bins, 48 to a decade

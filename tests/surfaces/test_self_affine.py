@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rough_bodies import rough
 from stiction import Surface, power_spectrum, roughness_parameters, self_affine_surface
+from support.rough_surfaces import rough
 
 ROUND_OFF = 1e-12  # of sums and transforms of some ten thousand numbers
 CHOICES = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spacing": (0.02, 0.01)}

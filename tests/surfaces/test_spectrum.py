@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from rough_bodies import AMPLITUDE, WAVELENGTH, rough, self_affine_map, wave
 from stiction import (
     Profile,
     Surface,
@@ -19,6 +18,7 @@ from stiction import (
     weierstrass_mandelbrot,
     weierstrass_mandelbrot_moments,
 )
+from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough, self_affine_map, wave
 
 # Of sums over some thousand points, of transforms and their squares.
 ROUND_OFF = 1e-12

@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from rough_bodies import rough
 from stiction import (
     Profile,
     half_space,
@@ -18,6 +17,7 @@ from stiction import (
     surface_spectrum,
     surrogate,
 )
+from support.rough_surfaces import rough
 
 # Of sums over some thousand points, of transforms and their squares.
 ROUND_OFF = 1e-12

@@ -1,8 +1,8 @@
 """Results that the tests of pages and figures read."""
 
-import browser
 import pytest
-from measured_studies import lines_result, maps_result
+from support import browser
+from support.measured_studies import lines_result, maps_result
 
 
 @pytest.fixture(scope="session")

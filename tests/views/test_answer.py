@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from points import generated, generated_study, measured, measured_study
 from stiction.views.answer import KAPPA, ORIGIN, READINGS_DIFFER, answer, answers, headlines, slopes_text
 from stiction.views.doubts import HIGH_PRESSURE, HIGHEST_PRESSURE, Doubt
 from stiction.views.point import over_text, points
 from stiction.views.text import answers_text
+from support.synthetic_results import generated, generated_study, measured, measured_study
 
 
 def one(at, study):

@@ -6,8 +6,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from measured_studies import maps_result
-from small import SMALL, empty_dataset
 from stiction import Profile
 from stiction.studies.at_load import at_load, reached_loads
 from stiction.studies.contact_picture import contact_picture
@@ -23,6 +21,8 @@ from stiction.views.figures.standard import figures_of
 from stiction.views.report import report_page
 from stiction.views.rows import record_text, table_of
 from stiction.views.style import FORMATS, save_picture, spread_out
+from support.generated_studies import SMALL, empty_dataset
+from support.measured_studies import maps_result
 
 
 @pytest.fixture(scope="module")

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from points import measured_study
 from stiction import Profile, Surface, instrument_limit, self_affine
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.pair import pair_study
 from stiction.views.inputs import FORM, HIGHEST_MU0, SPIKE, WHOLE_PART, doubts_of_inputs
+from support.synthetic_results import measured_study
 
 
 @pytest.fixture(autouse=True)

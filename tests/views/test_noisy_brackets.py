@@ -4,10 +4,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from rough_bodies import rough_maps
 from scipy.ndimage import grey_dilation
 from stiction import Surface, pair
 from stiction.views.answer import headlines
+from support.rough_surfaces import rough_maps
 
 POINTS, SPACING = 128, 0.02
 ASKED = {

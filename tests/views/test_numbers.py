@@ -5,7 +5,6 @@ import itertools
 import numpy as np
 import pytest
 from scipy.special import stdtrit
-from small import SMALL, empty_dataset
 from stiction import Study, area_map, friction_map, gentle_friction, run, stiffness_map
 from stiction.studies import intervals
 from stiction.studies.at_load import at_load
@@ -15,10 +14,11 @@ from stiction.views.digits import percent, quoted, significant, with_unit
 from stiction.views.inputs import doubts_of_study
 from stiction.views.point import rules_of
 from stiction.views.report import report_page
+from support.generated_studies import SMALL, empty_dataset
 
 pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
 
-from page_numbers import PageNumbers
+from support.report_numbers import PageNumbers
 
 AGREEMENT = 1e-6  # the page keeps 2e-9 of each sum; intervals are differences of these
 MEASURED = 1e-9  # of measured bodies the page keeps every bit

@@ -3,10 +3,8 @@
 import csv
 import xml.etree.ElementTree
 
-import browser
 import numpy as np
 import pytest
-from small import SMALL, empty_dataset
 from stiction import friction_map, levelled, self_affine, self_affine_surface
 from stiction.studies.at_load import at_load
 from stiction.studies.contact_picture import contact_picture
@@ -16,6 +14,8 @@ from stiction.views.characterisation import Characterisation
 from stiction.views.inputs import doubts_of_inputs
 from stiction.views.report import report_page, save_report
 from stiction.views.report.surface import surface_page
+from support import browser
+from support.generated_studies import SMALL, empty_dataset
 
 pytest.importorskip("selenium", reason="selenium is not installed")
 pytestmark = browser.IN_BROWSER

@@ -6,12 +6,12 @@ import re
 
 import numpy as np
 import pytest
-from small import SMALL, empty_dataset
 from stiction import Profile, Study, levelled, pair, self_affine
 from stiction.studies.study import study_of
 from stiction.views.report import ReportError, report_page, save_report
 from stiction.views.report.page import MARK
 from stiction.views.report.surface import surface_page
+from support.generated_studies import SMALL, empty_dataset
 
 
 @pytest.mark.usefixtures("undrawn")

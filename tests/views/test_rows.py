@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from points import LOADED, generated, generated_study, interval, measured, measured_study
 from stiction.views.answer import Doubt
 from stiction.views.rows import SCHEMA, csv_text, frame, record_text
+from support.synthetic_results import LOADED, generated, generated_study, interval, measured, measured_study
 
 MANY = {"loads": (1.0, 10.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2)}
 

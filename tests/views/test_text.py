@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from points import generated, generated_study, interval, measured, measured_study
 from stiction.views.answer import Doubt, Left, answers
 from stiction.views.digits import from_to, percent, quoted, significant, with_interval, with_unit
 from stiction.views.text import aligned, axes_text, doubts_text, fitted, overview_text, quantities_text, result_text
+from support.synthetic_results import generated, generated_study, interval, measured, measured_study
 
 COLUMNS = 80
 

@@ -13,8 +13,9 @@ import zipfile
 
 import numpy as np
 import stiction
-from command import stiction_command
 from stiction import Profile, Study, Surface
+
+from support.command import call_stiction
 
 # ---- Study files ----------------------------------------------------------------------------------------------------
 
@@ -82,7 +83,7 @@ def fuzz_study_file(random, folder):
     ):
         return None  # too much to compute
     output = folder / "output"
-    done = stiction_command("run", path, "--output", output, "--workers", "1", cwd=folder)
+    done = call_stiction("run", path, "--output", output, "--workers", "1", cwd=folder)
     assert done.returncode in (0, 2), (text, done)
     assert done.returncode == 0 or (done.stdout + done.stderr).startswith("stiction: "), (text, done)
     assert "Traceback" not in done.stderr, (text, done)
@@ -110,7 +111,7 @@ def fuzz_store(random, pristine, folder):
     (folder / "out.nc").unlink(missing_ok=True)
     statuses = []
     for arguments in (("info", copy), ("export", copy, folder / "out.nc"), ("plot", copy)):
-        done = stiction_command(*arguments, cwd=folder)
+        done = call_stiction(*arguments, cwd=folder)
         assert done.returncode in (0, 2), (arguments, done)
         assert done.returncode == 0 or "stiction: " in done.stderr, (arguments, done)
         assert "Traceback" not in done.stderr, (arguments, done)

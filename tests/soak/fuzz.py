@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-import fuzzing
 from stiction import run
+from support import fuzzing
 
 
 def fuzz(kind, count, seed, call):

@@ -1,0 +1,1 @@
+"""Helpers of the tests: inputs, studies, results, the command line and the browser."""

@@ -1,0 +1,80 @@
+"""Small studies of generated profiles, and helpers for tests of runs and stores."""
+
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import numpy as np
+import xarray
+from stiction import Study
+from stiction.studies.measured_surfaces import About
+from stiction.studies.result import OF_MEMBERS, dataset_of, variables_of
+
+# Takes about a second: several fractal dimensions, amplitudes, repetitions and approaches.
+SMALL = Study.named("quick").with_changes(
+    {
+        "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.6, "count": 4},
+        "surfaces.amplitude": ["50 nm", "100 nm"],
+        "surfaces.points": 20_000,
+        "surfaces.extent": "5 um",
+        "contact.approach.count": 10,
+        "ensemble.repetitions": 12,
+    }
+)
+
+# Takes a few milliseconds.
+TINY = Study().with_changes(
+    {
+        "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 3},
+        "surfaces.amplitude": ["50 nm", "100 nm"],
+        "surfaces.points": 300,
+        "surfaces.extent": "2 um",
+        "surfaces.directions": 4,
+        "surfaces.frequencies": 6,
+        "contact.approach.count": 4,
+        "ensemble.repetitions": 22,
+        "figures.draw": [],
+    }
+)
+
+
+def empty_dataset(study):
+    """Return the dataset of a study before anything is computed: zeros, with units, names and attributes."""
+    numbers = np.arange(study.ensemble.repetitions)
+    arrays = {name: np.zeros(each.shape, each.dtype) for name, each in variables_of(study, numbers).items()}
+    if study.is_measured:
+        arrays |= {name: np.zeros(numbers.size, dtype) for name, dtype in OF_MEMBERS.items()}
+    return dataset_of(study, numbers, arrays, About(nominal_area=1.0) if study.is_measured else None)
+
+
+def with_repetitions(number, study=TINY):
+    """Return the study with another number of repetitions."""
+    return study.with_changes({"ensemble.repetitions": number})
+
+
+class InlineExecutor(ThreadPoolExecutor):
+    """Executor that runs each task in the calling thread, so that the order of tasks is known."""
+
+    def submit(self, function, /, *args, **kwargs):
+        future = Future()
+        try:
+            future.set_result(function(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+def assert_same_bits(actual, expected):
+    """Assert that two datasets are identical, including every bit of their arrays."""
+    xarray.testing.assert_identical(actual, expected)
+    for name in actual.variables:
+        assert actual[name].values.tobytes() == expected[name].values.tobytes(), name
+
+
+def rewrite_variable(file, name, change):
+    """Replace a variable of a netCDF file by `change(values)` over the same dimensions."""
+    scales = [[each[i] for i in range(len(each))] for each in file[name].dims]
+    values = change(file[name][...])
+    del file[name]
+    new = file.create_dataset(name, data=values)
+    for axis, each in enumerate(scales[: new.ndim]):
+        for scale in each:
+            new.dims[axis].attach_scale(scale)
