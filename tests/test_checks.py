@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray
 from stiction import effective_modulus, half_space, hertz_sphere, self_affine_surface
-from stiction._checks import choice, number, truth, whole_number
+from stiction._checks import check_bool, check_choice, number, whole_number
 from stiction.mechanics.model import Sliding
 
 ZEROS = [np.float64, np.float32, np.int32, np.array, xarray.DataArray]
@@ -27,12 +27,12 @@ def test_number_rejects_other_kinds(value):
 
 
 def test_other_checks_accept_arrays_without_dimensions():
-    assert whole_number("n", np.array(3), least=1) == 3
-    truth("t", np.array(True))
-    choice("sliding", np.array("all"), Sliding)
+    assert whole_number("n", np.array(3), minimum=1) == 3
+    check_bool("t", np.array(True))
+    check_choice("sliding", np.array("all"), Sliding)
     for value in ([], {}, np.zeros(3), 1.0, None):
         with pytest.raises(ValueError, match="sliding must be one of"):
-            choice("sliding", value, Sliding)
+            check_choice("sliding", value, Sliding)
 
 
 def test_effective_modulus_of_numbers_is_a_float():

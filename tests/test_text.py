@@ -5,8 +5,8 @@ import re
 
 import pytest
 from stiction import _files
-from stiction._files import NotReadableError, content, new_file, replaced_file
-from stiction._text import named, printable
+from stiction._files import NotReadableError, new_file, read_content, replaced_file
+from stiction._text import printable, printable_path
 
 
 def test_what_a_terminal_would_obey_is_spelt_out():
@@ -20,21 +20,21 @@ def test_what_a_terminal_would_obey_is_spelt_out():
 
 def test_what_is_long_is_cut():
     assert len(printable("x" * 10**6)) <= 80
-    assert len(named("/" + "y/" * 10**5)) <= 300
+    assert len(printable_path("/" + "y/" * 10**5)) <= 300
     assert printable("x" * 80) == "x" * 80
 
 
 def test_files_are_read_within_bounds(tmp_path):
     (tmp_path / "file").write_bytes(b"x" * 100)
-    assert content(tmp_path / "file", 100) == b"x" * 100
+    assert read_content(tmp_path / "file", 100) == b"x" * 100
     with pytest.raises(NotReadableError, match="longer than 99 bytes"):
-        content(tmp_path / "file", 99)
+        read_content(tmp_path / "file", 99)
     os.mkfifo(tmp_path / "pipe")
     for place in (tmp_path / "pipe", _files.Path("/dev/zero")):
-        with pytest.raises(NotReadableError, match="is no regular file"):
-            content(place, 100)
+        with pytest.raises(NotReadableError, match="is not a regular file"):
+            read_content(place, 100)
     with pytest.raises(IsADirectoryError):
-        content(tmp_path, 100)
+        read_content(tmp_path, 100)
 
 
 @pytest.mark.parametrize("writer", [new_file, lambda path, failure: replaced_file(path, b"mark", failure)])
@@ -43,7 +43,7 @@ class TestWriting:
         names = []
         for each in range(2):
             with writer(tmp_path / f"f{each}", ValueError) as partial:
-                assert _files.HALF_WRITTEN.fullmatch(partial.name)
+                assert _files.PARTIAL_NAME.fullmatch(partial.name)
                 assert not partial.is_symlink()
                 names.append(partial.name)
                 partial.write_bytes(b"mark")
@@ -51,8 +51,8 @@ class TestWriting:
         assert sorted(os.listdir(tmp_path)) == ["f0", "f1"]
 
     def test_nothing_planted_is_followed(self, tmp_path, writer, monkeypatch):
-        name = _files.half_written()
-        monkeypatch.setattr(_files, "half_written", lambda: name)
+        name = _files.new_partial_name()
+        monkeypatch.setattr(_files, "new_partial_name", lambda: name)
         (tmp_path / "target").write_text("mine")
         (tmp_path / name).symlink_to("target")
         with pytest.raises(ValueError, match="exists already"), writer(tmp_path / "f", ValueError):

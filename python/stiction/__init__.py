@@ -4,18 +4,18 @@ Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles 
 """
 
 _MODULE_OF: dict[str, str] = {}
-"""Where each public name is made, as the stub has it; its module is imported when the name is first asked for."""
+"""Module of each public name, parsed from the stub. A module is imported when one of its names is first used."""
 
 
 def __getattr__(name: str) -> object:
-    import ast  # here, as all else: a command begins by importing this, and asks for no name
+    import ast  # imported here, because every command imports this module and most need no public name
     from importlib import import_module
     from pathlib import Path
 
     if not _MODULE_OF:
         for node in ast.parse(Path(__file__).with_suffix(".pyi").read_text("utf-8")).body:
             if isinstance(node, ast.ImportFrom) and node.module is not None:
-                _MODULE_OF.update((each.name, node.module) for each in node.names)
+                _MODULE_OF.update((alias.name, node.module) for alias in node.names)
     if name == "__all__":
         return sorted(_MODULE_OF)
     if name not in _MODULE_OF:

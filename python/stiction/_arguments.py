@@ -1,4 +1,4 @@
-"""Arguments that people write as numbers or as texts with units."""
+"""Parsing of arguments that are numbers or strings with units."""
 
 from __future__ import annotations
 
@@ -9,62 +9,62 @@ import numpy as np
 
 from stiction._checks import number
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, exactly, quantity, shortened, units_of
+from stiction._units import Quantity, exact_text, quantity, short_repr, unit_names
 
-_CORE = {"length": "um", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m^2"}
-"""Unit of a plain number of each kind."""
+_CORE_UNITS = {"length": "um", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m^2"}
+"""Core unit of each kind of quantity: the unit of a plain number."""
 
 
-def listed(value: Any) -> list[Any]:
-    """The values of one or several: parts of a text between commas, elements of a list, or the value alone."""
+def split_values(value: Any) -> list[Any]:
+    """Split a comma-separated string or a nested list into its values; any other value is returned in a list."""
     if isinstance(value, str):
-        return [part.strip() for part in value.split(",")]
+        return [item.strip() for item in value.split(",")]
     several = isinstance(value, (list, tuple, range, np.ndarray)) and np.ndim(value) == 1
-    return [part for each in value for part in listed(each)] if several else [value]
+    return [item for element in value for item in split_values(element)] if several else [value]
 
 
-def _several(name: str, value: Any) -> list[Any]:
-    values = listed(value)
+def _split_required(name: str, value: Any) -> list[Any]:
+    values = split_values(value)
     if not values:
         raise ArgumentError(f"{{{name}}} must have at least one value, got {{got}}", got=repr(value))
     return values
 
 
-def quantity_of(name: str, value: Any, kind: str) -> Quantity:
-    """A quantity of a kind: a text with its unit, or a number in core units."""
+def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
+    """Return a quantity of the given kind from a string with its unit or from a number in core units."""
     try:
-        return quantity(value if isinstance(value, str) else exactly(number("", value), _CORE[kind]), kind)
+        return quantity(value if isinstance(value, str) else exact_text(number("", value), _CORE_UNITS[kind]), kind)
     except ValueError as error:
         raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
 
 
-def quantities_of(name: str, value: Any, kind: str) -> list[Quantity]:
-    """Return one or several quantities of a kind."""
+def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
+    """Return one or several quantities of the given kind."""
     reject_decimal_commas(name, value)
-    return [quantity_of(name, each, kind) for each in _several(name, value)]
+    return [parse_quantity(name, item, kind) for item in _split_required(name, value)]
 
 
 _DECIMAL_COMMA = re.compile(r"(?<![\d.])\d+,\d+(?![\d.])")
-"""A comma between two whole numbers, which may be a decimal comma: "0,2", but not "0, 2" or "0.2,0.3"."""
+"""A comma between two integers, which may be a decimal comma: "0,2", but not "0, 2" or "0.2,0.3"."""
 
 
 def reject_decimal_commas(name: str, value: Any) -> None:
-    """Raise an error if a text has a comma that may be a decimal comma."""
-    for each in value if isinstance(value, (list, tuple)) else [value]:
-        if isinstance(each, str) and (found := _DECIMAL_COMMA.search(each)):
-            one, two = found[0].replace(",", "."), found[0].replace(",", ", ")
+    """Raise ArgumentError if a string contains a comma that may be a decimal comma."""
+    for item in value if isinstance(value, (list, tuple)) else [value]:
+        if isinstance(item, str) and (match := _DECIMAL_COMMA.search(item)):
+            as_decimal, as_list = match[0].replace(",", "."), match[0].replace(",", ", ")
             raise ArgumentError(
-                f'{{{name}}} has a comma between digits: write "{one}" for one number or "{two}" for two, '
-                "got {got}", got=repr(each),
+                f'{{{name}}} has a comma between digits: write "{as_decimal}" for one number '
+                f'or "{as_list}" for two, got {{got}}', got=repr(item),
             )  # fmt: skip
 
 
-def numbers_of(name: str, value: Any, *, whole: bool = False) -> list[float]:
-    """Return one or several numbers, given as such or as text; a comma in "0,90" separates `whole` numbers."""
-    if not whole:
+def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
+    """Return one or several numbers from numbers or strings; with `integers`, the comma in "0,90" is a separator."""
+    if not integers:
         reject_decimal_commas(name, value)
     try:
-        return [float(each) if isinstance(each, str) else number("", each) for each in _several(name, value)]
+        return [float(item) if isinstance(item, str) else number("", item) for item in _split_required(name, value)]
     except ArgumentError:
         raise
     except ValueError:
@@ -74,46 +74,51 @@ def numbers_of(name: str, value: Any, *, whole: bool = False) -> list[float]:
 
 
 MAX_NUMBER = 1e6
-"""Largest coefficient, percentage and end of a range that is no slip."""
+"""Largest coefficient, percentage or range limit; larger values are input errors."""
 
 
-def coefficients_of(name: str, value: Any) -> list[float]:
+def parse_coefficients(name: str, value: Any) -> list[float]:
     """Return one or several numbers from 0 to `MAX_NUMBER`."""
-    numbers = numbers_of(name, value)
-    if any(each < 0 for each in numbers):
+    numbers = parse_numbers(name, value)
+    if any(item < 0 for item in numbers):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(value))
-    if not all(0 <= each <= MAX_NUMBER for each in numbers):
+    if not all(0 <= item <= MAX_NUMBER for item in numbers):
         raise ArgumentError(
-            f"{{{name}}} must be finite and from 0 to {MAX_NUMBER:g}, got {{got}}", got=shortened(value)
+            f"{{{name}}} must be finite and from 0 to {MAX_NUMBER:g}, got {{got}}", got=short_repr(value)
         )
     return numbers
 
 
-def at_least_0(name: str, values: list[Any], given: Any) -> list[Any]:
-    """The values of an argument, none of which may be negative."""
+def reject_negative(name: str, values: list[Any], argument: Any) -> list[Any]:
+    """Return the values of an argument; raise ArgumentError if one is negative."""
     if not all(value >= 0 for value in values):
-        raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(given))
+        raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(argument))
     return values
 
 
-def load_of(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """A load above 0, or 0 as well, in mN or in GPa of the slider's area, and whether it is that; a number is mN."""
+def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
+    """Return a load and whether it is a pressure on the slider's area. A plain number is a force in mN.
+
+    The load must be above 0, or at least 0 with `or_zero`.
+    """
     reject_decimal_commas(name, value)
     kinds = ("force", "pressure")
-    if isinstance(value, str) and value.strip() == "0":  # needs no unit
+    if isinstance(value, str) and value.strip() == "0":
         value = 0.0
     if not isinstance(value, str):
-        load, kind = quantity_of(name, value, "force"), "force"
+        load, kind = parse_quantity(name, value, "force"), "force"
     else:
         unit = value.strip().lstrip("+-0123456789._eE ")
-        kind = next((kind for kind in kinds if unit in units_of(kind)), "")
+        kind = next((kind for kind in kinds if unit in unit_names(kind)), "")
         if not kind:
-            allowed = "; ".join(", ".join(each for each in units_of(kind) if each.isascii()) for kind in kinds)
+            allowed = "; ".join(
+                ", ".join(unit_name for unit_name in unit_names(kind) if unit_name.isascii()) for kind in kinds
+            )
             raise ArgumentError(
                 f'{{{name}}} must be a force or a pressure with its unit, as in "10 mN" or "10 MPa" ({allowed}), '
                 "got {got}", got=repr(value),
             )  # fmt: skip
-        load = quantity_of(name, value, kind)
+        load = parse_quantity(name, value, kind)
     if not (load > 0 or (or_zero and load >= 0)):
         raise ArgumentError(f"{{{name}}} must be above 0, got {{got}}", got=repr(value))
     return load, kind == "pressure"

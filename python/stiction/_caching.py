@@ -12,16 +12,16 @@ if not TYPE_CHECKING and sys.version_info < (3, 12):
     class cached_property(functools.cached_property):  # noqa: N801
         """`functools.cached_property` of Python 3.12 and later.
 
-        That of Python 3.11 holds a lock of the class while it computes: threads with different objects wait for each
-        other, and a child that is forked meanwhile waits for ever.
+        In Python 3.11 the property locks its class while it computes. Threads that use different objects then wait for
+        each other, and a child process that is forked meanwhile waits forever.
         """
 
         def __get__(self, instance: Any, owner: type[Any] | None = None) -> Any:
-            """Return the value of an object, computed the first time."""
+            """Return the cached value, computed on first use."""
             if instance is None:
                 return self
             name, values = self.attrname, instance.__dict__
-            assert name is not None, "the class has given it its name"
+            assert name is not None, "set by __set_name__"
             if name not in values:
                 values[name] = self.func(instance)
             return values[name]

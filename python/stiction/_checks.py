@@ -1,4 +1,4 @@
-"""What every public function asks of its arguments: one place for arrays, one for numbers, one for choices."""
+"""Checks of function arguments: arrays, numbers and choices."""
 
 from __future__ import annotations
 
@@ -10,54 +10,57 @@ from typing import Any, TypeVar, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._units import quantity, shortened
+from stiction._units import quantity, short_repr
 
 Floats = NDArray[np.float64]
-_KINDS = {"µm": "length", "GPa": "pressure", "mN": "force", "s": "time", "mN/µm": "work of adhesion"}
-"""Kind of a quantity by the unit in which a number of it is."""
+_KIND_OF_UNIT = {"µm": "length", "GPa": "pressure", "mN": "force", "s": "time", "mN/µm": "work of adhesion"}
+"""Kind of quantity that each core unit measures."""
 
 _Array = TypeVar("_Array", bound=NDArray[Any])
 
 
 def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Floats:
-    """A float64 C-contiguous array of finite real values, with `ndim` dimensions or any."""
+    """Return the values as a C-contiguous float64 array; raise ValueError if a value is not finite.
+
+    `ndim` is the required number of dimensions; None accepts any.
+    """
     if np.ma.is_masked(values):
         raise ValueError(f"{name} has masked values; fill or remove them first")
     try:
         array = np.asarray(values)
         if array.dtype.kind not in "iuf" and array.size:
             raise TypeError
-        with np.errstate(over="ignore"):  # of longer floats: then they are infinite
+        with np.errstate(over="ignore"):  # a long double may overflow to infinity, which is rejected below
             array = array.astype(np.float64, order="C", copy=False)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
     if ndim is not None and array.ndim != ndim:
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
-    # A sum of finite numbers is finite but for an overflow, and is faster than asking each.
+    # Summing is faster than testing each element; the sum of finite numbers can only be infinite by overflow.
     with np.errstate(over="ignore", invalid="ignore"):
         total = array.sum()
     if not np.isfinite(total) and (bad := ~np.isfinite(array)).any():
         first = tuple(int(i) for i in np.argwhere(bad)[0])
-        where = f"{name}{list(first)}" if first else name
-        raise ValueError(f"{name} must be finite, but {where} is {array[first]} ({int(bad.sum())} such values)")
+        location = f"{name}{list(first)}" if first else name
+        raise ValueError(f"{name} must be finite, but {location} is {array[first]} ({int(bad.sum())} such values)")
     return array
 
 
 def read_only(array: _Array) -> _Array:
-    """The array itself, no longer writeable."""
+    """Make an array read-only and return it."""
     array.flags.writeable = False
     return array
 
 
 def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, below: float = math.inf) -> float:
-    """A finite float strictly between `above` and `below`.
+    """Return a finite float strictly between `above` and `below`.
 
-    An array without dimensions counts as a number, and so does a text such as "39 nm" where the number has a unit.
+    A zero-dimensional array counts as a number. If a unit is given, a string such as "39 nm" is accepted too.
     """
-    given, value = value, scalar(value)
-    if isinstance(value, str) and unit in _KINDS:
+    argument, value = value, scalar(value)
+    if isinstance(value, str) and unit in _KIND_OF_UNIT:
         try:
-            value = float(quantity(value, _KINDS[unit]))
+            value = float(quantity(value, _KIND_OF_UNIT[unit]))
         except ValueError as error:
             raise ValueError(f"{name} {error}") from None
     try:
@@ -67,45 +70,45 @@ def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, b
     if not (math.isfinite(result) and above < result < below):
         bounds = [f"above {above:g}"] * (above > -math.inf) + [f"below {below:g}"] * (below < math.inf)
         allowed = " ".join(["a finite number", " and ".join(bounds)]).strip()
-        raise ValueError(f"{name} must be {allowed}{f' {unit}' if unit else ''}, got {shortened(given)}")
+        raise ValueError(f"{name} must be {allowed}{f' {unit}' if unit else ''}, got {short_repr(argument)}")
     return result
 
 
 def scalar(value: Any) -> Any:
-    """Return the number or text in an array without dimensions, and any other value unchanged."""
+    """Return the element of a zero-dimensional array, and any other value unchanged."""
     return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
 
 
-def part_of_one(name: str, value: Any) -> float:
-    """A number from 0 to 1."""
-    part = number(name, value)
-    if not 0 <= part <= 1:
+def fraction(name: str, value: Any) -> float:
+    """Return a number from 0 to 1."""
+    result = number(name, value)
+    if not 0 <= result <= 1:
         raise ValueError(f"{name} must be from 0 to 1, got {value!r}")
-    return part
-
-
-def whole_number(name: str, value: Any, *, least: int, most: int = 2**63 - 1) -> int:
-    """An integer from `least` to `most`."""
-    try:
-        result = operator.index(scalar(value)) if not isinstance(scalar(value), bool) else least - 1
-    except TypeError:
-        result = least - 1
-    if not least <= result <= most:
-        limit = f" and at most {most}" if result > most else ""
-        raise ValueError(f"{name} must be a whole number of at least {least}{limit}, got {shortened(value)}")
     return result
 
 
-def choice(name: str, value: Any, literal: Any) -> None:
-    """One of the strings of a `Literal`."""
+def whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 1) -> int:
+    """Return an integer from `minimum` to `maximum`."""
+    try:
+        result = operator.index(scalar(value)) if not isinstance(scalar(value), bool) else minimum - 1
+    except TypeError:
+        result = minimum - 1
+    if not minimum <= result <= maximum:
+        limit = f" and at most {maximum}" if result > maximum else ""
+        raise ValueError(f"{name} must be a whole number of at least {minimum}{limit}, got {short_repr(value)}")
+    return result
+
+
+def check_choice(name: str, value: Any, literal: Any) -> None:
+    """Raise ValueError unless the value is one of the strings of a `Literal` type."""
     allowed = get_args(literal)
     value = scalar(value)
     if not (isinstance(value, str) and value in allowed):
         names = ", ".join(repr(item) for item in allowed)
-        raise ValueError(f"{name} must be one of {names}, got {shortened(value)}")
+        raise ValueError(f"{name} must be one of {names}, got {short_repr(value)}")
 
 
-def truth(name: str, value: Any) -> None:
-    """True or False, and nothing that may be taken for one of them."""
+def check_bool(name: str, value: Any) -> None:
+    """Raise ValueError unless the value is True or False; 0 and 1 are rejected."""
     if not isinstance(scalar(value), bool):
-        raise ValueError(f"{name} must be True or False, got {shortened(value)}")
+        raise ValueError(f"{name} must be True or False, got {short_repr(value)}")

@@ -1,4 +1,4 @@
-"""Errors that call arguments by their names, in a function, or by their options, in a command."""
+"""Errors that name arguments as function parameters or as command-line options."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from typing import Any
 
 
 class _Names(dict[str, Any]):
-    """Values of a sentence by name; every other name is an argument, called as a function says."""
+    """Values of an error message by placeholder; any other placeholder is an argument name to be translated."""
 
-    def __init__(self, values: dict[str, Any], called: Callable[[str], str]) -> None:
+    def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
         super().__init__(values)
-        self._called = called
+        self._translate = translate
 
     def __missing__(self, name: str) -> str:
-        return self._called(name)
+        return self._translate(name)
 
 
 class ArgumentError(ValueError):
-    """A wrong argument: a sentence with `{name}` for each argument that it speaks of, beside its own values."""
+    """Invalid argument. In the message, `{name}` stands for the argument `name`; other placeholders have values."""
 
-    def __init__(self, sentence: str, **values: Any) -> None:
-        super().__init__(sentence.format_map(_Names(values, str)))
-        self._sentence, self._values = sentence, values
+    def __init__(self, message: str, **values: Any) -> None:
+        super().__init__(message.format_map(_Names(values, str)))
+        self._message, self._values = message, values
 
-    def said(self, called: Callable[[str], str]) -> str:
-        """The sentence with arguments called otherwise, as by their options on a command line."""
-        return self._sentence.format_map(_Names(self._values, called))
+    def with_names(self, translate: Callable[[str], str]) -> str:
+        """Return the message with translated argument names, for example command-line options."""
+        return self._message.format_map(_Names(self._values, translate))

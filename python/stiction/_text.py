@@ -1,4 +1,4 @@
-"""Text that others wrote, made fit to be shown on a terminal."""
+"""Formatting of text from outside for a terminal: printable characters, limited lengths."""
 
 from __future__ import annotations
 
@@ -6,48 +6,48 @@ import math
 import os
 import unicodedata
 
-LONGEST_NAME = 300  # characters of a path in a message
-LONGEST_WORD = 80  # characters of a key, a version or a name in a message
-LONGEST_LINE = 1000  # characters of a line of a message, whatever is in it
+MAX_PATH_LENGTH = 300  # characters of a path in a message
+MAX_WORD_LENGTH = 80  # characters of a key, version or name in a message
+MAX_LINE_LENGTH = 1000  # characters of any line of a message
 
-# Control characters, formats such as a change of the direction of writing, surrogates, and separators of lines.
-_UNFIT = {"Cc", "Cf", "Cs", "Zl", "Zp"}
+# Unicode categories: control and format characters, surrogates, line and paragraph separators.
+_UNPRINTABLE = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
-def printable(text: object, most: int = LONGEST_WORD) -> str:
-    r"""Text on one line: what a terminal would obey is spelt out, and what is too long is cut in its middle.
+def printable(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
+    r"""Return text on one line: control characters are escaped, and the middle of a long text is replaced by dots.
 
     Examples
     --------
     >>> printable("a\nb\x1b[31m")
     'a\\nb\\x1b[31m'
-    >>> printable("a" * 10 + "b" * 10, most=11)
+    >>> printable("a" * 10 + "b" * 10, max_length=11)
     'aaaa...bbbb'
     """
-    said = str(text)
-    if len(said) > most:
-        half = (most - 3) // 2
-        said = f"{said[:half]}...{said[-half:]}"
-    if said.isprintable():
-        return said
-    return "".join(ascii(each)[1:-1] if unicodedata.category(each) in _UNFIT else each for each in said)
+    result = str(text)
+    if len(result) > max_length:
+        half = (max_length - 3) // 2
+        result = f"{result[:half]}...{result[-half:]}"
+    if result.isprintable():
+        return result
+    return "".join(ascii(char)[1:-1] if unicodedata.category(char) in _UNPRINTABLE else char for char in result)
 
 
-def named(path: str | os.PathLike[str]) -> str:
-    """Name of a file or directory, for a message."""
-    return printable(os.fspath(path), LONGEST_NAME)
+def printable_path(path: str | os.PathLike[str]) -> str:
+    """Return the name of a file or directory for a message."""
+    return printable(os.fspath(path), MAX_PATH_LENGTH)
 
 
-def bytes_text(size: float) -> str:
-    """A number of bytes in three digits: "23 kB"."""
+def format_bytes(size: float) -> str:
+    """Format a number of bytes with three digits: "23 kB"."""
     power = min(4, max(1, int(math.log(max(size, 1), 1000))))
     return f"{size / 1000**power:.3g} {' kMGT'[power]}B"
 
 
-def duration_text(seconds: float) -> str:
-    """Seconds in a unit that suits them: "1.5 min"."""
-    for most, unit in ((60, "s"), (60, "min"), (48, "hours")):
-        if seconds < most:
+def format_duration(seconds: float) -> str:
+    """Format a duration in a suitable unit: "1.5 min"."""
+    for limit, unit in ((60, "s"), (60, "min"), (48, "hours")):
+        if seconds < limit:
             return f"{seconds:.2g} {unit}"
-        seconds /= most if unit != "hours" else 24
+        seconds /= limit if unit != "hours" else 24
     return f"{seconds:.3g} days"

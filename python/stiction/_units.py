@@ -1,4 +1,4 @@
-"""Quantities at the edges: "number unit" wherever people write them, plain numbers in core units inside."""
+"""Quantities with units: "number unit" in the interfaces, plain numbers in core units inside."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _UNITS = {
         for name, factor in (("mJ/m^2", "1e-6"), ("J/m^2", "1e-3"), ("kJ/m^2", "1"), ("mN/m", "1e-6"), ("N/m", "1e-3"))
     },
 }
-"""Factors to µm, GPa, mN, s and mN/µm; both Unicode spellings of micro."""
+"""Factors to the core units µm, GPa, mN, s and mN/µm, with both Unicode characters for micro."""
 
 MAGNITUDES = {
     "length": (1e-6, 1e6), "pressure": (1e-9, 1e4), "force": (1e-12, 1e12), "time": (1e-3, 1e10),
     "work of adhesion": (1e-9, 1),
 }  # fmt: skip
-"""Magnitudes in µm, GPa, mN, s and mN/µm; what is outside is a slip of the unit."""
+"""Smallest and largest magnitude in core units; other values are taken for a wrong unit."""
 
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9][0-9_]{0,20}\.?[0-9]{0,20}|\.[0-9]{1,20})(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*"
@@ -31,21 +31,21 @@ _QUANTITY = re.compile(
 
 
 _TOO_LONG = re.compile(r"\s*[+-]?(?:[0-9._]+(?:[eE][+-]?[0-9]+)?|inf|nan)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*")
-"""A number with a unit whose number has more digits, or a larger exponent, than any quantity."""
+"""A number and a unit, where the number has more digits or a larger exponent than any valid quantity."""
 
 
-def units_of(kind: str) -> tuple[str, ...]:
-    """Names of the units of a kind of quantity."""
+def unit_names(kind: str) -> tuple[str, ...]:
+    """Return the names of the units for a kind of quantity."""
     return tuple(_UNITS[kind])
 
 
 class Quantity(float):
-    """A number in core units (µm, GPa, mN) that remembers how it was written. Equal if the numbers are."""
+    """Number in core units (µm, GPa, mN) with its original text. Comparison uses the number only."""
 
     text: str
 
     def __new__(cls, value: float, text: str) -> Quantity:
-        """Value in core units, and the text it stands for."""
+        """Create a quantity from its value in core units and its text."""
         quantity = super().__new__(cls, value)
         quantity.text = text
         return quantity
@@ -55,7 +55,7 @@ class Quantity(float):
 
 
 def quantity(text: object, kind: str) -> Quantity:
-    """Read "number unit", such as "200 MPa", of a kind: "length", "pressure", "force" or "work of adhesion".
+    """Parse "number unit", such as "200 MPa", for a kind such as "length" or "work of adhesion".
 
     Raises a `ValueError` if the text is not a number with a unit of that kind.
     """
@@ -65,73 +65,73 @@ def quantity(text: object, kind: str) -> Quantity:
     allowed = ", ".join(unit for unit in units if unit.isascii())
     if not isinstance(text, str):
         raise ValueError(
-            f'needs a {kind} with its unit, as in "1 {next(iter(units))}" ({allowed}), got {shortened(text)}'
+            f'needs a {kind} with its unit, as in "1 {next(iter(units))}" ({allowed}), got {short_repr(text)}'
         )
     match = _QUANTITY.fullmatch(text)
     lowest, highest = MAGNITUDES[kind]
     core = next(name for name, factor in units.items() if factor == "1")
-    if match is None and (other := _TOO_LONG.fullmatch(text)) is not None and other[1] in units:
-        raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {shortened(text)}")
+    if match is None and (out_of_range := _TOO_LONG.fullmatch(text)) is not None and out_of_range[1] in units:
+        raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {short_repr(text)}")
     if match is None:
-        raise ValueError(f'must be "number unit" with a unit of {kind} ({allowed}), got {shortened(text)}')
+        raise ValueError(f'must be "number unit" with a unit of {kind} ({allowed}), got {short_repr(text)}')
     digits, unit = match.groups()
     if unit not in units:
-        near = [each for each in units if each.lower() == unit.lower()]
-        hint = f"; did you mean {' or '.join(near)}?" if near else ""
-        raise ValueError(f"has the unit {unit!r}, which is not one of {kind} ({allowed}), in {shortened(text)}{hint}")
-    # In decimal, so that "100 nm" and "0.1 um" are the same number.
+        similar = [name for name in units if name.lower() == unit.lower()]
+        hint = f"; did you mean {' or '.join(similar)}?" if similar else ""
+        raise ValueError(f"has the unit {unit!r}, which is not one of {kind} ({allowed}), in {short_repr(text)}{hint}")
+    # Decimal arithmetic: "100 nm" and "0.1 um" must give the same number.
     value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
     if value != 0 and not lowest <= abs(value) <= highest:
-        raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {shortened(text)}")
+        raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {short_repr(text)}")
     return Quantity(value, f"{digits} {unit}")
 
 
-def in_core_units(name: str, value: Any, kind: str) -> Any:
-    """What may be text with a unit as numbers in core units: one text, several in a list, or numbers as they are.
+def to_core_units(name: str, value: Any, kind: str) -> Any:
+    """Convert a string with a unit, or a list of such strings, to core units; return numbers unchanged.
 
-    A text that is not a number with a unit of that kind is a `ValueError` that calls the argument by its name.
+    Raises a `ValueError` that names the argument if a string is not a number with a unit of this kind.
     """
     if isinstance(value, str):
         try:
             return float(quantity(value, kind))
         except ValueError as error:
             raise ValueError(f"{name} {error}") from None
-    if isinstance(value, (list, tuple)) and any(isinstance(each, str) for each in value):
-        return [in_core_units(name, each, kind) for each in value]
+    if isinstance(value, (list, tuple)) and any(isinstance(item, str) for item in value):
+        return [to_core_units(name, item, kind) for item in value]
     return value
 
 
-def loads_in_core_units(name: str, value: Any, area: float) -> Any:
-    """Loads as text with a unit, of force or of pressure on an area (µm²), in mN; numbers as they are.
+def loads_to_core_units(name: str, value: Any, area: float) -> Any:
+    """Convert loads given as a force, or as a pressure on an area (µm²), to mN; return numbers unchanged.
 
-    A text that is neither is a `ValueError`.
+    Raises a `ValueError` if a string is neither a force nor a pressure.
     """
     if isinstance(value, (list, tuple)):
-        return [loads_in_core_units(name, each, area) for each in value]
+        return [loads_to_core_units(name, item, area) for item in value]
     if not isinstance(value, str):
         return value
     for kind, factor in (("force", 1.0), ("pressure", area)):
         try:
-            return float(f"{quantity(value, kind) * factor:.12g}")  # without digits that nobody asked for
+            return float(f"{quantity(value, kind) * factor:.12g}")  # removes round-off digits
         except ValueError:
             continue
     raise ValueError(f'{name} must be a force or a pressure with its unit, as in "10 mN" or "10 MPa", got {value!r}')
 
 
-def exactly(value: float, unit: str) -> str:
-    """A number and its unit as text from which `quantity` reads the same number to the last bit."""
+def exact_text(value: float, unit: str) -> str:
+    """Format a number and its unit such that `quantity` parses exactly the same number."""
     return f"{repr(float(value)).removesuffix('.0')} {unit}"
 
 
-def exact(value: float, unit: str) -> Quantity:
-    """A number in core units as a quantity, whatever its magnitude."""
-    return Quantity(value, exactly(value, unit))
+def exact_quantity(value: float, unit: str) -> Quantity:
+    """Return a number in core units as a quantity, without a check of its magnitude."""
+    return Quantity(value, exact_text(value, unit))
 
 
-def shortened(value: object) -> str:
-    """Text of a value for a message, of a length that fits a line."""
+def short_repr(value: object) -> str:
+    """Return the representation of a value, shortened to fit a line of a message."""
     try:
         text = repr(value)
-    except (ValueError, RecursionError):  # Python prints no integers of many thousand digits, and no deep tables
+    except (ValueError, RecursionError):  # integers of thousands of digits, deeply nested containers
         text = type(value).__name__
     return text if len(text) <= 40 else text[:37] + "..."

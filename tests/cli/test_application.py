@@ -109,9 +109,9 @@ def test_a_pipe_or_a_device_is_no_study_and_no_measurement(tmp_path):
     for name in ("fifo.toml", "fifo.csv"):
         os.mkfifo(tmp_path / name)  # which would be waited for
     for name in ("fifo.toml", "/dev/zero"):
-        assert_rejected(call_stiction("run", name, "-o", "o", cwd=tmp_path), f"{name}: is no regular file")
+        assert_rejected(call_stiction("run", name, "-o", "o", cwd=tmp_path), f"{name}: is not a regular file")
     assert_rejected(call_stiction("characterise", "fifo.csv", cwd=tmp_path), "fifo.csv: is not a file")
-    with pytest.raises(FormatError, match="is no regular file"):
+    with pytest.raises(FormatError, match="is not a regular file"):
         read_spectrum(tmp_path / "fifo.csv")
 
 

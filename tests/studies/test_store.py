@@ -453,7 +453,7 @@ def test_a_finished_folder_on_a_read_only_disk_is_read_and_no_other_is_begun(who
     def refused(*_):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
-    monkeypatch.setattr(_files, "sweep", refused)
+    monkeypatch.setattr(_files, "remove_stale_partials", refused)
     other = TINY.with_changes({"friction.mu0": [0.2]})
     assert run(other, store=whole).attrs["study"] == other.to_toml()
     assert computed == []
@@ -468,7 +468,7 @@ def test_a_finished_folder_on_a_read_only_disk_is_read_and_no_other_is_begun(who
 def test_half_written_files_of_the_dead_are_removed(whole):
     gone = subprocess.Popen([sys.executable, "-c", ""])
     gone.wait()
-    here, _, mine = _files.HALF_WRITTEN.fullmatch(_files.half_written()).groups()
+    here, _, mine = _files.PARTIAL_NAME.fullmatch(_files.new_partial_name()).groups()
     names = {
         f".stiction-{here}-{gone.pid}-00000000-00000000.partial": False,
         f".stiction-{here}-{os.getpid()}-00000000-00000000.partial": False,  # of an earlier process of that number

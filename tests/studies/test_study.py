@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from stiction import HertzCylinder, JacksonGreen, Study, friction_map, run, study_names
-from stiction._units import exactly, quantity
+from stiction._units import exact_text, quantity
 from stiction.mechanics.quantities import AREAL_SUMS, HALF_SPACE_SUMS, SUMS
 from stiction.studies.study import differences, study_from_text
 from stiction.studies.values import StudyError
@@ -53,7 +53,7 @@ class TestQuantities:
 
     @given(st.floats(1e-12, 1e12))
     def test_a_number_is_written_to_its_last_bit(self, value):
-        assert quantity(exactly(value, "mN"), "force") == value
+        assert quantity(exact_text(value, "mN"), "force") == value
 
     @given(st.text(max_size=30))
     def test_any_text_is_read_or_refused(self, text):

@@ -24,7 +24,7 @@ from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route
 
 from stiction._files import replaced_file
-from stiction._units import shortened
+from stiction._units import short_repr
 from stiction.app import made
 from stiction.app.jobs import Job, Jobs, RefusedError, without_paths
 from stiction.mechanics.materials import materials
@@ -282,7 +282,7 @@ class Server:
             if name not in OPTIONS[command] or not isinstance(value, str) or len(value) > 200:
                 raise HTTPException(400)
             if name == "set" and not CHANGES.fullmatch(value):
-                raise HTTPException(400, f"the page cannot set {shortened(value)}")
+                raise HTTPException(400, f"the page cannot set {short_repr(value)}")
         chosen = [f"--{name}={value}" for name, value in options]
         if command == "run":
             return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *chosen]).number})

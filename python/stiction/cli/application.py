@@ -22,8 +22,8 @@ from typer.core import TyperCommand, TyperGroup
 
 from stiction._core import __version__, build
 from stiction._errors import ArgumentError
-from stiction._files import reason
-from stiction._text import LONGEST_LINE, named, printable
+from stiction._files import describe_os_error
+from stiction._text import MAX_LINE_LENGTH, printable, printable_path
 from stiction.cli import BAD_INPUT, INTERRUPTED, end_at_interrupt
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -34,7 +34,7 @@ UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 
 def say(text: str, kind: str = "") -> None:
     """Tell the person, on standard error; what is foreign in it moves no cursor and begins no line of its own."""
-    lines = [f"stiction: {kind}{printable(line, LONGEST_LINE)}" for line in text.split("\n") if line]
+    lines = [f"stiction: {kind}{printable(line, MAX_LINE_LENGTH)}" for line in text.split("\n") if line]
     if sys.stderr.isatty():
         width = shutil.get_terminal_size().columns
         lines = [textwrap.fill(line, width, subsequent_indent="  ", break_long_words=False) for line in lines]
@@ -52,7 +52,7 @@ def interrupted(more: str = "") -> typer.Exit:
 def announce(text: str) -> None:
     """Tell whoever watches a terminal what takes a moment, in a line that the next one takes the place of."""
     if is_watched():
-        line = f"stiction: {printable(text, LONGEST_LINE)}"[: shutil.get_terminal_size().columns - 1]
+        line = f"stiction: {printable(text, MAX_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
         _clear(f"{line}\r")
 
 
@@ -251,10 +251,10 @@ def start() -> int:
     except RecursionError:
         say("something in the input is too deep")
     except OSError as error:
-        about = f"{named(error.filename)}: " if isinstance(error.filename, str) else ""
-        say(f"{about}{reason(error)}")
+        about = f"{printable_path(error.filename)}: " if isinstance(error.filename, str) else ""
+        say(f"{about}{describe_os_error(error)}")
     except ArgumentError as error:
-        say(error.said(lambda name: _OPTIONS.get(name, f"--{name.replace('_', '-')}")))
+        say(error.with_names(lambda name: _OPTIONS.get(name, f"--{name.replace('_', '-')}")))
     except (ValueError, ImportError) as error:
         say(str(error) or type(error).__name__)
     except (RuntimeError, SystemError) as error:  # no thread can be started, or a library had no memory to say so

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stiction._arguments import at_least_0, coefficients_of, load_of, quantities_of, quantity_of
+from stiction._arguments import parse_coefficients, parse_load, parse_quantities, parse_quantity, reject_negative
 from stiction._errors import ArgumentError
 from stiction.cli.application import announce, command, interrupted, tell
 from stiction.cli.options import Json, Verbose, option, refuse
@@ -83,10 +83,10 @@ def at(
     from stiction.views.inputs import doubts_of_study
 
     stored = opened(directory)
-    rubbing = None if mu0 is None else coefficients_of("mu0", mu0)
+    rubbing = None if mu0 is None else parse_coefficients("mu0", mu0)
     strengths = None
     if tau0 is not None:
-        strengths = at_least_0("tau0", quantities_of("tau0", tau0, "pressure"), tau0)
+        strengths = reject_negative("tau0", parse_quantities("tau0", tau0, "pressure"), tau0)
     if scale_heights is None:
         refuse(context, "is for --scale-heights", "scaled", "compute", "workers")
     else:
@@ -95,7 +95,7 @@ def at(
         _at_height_scale(stored, scale_heights, scaled, loads, rubbing, strengths, compute=compute, workers=workers,
                          as_json=as_json)  # fmt: skip
         return
-    length = None if amplitude is None else quantity_of("amplitude", amplitude, "length")
+    length = None if amplitude is None else parse_quantity("amplitude", amplitude, "length")
     found = with_uncertainty(
         at_load(in_memory(stored), _loads(stored, load, width), mu0=rubbing, tau0=strengths), stored
     )
@@ -142,14 +142,14 @@ def _loads(stored: Stored, texts: list[str] | None, width: str | None) -> list[f
     if width is not None:
         if stored.study.surfaces.press != "lines":
             raise ArgumentError("{width} is for two profiles, got {got}", got=repr(width))
-        strip = THICKNESS / float(quantity_of("width", width, "length"))
+        strip = THICKNESS / float(parse_quantity("width", width, "length"))
     if not texts:
         if not stored.study.friction.load:
             raise ArgumentError("give {load}: this study does not ask for loads of its own")
         return [float(load) for load in stored.study.friction.load]
     loads = set()
     for each in texts:
-        amount, per_area = load_of("load", each)
+        amount, per_area = parse_load("load", each)
         force = float(amount) * (1.0 if per_area else strip)
         if per_area:
             coordinates = next(stored.pieces(["contact_count"])).coords

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from stiction._arguments import quantity_of
+from stiction._arguments import parse_quantity
 from stiction.cli.application import command, say, tell
 from stiction.cli.options import ELASTICITY, MATERIALS, Json, option, refuse, with_options
 from stiction.cli.showing import opened, said_by
@@ -67,7 +67,7 @@ def calibrate(
     if len(bodies) < len(pair or ()):
         raise ValueError("--pair must be folders of different names: by these the column pair calls them")
     if ball is not None:
-        radius = quantity_of("ball", ball, "length")
+        radius = parse_quantity("ball", ball, "length")
         bodies["ball"] = Ball(float(radius), **asked)
     else:
         refuse(context, "is for --ball", *asked)

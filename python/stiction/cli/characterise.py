@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
-from stiction._arguments import quantity_of
+from stiction._arguments import parse_quantity
 from stiction._files import check_replaceable
-from stiction._text import LONGEST_NAME, named, printable
+from stiction._text import MAX_PATH_LENGTH, printable, printable_path
 from stiction.cli.application import command, say, tell
 from stiction.cli.options import FILE, Json, given, measurement, option, with_options
 from stiction.studies.measured_surfaces import TEXTURES
@@ -103,12 +103,12 @@ def characterise(
         [] if dry_run or (as_json and output is None) else _outputs(files, output, together=together, repeated=repeated)
     )
     fitted = _band(band)
-    shortest = None if cutoff is None else quantity_of("cutoff", cutoff, "length")
+    shortest = None if cutoff is None else parse_quantity("cutoff", cutoff, "length")
     filters = _filters(lc, ls, robust=robust, joined=together or repeated)
     tip, texture = reading.pop("tip"), reading.pop("texture")
     if texture is not None and texture not in TEXTURES:
         raise ValueError(f"--texture must be {', '.join(TEXTURES)}, got {texture!r}")
-    radius = None if tip is None else quantity_of("tip", tip, "length")
+    radius = None if tip is None else parse_quantity("tip", tip, "length")
     found, readings = [], []
     for file in files:
         read = measurement(file, reading)
@@ -116,7 +116,7 @@ def characterise(
         if not as_json:
             tell(f"{printable(file.name)}: {read}")
             for caveat in read.caveats:
-                say(f"{named(file)}: {caveat}")
+                say(f"{printable_path(file)}: {caveat}")
         if dry_run:
             continue
         body = _levelled(_line(read.body, row, column), level)
@@ -134,7 +134,7 @@ def characterise(
     if together or repeated:
         (_together if together else _repeated)(files, found, outputs, as_json=as_json)
         return
-    told = [(printable(str(file), LONGEST_NAME), each) for file, each in zip(files, found, strict=True)]
+    told = [(printable(str(file), MAX_PATH_LENGTH), each) for file, each in zip(files, found, strict=True)]
     if as_json:
         tell(views.characterisation_record(told, readings=[each.record() for each in readings]))
     elif len(files) == 1:
@@ -160,7 +160,7 @@ def characterise(
             from stiction.views.figures.roughness import characterisation_figure
 
             save_picture(characterisation_figure(found[0]), path)
-        (say if as_json else tell)(f"wrote {named(path)}{what}")
+        (say if as_json else tell)(f"wrote {printable_path(path)}{what}")
 
 
 def _together(files: list[Path], found: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
@@ -179,7 +179,7 @@ def _together(files: list[Path], found: list[Characterisation], outputs: list[Pa
             write_spectrum(joined, path)
         else:
             save_picture(joined_figure(joined), path)
-        (say if as_json else tell)(f"wrote {named(path)}, {len(files)} scans")
+        (say if as_json else tell)(f"wrote {printable_path(path)}, {len(files)} scans")
 
 
 def _repeated(files: list[Path], found: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
@@ -202,7 +202,7 @@ def _repeated(files: list[Path], found: list[Characterisation], outputs: list[Pa
             new_text(path, octaves_csv(twice))
         else:
             save_picture(repeated_figure(twice), path)
-        (say if as_json else tell)(f"wrote {named(path)}, {' and '.join(file.name for file in files)}")
+        (say if as_json else tell)(f"wrote {printable_path(path)}, {' and '.join(file.name for file in files)}")
 
 
 def _outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
@@ -216,7 +216,7 @@ def _outputs(files: list[Path], output: Path | None, *, together: bool, repeated
         if (ending := path.suffix.lower()) in marks:
             check_replaceable(path, marks[ending], ValueError)
         elif os.path.lexists(path):
-            raise ValueError(f"{named(path)}: exists already; move it, or choose another name with --output")
+            raise ValueError(f"{printable_path(path)}: exists already; move it, or choose another name with --output")
     return paths
 
 
@@ -235,7 +235,7 @@ def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: 
         return [Path(f"{stem}{ending}") for ending in endings[:count]]
     if output.suffix.lower() not in endings:
         allowed = " or ".join([", ".join(endings[:-1]), endings[-1]] if len(endings) > 1 else endings)
-        raise ValueError(f"{named(output)}: cannot be written: its name must end in {allowed}")
+        raise ValueError(f"{printable_path(output)}: cannot be written: its name must end in {allowed}")
     several = together or len(files) > 1
     return [output] if several or output.suffix.lower() == ".html" else [output.with_suffix(".html"), output]
 
@@ -268,8 +268,8 @@ def _filters(lc: str | None, ls: str | None, *, robust: bool, joined: bool) -> d
     """Parse the cutoffs of roughness parameters."""
     if joined and (lc is not None or ls is not None or robust):
         raise ValueError("--lc, --ls and --robust are not for use with --together or --repeated")
-    long = None if lc is None else quantity_of("lc", lc, "length")
-    short = 0.0 if ls == "none" else None if ls is None else quantity_of("ls", ls, "length")
+    long = None if lc is None else parse_quantity("lc", lc, "length")
+    short = 0.0 if ls == "none" else None if ls is None else parse_quantity("ls", ls, "length")
     return {"lc": long, "ls": short, "robust": robust}
 
 
@@ -279,7 +279,7 @@ def _band(text: str | None) -> tuple[float, float] | None:
     parts = text.split(",")
     if len(parts) != 2:
         raise ValueError(f'--band needs two wavelengths, as in "1 um,100 um", got {text!r}')
-    shortest, longest = (quantity_of("band", part.strip(), "length") for part in parts)
+    shortest, longest = (parse_quantity("band", part.strip(), "length") for part in parts)
     if not shortest < longest:
         raise ValueError(f"--band must be the shortest and then the longest wavelength, got {text!r}")
     return shortest, longest

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
-from stiction._text import named
+from stiction._text import printable_path
 from stiction.cli.application import Function, announce
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -142,7 +142,9 @@ def measurement(file: Path, asked: Mapping[str, str | None]) -> Reading[Profile 
     from stiction.surfaces.measured.spectrum_file import is_spectrum
 
     if is_spectrum(file):
-        raise ValueError(f"{named(file)}: is the spectrum of several scans, which stiction pair takes in place of one")
+        raise ValueError(
+            f"{printable_path(file)}: is the spectrum of several scans, which stiction pair takes in place of one"
+        )
     announce_reader(file)
     given: dict[str, Any] = {name: text for name, text in asked.items() if text is not None}
     for name in ("unit", "spacing", "columns"):
@@ -156,7 +158,7 @@ def announce_reader(file: Path) -> None:
     from stiction.surfaces.measured.reading import READERS
 
     if file.suffix.lower() not in READERS and file.is_file() and "SurfaceTopography" not in sys.modules:
-        announce(f"loading SurfaceTopography, which takes some seconds, to read {named(file.name)}")
+        announce(f"loading SurfaceTopography, which takes some seconds, to read {printable_path(file.name)}")
 
 
 def given(context: typer.Context, name: str) -> bool:

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from stiction._arguments import listed
-from stiction._text import named
+from stiction._arguments import split_values
+from stiction._text import printable_path
 from stiction.cli.application import command, tell
 from stiction.cli.options import Json, Verbose, option
 from stiction.cli.showing import draw_result, opened, show_result
@@ -55,13 +55,13 @@ def plot(
     """Draw the figures of a result again, or of what is finished of it."""
     from stiction.views.style import checked_formats
 
-    wanted = checked_formats(listed(formats))
+    wanted = checked_formats(split_values(formats))
     stored = opened(directory)
     where = directory if output is None else output
     try:
         where.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ValueError(f"{named(where)}: cannot be written: {error.strerror or error}") from None
+        raise ValueError(f"{printable_path(where)}: cannot be written: {error.strerror or error}") from None
     draw_result(stored, where, formats=wanted)
 
 

@@ -9,8 +9,8 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Annotated, Any
 
-from stiction._text import named
-from stiction._units import shortened
+from stiction._text import printable_path
+from stiction._units import short_repr
 from stiction.cli.application import announce, interrupted, say, tell
 from stiction.cli.options import option
 from stiction.studies.complete import complete
@@ -52,16 +52,16 @@ def part_of(text: str | None) -> tuple[int, int] | None:
         return None
     match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)
     if not match or int(match[1]) > int(match[2]):
-        raise StudyError(f"--part must be K/N with K from 1 to N, as in 3/16, got {shortened(text)}")
+        raise StudyError(f"--part must be K/N with K from 1 to N, as in 3/16, got {short_repr(text)}")
     return int(match[1]), int(match[2])
 
 
 def check_folder(directory: Path) -> None:
     """Refuse a folder for results that is, or is named as, a file."""
     if directory.is_file():
-        raise StudyError(f"{named(directory)} is a file; say where the results shall go with --output DIR")
+        raise StudyError(f"{printable_path(directory)} is a file; say where the results shall go with --output DIR")
     if directory.suffix.lower() in _FILES and not directory.exists():
-        raise StudyError(f"--output {named(directory)}: is the name of a file; results go into a directory")
+        raise StudyError(f"--output {printable_path(directory)}: is the name of a file; results go into a directory")
 
 
 def _advice(error: OtherStudyError, study: Study, *, replaceable: bool) -> str:
@@ -73,7 +73,7 @@ def _advice(error: OtherStudyError, study: Study, *, replaceable: bool) -> str:
     only_loads = all(key == "contact.load" for key, *_ in error.differ)
     if only_loads and loads and steps[0] <= min(loads) and max(loads) <= steps[-1]:
         options = " ".join(f"--load '{load.text}'" for load in study.friction.load)
-        ways.append(f"stiction at {named(error.path)} {options} reads these loads off it, and presses nothing")
+        ways.append(f"stiction at {printable_path(error.path)} {options} reads these loads off it, and presses nothing")
     return "; ".join(ways)
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from stiction._units import shortened
+from stiction._units import short_repr
 from stiction.cli.application import command, tell
 from stiction.cli.options import Verbose, option
 from stiction.cli.running import Part, Scheduler, Workers
@@ -69,7 +69,7 @@ def studies(
         from stiction.views.study_keys import study_keys_text
 
         if name is not None:
-            raise StudyError(f"--keys lists the keys of all studies, got {shortened(name)}")
+            raise StudyError(f"--keys lists the keys of all studies, got {short_repr(name)}")
         tell(study_keys_text())
         return
     if name is not None:
@@ -106,7 +106,7 @@ def changes_of(assignments: list[str]) -> dict[str, Any]:
     for assignment in assignments:
         key, equals, value = assignment.partition("=")
         if not equals or not key.strip():
-            raise StudyError(f"--set needs KEY=VALUE, as in ensemble.repetitions=10, got {shortened(assignment)}")
+            raise StudyError(f"--set needs KEY=VALUE, as in ensemble.repetitions=10, got {short_repr(assignment)}")
         changes[key.strip()] = _value(value.strip())
     return changes
 

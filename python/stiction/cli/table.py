@@ -5,7 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-from stiction._arguments import coefficients_of, listed, load_of, numbers_of, quantities_of, quantity_of
+from stiction._arguments import (
+    parse_coefficients,
+    parse_load,
+    parse_numbers,
+    parse_quantities,
+    parse_quantity,
+    split_values,
+)
 from stiction.cli.application import command, tell
 from stiction.cli.options import ELASTICITY, option, with_options
 from stiction.cli.running import Scheduler, Workers
@@ -56,15 +63,18 @@ def table_command(
     from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
 
     modulus = elasticity_of(**asked).effective_modulus
-    lengths = quantities_of("wavelengths", wavelengths, "length")
+    lengths = parse_quantities("wavelengths", wavelengths, "length")
     if len(lengths) != 2:
         raise ValueError(f'--wavelengths needs two lengths, as in "0.3 um,2.5 um", got {wavelengths!r}')
     shortest, longest = map(float, lengths)
-    materials: dict[str, Any] = {"mu0": coefficients_of("mu0", mu0), "tau0": quantities_of("tau0", tau0, "pressure")}
+    materials: dict[str, Any] = {
+        "mu0": parse_coefficients("mu0", mu0),
+        "tau0": parse_quantities("tau0", tau0, "pressure"),
+    }
     study = table_study(
-        hurst_exponents=numbers_of("hurst", hurst), rms=quantities_of("rms", rms, "length"),
-        pressures=[_pressure(each) for each in listed(load)], effective_modulus=modulus,
-        extent=float(quantity_of("extent", extent, "length")), points=points, longest_wavelength=longest,
+        hurst_exponents=parse_numbers("hurst", hurst), rms=parse_quantities("rms", rms, "length"),
+        pressures=[_pressure(each) for each in split_values(load)], effective_modulus=modulus,
+        extent=float(parse_quantity("extent", extent, "length")), points=points, longest_wavelength=longest,
         shortest_wavelength=shortest, repetitions=repetitions, seed=seed,
     )  # fmt: skip
     check_files(output, MARKS)
@@ -80,7 +90,7 @@ def table_command(
 
 
 def _pressure(text: str) -> float:
-    amount, per_area = load_of("load", text)
+    amount, per_area = parse_load("load", text)
     if not per_area:
         raise ValueError(f'--load of a table is a pressure, as in "10 MPa", got {text!r}')
     return float(amount)

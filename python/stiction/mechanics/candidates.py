@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import stiction._core
 from stiction._caching import cached_property
-from stiction._checks import Floats, choice, number, read_only
+from stiction._checks import Floats, check_choice, number, read_only
 from stiction.mechanics.model import (
     ContactModel,
     Curvature,
@@ -128,7 +128,7 @@ def candidates(
     check_pair(upper, lower)
     if curvature is None:
         curvature = "signed" if isinstance(upper, Surface) else "convex"
-    choice("curvature", curvature, Curvature)
+    check_choice("curvature", curvature, Curvature)
     core = stiction._core.candidates(
         upper.heights, lower.heights, spacing=upper.spacing, deepest=number("deepest", deepest, unit="µm"),
         curvature=curvature,

@@ -10,7 +10,7 @@ from typing import Any, Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, choice, float_array
+from stiction._checks import Floats, check_choice, float_array
 from stiction.mechanics.friction import check_shear_strength, friction_parameter
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import Sliding
@@ -584,7 +584,7 @@ def gentle_friction(
     ratio = float_array("slope_ratio", slope_ratio)
     if not (ratio >= 0).all():
         raise ValueError(f"slope_ratio must not be negative, got {slope_ratio!r}")
-    choice("sliding", sliding, Sliding)
+    check_choice("sliding", sliding, Sliding)
     if order not in (1, 2):
         raise ValueError(f"order must be 1 or 2, got {order!r}")
     check_shear_strength(tau, float(np.min(modulus)))

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core
-from stiction._checks import Floats, choice, number, read_only
-from stiction._shown import Readable
-from stiction._units import in_core_units
+from stiction._checks import Floats, check_choice, number, read_only
+from stiction._repr import TextRepr
+from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, known_of
 from stiction.mechanics.model import ContactKeywords, shows_model, warn_of_one_body
 from stiction.surfaces.profile import Profile, Side
@@ -22,7 +22,7 @@ from stiction.surfaces.surface import Surface
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Contacts(Readable):
+class Contacts(TextRepr):
     """Every contact of a pair at one approach, one row each, in the order of the grid; all arrays are read-only.
 
     Vectors are (x, y, z), z being height; y is 0 on profiles. Positions are in the frame of the lower body.
@@ -138,7 +138,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     found, model = known_of(upper, lower, contact)
     if found is not None and approach is None:
         approach = lower
-    approach = number("approach", in_core_units("approach", approach, "length"), unit="µm")
+    approach = number("approach", to_core_units("approach", approach, "length"), unit="µm")
     if model.angles().ndim > 0:
         raise ValueError(f"direction must be one, because a contact has one tangent, got {model.direction!r}")
     if isinstance(upper, Surface):
@@ -156,7 +156,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Asperities(Readable):
+class Asperities(TextRepr):
     """Osculating spheres of a profile, one per point; all arrays are read-only.
 
     Attributes
@@ -208,6 +208,6 @@ def asperities(profile: Profile, side: Side) -> Asperities:
     >>> float(asperities(arc, "lower").radius[10].round(2))
     2.0
     """
-    choice("side", side, Side)
+    check_choice("side", side, Side)
     arrays = stiction._core.asperities(profile.heights, spacing=profile.spacing, side=side)
     return Asperities(*(read_only(array) for array in arrays))

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, number
 from stiction._drawing import draw_area, draw_friction
-from stiction._shown import Readable, Shown, axes_for
+from stiction._repr import PlotRepr, TextRepr, axes_for
 from stiction.mechanics.quantities import QUANTITIES, SUMS
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ class Sums:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Validity(Readable):
+class Validity(TextRepr):
     """How far the model is to be trusted; NaN where there is no contact. Shares are of the normal load Σ F n_z.
 
     Attributes
@@ -163,7 +163,7 @@ def loads_of(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
     return load_of("normal", columns, mu0, tau0), load_of("tangential", columns, mu0, tau0)
 
 
-class Curve(Shown):
+class Curve(PlotRepr):
     """Loads of a pair at each step, approaches or loads, of which there are sums."""
 
     contact_count: NDArray[Any]

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._caching import cached_property
-from stiction._checks import Floats, choice, number, part_of_one, read_only
-from stiction._shown import Shown, axes_for
-from stiction._units import in_core_units, loads_in_core_units
+from stiction._checks import Floats, check_choice, fraction, number, read_only
+from stiction._repr import PlotRepr, axes_for
+from stiction._units import loads_to_core_units, to_core_units
 from stiction.mechanics.friction import Curve
 from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_for, warn_of_one_body
 from stiction.mechanics.onset import Onset, heading, onset_of, place_of, strengths
@@ -48,7 +48,7 @@ def resolved_range(work: float, spacing: float, effective_modulus: float) -> flo
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HalfSpaceContact(Shown):
+class HalfSpaceContact(PlotRepr):
     """The contact at one load, over the grid; all arrays are read-only.
 
     Attributes
@@ -453,18 +453,18 @@ def half_space(
     )
     if isinstance(upper, Profile):
         model.for_profiles()
-    choice("boundary", boundary, Boundary)
-    choice("tilt", tilt, Tilt)
+    check_choice("boundary", boundary, Boundary)
+    check_choice("tilt", tilt, Tilt)
     tolerance = number("tolerance", tolerance, above=0, below=1)
     if not (progress is None or callable(progress)):
         raise ValueError(f"progress must be a function of three arguments or None, got {progress!r}")
     problem = problem_of(
         upper, lower, float(model.effective_modulus), periodic=boundary == "periodic",
-        compliance_share=part_of_one("compliance_share", compliance_share),
+        compliance_share=fraction("compliance_share", compliance_share),
         hardness=None if hardness is None else number("hardness", hardness, unit="GPa", above=0),
     )  # fmt: skip
     work, length = (
-        number(name, in_core_units(name, given, kind), unit=unit, above=above)
+        number(name, to_core_units(name, given, kind), unit=unit, above=above)
         for name, given, kind, unit, above in (
             ("work_of_adhesion", work_of_adhesion, "work of adhesion", "mN/µm", -math.ulp(0)),
             ("adhesion_range", adhesion_range, "length", "µm", 0),
@@ -479,8 +479,8 @@ def half_space(
             raise ValueError("tilt must be 'fixed' but for loads of free bodies without adhesion, got 'free'")
         problem = replace(problem, turns=True)
     loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
-    loads = loads_in_core_units("loads", loads, problem.area)
-    name, steps = steps_of(problem, loads, in_core_units("approaches", approaches, "length"))
+    loads = loads_to_core_units("loads", loads, problem.area)
+    name, steps = steps_of(problem, loads, to_core_units("approaches", approaches, "length"))
     warn_of_one_body(upper, lower)
     contacts = _pressed(problem, name, steps, tolerance=tolerance, progress=progress)
     return _curve(problem, model, contacts, tolerance)

@@ -12,7 +12,7 @@ from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, ClassVar, Literal
 
 import stiction._core
-from stiction._checks import choice, number
+from stiction._checks import check_choice, number
 
 
 def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
@@ -119,7 +119,7 @@ NAMED: dict[str, Law] = {law.name: law() for law in LAWS if all(each.default is 
 def law_of(law: Law | LawName) -> Law:
     """A law, or the one of a name; anything else is a ValueError."""
     if isinstance(law, str):
-        choice("law", law, LawName)
+        check_choice("law", law, LawName)
         return NAMED[law]
     if not isinstance(law, Law):
         raise ValueError(f"law must be a contact law or the name of one, got {law!r}")

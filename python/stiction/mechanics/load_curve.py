@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import stiction._core
-from stiction._checks import Floats, float_array, part_of_one, read_only
-from stiction._units import in_core_units
+from stiction._checks import Floats, float_array, fraction, read_only
+from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, known_of
 from stiction.mechanics.contact import Contacts, contacts
 from stiction.mechanics.friction import Curve, Sums, SurfaceValidity, Validity, load_of
@@ -116,7 +116,7 @@ class LoadCurve(Curve, Sums):
         approach = float(self.approach[place_of(index, self.approach.size, "approaches")])
         held = Asperities(
             self._pressed.at(approach), self._pressed.model, mu0=mu0, tau0=tau0, angle=angle, poisson=poisson,
-            compliance_share=part_of_one("compliance_share", compliance_share),
+            compliance_share=fraction("compliance_share", compliance_share),
         )  # fmt: skip
         return onset_of(held, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements)
 
@@ -242,7 +242,7 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
             raise ValueError("candidates are of both bodies: press(candidates, approaches) takes no lower body")
         approaches = lower
     wanted = [approaches] if isinstance(approaches, str) else approaches
-    steps = float_array("approaches", in_core_units("approaches", wanted, "length"), ndim=1)
+    steps = float_array("approaches", to_core_units("approaches", wanted, "length"), ndim=1)
     if isinstance(upper, Surface):
         found = candidates(upper, lower, deepest=max(0.0, float(steps.max(initial=0.0))), curvature=model.curvature)
     core = None if found is None else found.core

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import stiction._core
 from stiction._checks import Floats, float_array
-from stiction._units import in_core_units
+from stiction._units import to_core_units
 from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.friction import Sums
@@ -72,7 +72,7 @@ def approach_at_load(
     >>> float(approach_at_load(flat, ball, load, mu0=0.3, detection="gap-minimum").round(4))
     0.01
     """
-    wanted = float_array("loads", in_core_units("loads", loads, "force"))
+    wanted = float_array("loads", to_core_units("loads", loads, "force"))
     if not (wanted > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     model = model_for_pair(upper, lower, contact)

@@ -13,7 +13,7 @@ import numpy as np
 
 import stiction._core
 from stiction._caching import cached_property
-from stiction._checks import Floats, choice, number
+from stiction._checks import Floats, check_choice, number
 from stiction.mechanics.law import HertzCylinder, Law, LawName, law_of
 from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
@@ -77,11 +77,11 @@ class ContactModel:
 
     def __post_init__(self) -> None:
         if self.detection is not None:
-            choice("detection", self.detection, Detection)
+            check_choice("detection", self.detection, Detection)
         if self.curvature is not None:
-            choice("curvature", self.curvature, Curvature)
-        choice("shear", self.shear, Shear)
-        choice("sliding", self.sliding, Sliding)
+            check_choice("curvature", self.curvature, Curvature)
+        check_choice("shear", self.shear, Shear)
+        check_choice("sliding", self.sliding, Sliding)
         if self.direction is not None:
             if self.shear != "+x":
                 raise ValueError(f"shear and direction must not both be given, got {self.shear!r}, {self.direction!r}")

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, number, read_only, whole_number
-from stiction._shown import Shown, axes_for
+from stiction._repr import PlotRepr, axes_for
 from stiction.mechanics.friction import one_material
 from stiction.mechanics.model import ContactModel, Direction
 
@@ -58,7 +58,7 @@ class Held(Protocol):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Onset(Shown):
+class Onset(PlotRepr):
     """How two bodies under a normal load begin to slide as a tangential load grows from 0; all arrays are read-only.
 
     Made by ``curve.onset(index, mu0=..., tau0=...)`` of a `HalfSpaceCurve`, a `LoadCurve` or a `SurfaceLoadCurve`.
@@ -300,7 +300,7 @@ WEAKEST = 1e-9
 def place_of(index: Any, count: int, what: str) -> int:
     """An index from the front or the back, as one from the front."""
     try:
-        place = whole_number("index", index, least=-count, most=count - 1)
+        place = whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
         raise ValueError(f"index must be one of the {count} {what}, got {index!r}") from None
     return place % count
@@ -342,7 +342,7 @@ def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
 def fractions_of(steps: int | Sequence[float]) -> Floats:
     """Fractions of the sliding load: as many equal steps up to 1, or what is given."""
     if np.ndim(steps) == 0:
-        count = whole_number("steps", steps, least=1, most=100_000)
+        count = whole_number("steps", steps, minimum=1, maximum=100_000)
         return np.arange(1, count + 1) / count
     parts = float_array("steps", steps, ndim=1)
     if not (parts.size > 0 and (parts > 0).all() and (np.diff(parts) > 0).all()):

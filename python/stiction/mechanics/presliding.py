@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array, read_only
-from stiction._shown import Readable
+from stiction._repr import TextRepr
 
 FEWEST_POINTS = 3  # of a curve to which two parameters are fitted
 RIGID = 1e-12  # of the last displacement, below which the first one is round-off
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FourParameterIwan(Readable):
+class FourParameterIwan(TextRepr):
     """Springs in parallel that slip one after the other, their strengths spread as a power (Segalman).
 
     Attributes
@@ -76,7 +76,7 @@ class FourParameterIwan(Readable):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LuGre(Readable):
+class LuGre(TextRepr):
     """Bristles that bend and give way at one load: the presliding part of the LuGre model.
 
     Attributes

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, choice, float_array
+from stiction._checks import Floats, check_choice, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import gentle_friction, hardness_under_shear
 from stiction.mechanics.friction import RATIOS, SIX, STATUS_DTYPE, STATUSES, load_of, loads_of, ratio_of
@@ -105,7 +105,7 @@ def at_load(
     study = study_of_result(result)
     measured = study.is_measured
     reading = reading or ("elastic" if measured else "mean")
-    choice("reading", reading, Reading)
+    check_choice("reading", reading, Reading)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     if not values.size or not (values > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")

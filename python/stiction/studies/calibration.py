@@ -11,8 +11,8 @@ import math
 from collections.abc import Sequence
 from typing import Literal
 
-from stiction._checks import choice, number
-from stiction._units import in_core_units, shortened
+from stiction._checks import check_choice, number
+from stiction._units import short_repr, to_core_units
 from stiction.mechanics.model import Sliding
 from stiction.studies.calibration_fit import MIN_VARIATION, CalibrationProblem
 from stiction.studies.interfaces import EXCLUDED, HARDNESS, RULES, UNLIKELY, Ball, FrictionTest, Interface, rules_of
@@ -74,9 +74,9 @@ def calibrate(
     >>> interface.separated, round(interface.tau0[0], 3)
     (True, 0.012)
     """
-    choice("sliding", sliding, Literal["both", "all", "opposing"])
+    check_choice("sliding", sliding, Literal["both", "all", "opposing"])
     if not isinstance(tests, Sequence) or not all(isinstance(test, FrictionTest) for test in tests):
-        raise ValueError(f"tests must be a sequence of FrictionTest, got {shortened(tests)}")
+        raise ValueError(f"tests must be a sequence of FrictionTest, got {short_repr(tests)}")
     tests = tuple(tests)
     if not any(test.slid for test in tests):
         raise ValueError("tests must have one that slid: those that held are lower bounds alone")
@@ -89,7 +89,7 @@ def calibrate(
         raise ValueError(f"uncertainty is needed of fewer than {LEAST_TESTS} tests: their scatter says too little")
     known = (
         None if mu0 is None else number("mu0", mu0),
-        None if tau0 is None else number("tau0", in_core_units("tau0", tau0, "pressure")),
+        None if tau0 is None else number("tau0", to_core_units("tau0", tau0, "pressure")),
     )
     if any(value is not None and value < 0 for value in known):
         raise ValueError("mu0 and tau0 must not be negative")

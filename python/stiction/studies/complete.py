@@ -10,7 +10,7 @@ from typing import Any
 
 from stiction._core import __version__
 from stiction._files import check_replaceable, replaced_file
-from stiction._text import duration_text
+from stiction._text import format_duration
 from stiction.studies.at_load import is_unloaded
 from stiction.studies.contact_picture import FILE as PICTURE
 from stiction.studies.contact_picture import contact_picture
@@ -68,7 +68,7 @@ def complete(
         # A few members at other hardnesses and moduli, where these are ranges.
         seconds = count_solutions(stored.study) * cost_of_solution(stored.study) if stored.study.by_half_space else 0.0
         if seconds > LONG:
-            say(f"at other hardnesses and moduli: about {duration_text(seconds)} of one core")
+            say(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
         _put_beside(stored, HARDNESS, lambda: areas_over_hardness(stored.study, executor))
     if before < total and (before or not measured):
         said(f"wrote {folder}" + (f" ({before} of its {total} repetitions were there already)" if before else ""))
@@ -104,7 +104,7 @@ def fill_beside(
             if there and computed_otherwise(there.study, over):
                 remove_result(there)  # of another pair, or of other loads
             seconds = over.ensemble.repetitions * cost_of_member(over)
-            (say if seconds > LONG else announce)(f"over cut-offs: about {duration_text(seconds)} of one core")
+            (say if seconds > LONG else announce)(f"over cut-offs: about {format_duration(seconds)} of one core")
             fill(over, folder, executor=executor, progress=progress)
         kept = onset_beside(stored)
         if onset == 0 or (kept is not None and onset in (None, int(kept.attrs["members"]))):

@@ -236,7 +236,7 @@ def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int]
 
 def _checked(members: int | Sequence[int], known: list[int]) -> list[int]:
     listed = [members] if np.ndim(members) == 0 else list(members)  # type: ignore[arg-type]
-    found = [whole_number("members", each, least=0) for each in listed]
+    found = [whole_number("members", each, minimum=0) for each in listed]
     if not found or not set(found) <= set(known):
         raise ValueError(
             f"members must be some of the {len(known)} of the result, from {min(known)} on, got {members!r}"

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, PlainSerializer, PlainValidator, create_model, model_validator
 
 from stiction._checks import Floats, float_array
-from stiction._units import MAGNITUDES, exact, quantity, shortened
+from stiction._units import MAGNITUDES, exact_quantity, quantity, short_repr
 from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
 from stiction.mechanics.law import LAWS, NAMED, HertzCylinder, Law, LawName, law_of
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
@@ -95,7 +95,7 @@ def _read_law(value: object) -> LawName | LawTable:
         tables = " or ".join(
             f'"{name}" ({", ".join(list(table.model_fields)[1:])})' for name, table in LAW_TABLES.items()
         )
-        raise ValueError(f"must be {named}, or a table of name {tables}, got {shortened(value)}")
+        raise ValueError(f"must be {named}, or a table of name {tables}, got {short_repr(value)}")
     return table.model_validate(value)
 
 
@@ -114,7 +114,7 @@ def entry_of(law: Law | LawName) -> LawName | LawTable:
     values: dict[str, Any] = {"name": law.name}
     for each in dataclasses.fields(law):
         value, unit = getattr(law, each.name), each.metadata["unit"]
-        values[each.name] = exact(value, unit.replace("µ", "u")) if unit in _KINDS else value
+        values[each.name] = exact_quantity(value, unit.replace("µ", "u")) if unit in _KINDS else value
     return LAW_TABLES[law.name].model_validate(values)
 
 
@@ -367,10 +367,10 @@ def read_contact(value: Mapping[str, Any], surfaces: Generated | Measured) -> Co
     direction = contact.direction
     if place.endswith("measured areas"):
         if direction is None or len(contact.ways()) > MOST_DIRECTIONS:
-            raise fault_at("direction", f"must be from 1 to {MOST_DIRECTIONS} directions, got {shortened(direction)}")
+            raise fault_at("direction", f"must be from 1 to {MOST_DIRECTIONS} directions, got {short_repr(direction)}")
         contact = contact.model_copy(update={"direction": tuple(contact.degrees().tolist())})
     if isinstance(surfaces, Profiles) and direction not in (None, "+x", "-x"):
-        raise fault_at("direction", f'must be "+x" or "-x" on profiles, got {shortened(direction)}')
+        raise fault_at("direction", f'must be "+x" or "-x" on profiles, got {short_repr(direction)}')
     if isinstance(contact, Asperities) and surfaces.is_areal:
         try:
             contact.model().for_surfaces()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from stiction._arguments import numbers_of, quantities_of, quantity_of
+from stiction._arguments import parse_numbers, parse_quantities, parse_quantity
 from stiction._errors import ArgumentError
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import compliance_fraction, is_name_of, material, softer_material
@@ -51,7 +51,7 @@ def elasticity_of(
         if poisson is not None:
             raise ArgumentError(f"{{poisson}} must not be given beside {named}, which say it")
         return _of_materials(str(upper or lower), str(lower or upper))
-    ratios = None if poisson is None else numbers_of("poisson", poisson)
+    ratios = None if poisson is None else parse_numbers("poisson", poisson)
     if ratios is not None and (len(ratios) > 2 or not all(0 <= ratio <= 0.5 for ratio in ratios)):
         raise ArgumentError("{poisson} must be one or two numbers from 0 to 0.5, got {got}", got=repr(poisson))
     if modulus is not None:
@@ -59,11 +59,11 @@ def elasticity_of(
             raise ArgumentError(
                 "{poisson} beside {effective_modulus} is of the softer body alone, got {got}", got=repr(poisson)
             )
-        value = float(quantity_of("effective_modulus", modulus, "pressure"))
+        value = float(parse_quantity("effective_modulus", modulus, "pressure"))
         if not value > 0:
             raise ArgumentError("{effective_modulus} must be above 0, got {got}", got=repr(modulus))
         return Elasticity(value, poisson_ratio=None if ratios is None else ratios[0])
-    moduli = [float(each) for each in quantities_of("young", young, "pressure")]
+    moduli = [float(each) for each in parse_quantities("young", young, "pressure")]
     if len(moduli) > 2:
         raise ArgumentError("{young} must be one modulus or two, got {got}", got=repr(young))
     if ratios is None:
@@ -73,8 +73,8 @@ def elasticity_of(
 
 
 def _of_one_material(upper: str | None, lower: str | None, young: Any, poisson: Any) -> Elasticity:
-    moduli = [float(each) for each in quantities_of("young", young, "pressure")]
-    ratios = [] if poisson is None else numbers_of("poisson", poisson)
+    moduli = [float(each) for each in parse_quantities("young", young, "pressure")]
+    ratios = [] if poisson is None else parse_numbers("poisson", poisson)
     if len(moduli) != 1 or len(ratios) != 1 or not 0 <= ratios[0] <= 0.5:
         raise ArgumentError(
             'beside one material {young} and {poisson} are of the other body, as in "3 MPa" and "0.5", one of each'

@@ -12,8 +12,8 @@ from concurrent.futures import BrokenExecutor, CancelledError, Executor, ThreadP
 from importlib import import_module
 from typing import Any, TypeVar
 
-from stiction._text import LONGEST_NAME, printable
-from stiction._units import shortened
+from stiction._text import MAX_PATH_LENGTH, printable
+from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
 LEAST_SHARED = 2**16  # points of a problem whose transforms two threads share; in smaller ones they wait for each other
@@ -115,17 +115,18 @@ def connected(address: str) -> Iterator[Executor]:
     except ImportError:
         raise ClusterError("a cluster needs the package distributed: pip install distributed") from None
     if not re.fullmatch(r"([a-z]+://)?[^\s/:]+:[0-9]{1,5}|([a-z]+://)\[[0-9a-fA-F:]+\]:[0-9]{1,5}", address):
-        raise ClusterError(f"a Dask scheduler has an address such as tcp://host:8786, not {shortened(address)}")
+        raise ClusterError(f"a Dask scheduler has an address such as tcp://host:8786, not {short_repr(address)}")
     try:
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise ClusterError(
-            f"no Dask scheduler answers at {shortened(address)}: {printable(str(error).splitlines()[0], LONGEST_NAME)}"
+            f"no Dask scheduler answers at {short_repr(address)}: "
+            f"{printable(str(error).splitlines()[0], MAX_PATH_LENGTH)}"
         ) from None
     with _without_log_of_losses(), client:
         try:
             if not client.nthreads():
-                words = f"the scheduler at {shortened(address)} has no workers yet; waiting for them"
+                words = f"the scheduler at {short_repr(address)} has no workers yet; waiting for them"
                 warnings.warn(words, stacklevel=3)
             yield client.get_executor()
         except distributed.scheduler.KilledWorker as error:

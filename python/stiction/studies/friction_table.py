@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction._units import exact
+from stiction._units import exact_quantity
 from stiction.mechanics.friction import SIX, loads_of
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
@@ -82,17 +82,18 @@ def table_study(
             "surfaces": {
                 "kind": "surface", "generator": "self-affine",
                 "fractal_dimension": sorted(2 - float(each) for each in hurst_exponents),
-                "amplitude": [exact(each, "um") for each in rms], "amplitude_measure": "Sq",
-                "longest_wavelength": exact(longest_wavelength, "um"),
-                "shortest_wavelength": exact(shortest_wavelength, "um"), "shape": [points, points],
-                "extent": [exact(extent, "um")] * 2,
+                "amplitude": [exact_quantity(each, "um") for each in rms], "amplitude_measure": "Sq",
+                "longest_wavelength": exact_quantity(longest_wavelength, "um"),
+                "shortest_wavelength": exact_quantity(shortest_wavelength, "um"), "shape": [points, points],
+                "extent": [exact_quantity(extent, "um")] * 2,
             },
             "contact": {
-                "mechanics": "half-space", "boundary": "periodic", "effective_modulus": exact(effective_modulus, "GPa"),
+                "mechanics": "half-space", "boundary": "periodic",
+                "effective_modulus": exact_quantity(effective_modulus, "GPa"),
                 "direction": list(DIRECTIONS), "sliding": ["opposing", "all"],
-                "load": [exact(each * area, "mN") for each in sorted(pressures)],
+                "load": [exact_quantity(each * area, "mN") for each in sorted(pressures)],
             },
-            "friction": {"mu0": list(mu0), "tau0": [exact(each, "GPa") for each in tau0]},
+            "friction": {"mu0": list(mu0), "tau0": [exact_quantity(each, "GPa") for each in tau0]},
             "ensemble": {"repetitions": repetitions, "seed": seed},
         }
     )  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from stiction._checks import Floats
-from stiction._units import exactly, quantity, shortened
+from stiction._units import exact_text, quantity, short_repr
 from stiction.studies.values import (
     MOST_VALUES,
     DimensionRange,
@@ -175,7 +175,7 @@ def _dimensions_of(exponents: Any) -> Any:
         several = exponents if isinstance(exponents, (list, tuple)) else [exponents]
         return sorted(round(2 - each, 12) for each in several)
     except (TypeError, KeyError):
-        raise fault_at("hurst_exponent", f"must be numbers above 0, at most 1, got {shortened(exponents)}") from None
+        raise fault_at("hurst_exponent", f"must be numbers above 0, at most 1, got {short_repr(exponents)}") from None
 
 
 class SelfAffineSurfaces(Areas):
@@ -218,12 +218,14 @@ class SelfAffineSurfaces(Areas):
             spacing, shape = given["spacing"], table.get("shape", cls.model_fields["shape"].default)
             both = spacing if isinstance(spacing, (list, tuple)) else [spacing, spacing]
             if len(both) != 2 or len(shape) != 2:
-                raise fault_at("spacing", f"must be a length or a list of two, got {shortened(spacing)}")
+                raise fault_at("spacing", f"must be a length or a list of two, got {short_repr(spacing)}")
             try:
                 steps = [float(read_length(each)) for each in both]
             except ValueError as error:
                 raise fault_at("spacing", str(error)) from None
-            table["extent"] = [exactly(float(f"{step * n:.12g}"), "um") for step, n in zip(steps, shape, strict=True)]
+            table["extent"] = [
+                exact_text(float(f"{step * n:.12g}"), "um") for step, n in zip(steps, shape, strict=True)
+            ]
         return table
 
     @model_validator(mode="after")

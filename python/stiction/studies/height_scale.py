@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from stiction._arguments import numbers_of, reject_decimal_commas
-from stiction._checks import Floats, choice, float_array
+from stiction._arguments import parse_numbers, reject_decimal_commas
+from stiction._checks import Floats, check_choice, float_array
 from stiction._errors import ArgumentError
-from stiction._text import duration_text
-from stiction._units import shortened
+from stiction._text import format_duration
+from stiction._units import short_repr
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.at_load import ABOVE_NOMINAL, at_load, is_unloaded
@@ -74,7 +74,7 @@ class NotComputedError(ArgumentError):
         which = several if factors.size > 1 else f"the factor {factors[0]:g}"
         super().__init__(
             "{height_scale} needs {which} computed, about {time} of one core: give {compute=True}",
-            which=which, time=duration_text(seconds),
+            which=which, time=format_duration(seconds),
         )  # fmt: skip
         self.factors, self.seconds = factors, seconds
 
@@ -97,7 +97,7 @@ def checked_factors(factors: Any) -> Floats:
     values = np.unique([float(f"{each:.{DIGITS}g}") for each in np.ravel(values).tolist()])
     if not values.size or not ((values >= MIN_FACTOR) & (values <= MAX_FACTOR)).all():
         allowed = f"from {MIN_FACTOR:g} to {MAX_FACTOR:g}"
-        raise ArgumentError("{height_scale} must be {allowed}, got {got}", allowed=allowed, got=shortened(factors))
+        raise ArgumentError("{height_scale} must be {allowed}, got {got}", allowed=allowed, got=short_repr(factors))
     return values
 
 
@@ -107,7 +107,7 @@ def _parse_factors(text: str) -> Floats:
         if ".." not in text:
             if text.count(",") == 1:
                 reject_decimal_commas("height_scale", text)
-            return np.array(numbers_of("height_scale", text, whole=True))
+            return np.array(parse_numbers("height_scale", text, integers=True))
         low, high = (float(each) for each in text.split(".."))
         if not MIN_FACTOR <= low < high <= MAX_FACTOR:
             raise ValueError
@@ -117,7 +117,7 @@ def _parse_factors(text: str) -> Floats:
         raise ArgumentError(
             '{height_scale} must be factors, as in "0.5,1,2", or a rising range from {least:g} to {most:g}, as in '
             '"0.25..4", got {got}',
-            least=MIN_FACTOR, most=MAX_FACTOR, got=shortened(text),
+            least=MIN_FACTOR, most=MAX_FACTOR, got=short_repr(text),
         ) from None  # fmt: skip
     nodes = _nodes(low, high)
     return np.array([low, *nodes[(nodes > low) & (nodes < high)], high])
@@ -159,7 +159,7 @@ def scaled_study(study: Study, factor: float, scaled: Scaled) -> Study:
     if not study.is_measured or study.is_gap:
         kind = "the gap of one body" if study.is_measured else "generated surfaces"
         raise ArgumentError("{height_scale} needs two measured surfaces, got {kind}", kind=kind)
-    choice("scaled", scaled, Scaled)
+    check_choice("scaled", scaled, Scaled)
     sides = SIDES if scaled == "both" else (scaled,)
     surfaces: Any = study.surfaces
     changed = surfaces.with_files(lambda file, side: file.with_height_factor(factor) if side in sides else file)

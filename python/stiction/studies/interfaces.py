@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._checks import Floats, choice, number
-from stiction._files import NotReadableError, content, reason, replaced_file
-from stiction._text import named
-from stiction._units import in_core_units, loads_in_core_units
+from stiction._checks import Floats, check_choice, number
+from stiction._files import NotReadableError, describe_os_error, read_content, replaced_file
+from stiction._text import printable_path
+from stiction._units import loads_to_core_units, to_core_units
 from stiction.mechanics.closed_forms import hertz_sphere
 from stiction.mechanics.friction import SIX, Curve
 from stiction.mechanics.model import Sliding
@@ -89,7 +89,7 @@ class Ball:
 
     def __post_init__(self) -> None:
         """Numbers in core units."""
-        radius = number("radius", in_core_units("radius", self.radius, "length"), unit="µm", above=0)
+        radius = number("radius", to_core_units("radius", self.radius, "length"), unit="µm", above=0)
         object.__setattr__(self, "radius", radius)
         elasticity, moduli = elasticity_and_moduli(
             self.effective_modulus, self.young, self.poisson, self.upper_material, self.lower_material
@@ -251,14 +251,14 @@ class FrictionTest:
         """Load and coefficient as numbers."""
         area = getattr(self.result, "nominal_area", None)
         given = (
-            in_core_units("load", self.load, "force") if area is None else loads_in_core_units("load", self.load, area)
+            to_core_units("load", self.load, "force") if area is None else loads_to_core_units("load", self.load, area)
         )
         load = number("load", given, unit="mN", above=0)
-        object.__setattr__(self, "wait", number("wait", in_core_units("wait", self.wait, "time"), unit="s", above=0))
+        object.__setattr__(self, "wait", number("wait", to_core_units("wait", self.wait, "time"), unit="s", above=0))
         if (self.coefficient is None) == (self.force is None):
             raise ValueError("one of coefficient and force is needed")
         if self.force is not None:
-            force = number("force", in_core_units("force", self.force, "force"), unit="mN")
+            force = number("force", to_core_units("force", self.force, "force"), unit="mN")
             object.__setattr__(self, "coefficient", force / load)
         found = number("coefficient", self.coefficient, below=1e6)
         if not found >= 0:
@@ -278,7 +278,7 @@ class FrictionTest:
                 raise ValueError(f"uncertainty must be a number of percent, got {given!r}") from None
             return number("uncertainty", 0.01 * part * float(self.coefficient or 0.0), above=0)
         if isinstance(given, str):
-            given, is_force = in_core_units("uncertainty", given, "force"), True
+            given, is_force = to_core_units("uncertainty", given, "force"), True
         return number("uncertainty", given, above=0) / (load if is_force else 1.0)
 
     @cached_property
@@ -590,13 +590,15 @@ def read_interface(path: str | Path) -> Interface:
     ValueError: no such file: cannot be read as an interface: No such file or directory
     """
     try:
-        lines = content(Path(path), LONGEST_FILE, HEAD.encode()).decode("utf-8").splitlines()
+        lines = read_content(Path(path), LONGEST_FILE, HEAD.encode()).decode("utf-8").splitlines()
     except NotReadableError as error:
-        raise ValueError(f"{named(path)}: is no interface: {error}") from None
+        raise ValueError(f"{printable_path(path)}: is no interface: {error}") from None
     except OSError as error:
-        raise ValueError(f"{named(path)}: cannot be read as an interface: {reason(error)}") from None
+        raise ValueError(
+            f"{printable_path(path)}: cannot be read as an interface: {describe_os_error(error)}"
+        ) from None
     except UnicodeDecodeError:
-        raise ValueError(f"{named(path)}: is not a text file, so it is no interface") from None
+        raise ValueError(f"{printable_path(path)}: is not a text file, so it is no interface") from None
     head = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
     rows = [line for line in lines if line and not line.startswith("#")]
     try:
@@ -605,12 +607,12 @@ def read_interface(path: str | Path) -> Interface:
         table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
         ratio, variation = (float(head.pop(name)) for name in _NUMBERS)
         sliding, separated = head.pop("sliding"), head.pop("separated") == "yes"
-        choice("sliding", sliding, Sliding)
+        check_choice("sliding", sliding, Sliding)
     except (ValueError, KeyError, csv.Error, StopIteration):
         said = "an entry of its head is missing or unknown, or a row is not of four numbers"
-        raise ValueError(f"{named(path)}: is a damaged interface: {said}") from None
+        raise ValueError(f"{printable_path(path)}: is a damaged interface: {said}") from None
     if table.ndim != 2 or table.shape[1] != len(COLUMNS) or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all():
-        raise ValueError(f"{named(path)}: is a damaged interface: mu0 and tau0 must be numbers of at least 0")
+        raise ValueError(f"{printable_path(path)}: is a damaged interface: mu0 and tau0 must be numbers of at least 0")
     fit = _fit(sliding, *table.T)
     return Interface((fit,), ratio, variation, separated, about=head)
 
@@ -639,7 +641,7 @@ def interfaces_in(folder: str | Path) -> dict[str, dict[str, str]]:
     try:
         paths = sorted(path for path in Path(folder).iterdir() if path.is_file())
     except OSError as error:
-        raise ValueError(f"{named(folder)}: cannot be listed: {reason(error)}") from None
+        raise ValueError(f"{printable_path(folder)}: cannot be listed: {describe_os_error(error)}") from None
     for path in paths:
         with contextlib.suppress(ValueError):
             own = read_interface(path)

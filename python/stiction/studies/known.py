@@ -20,7 +20,7 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from stiction._arguments import MAX_NUMBER
 from stiction._checks import Floats, read_only
-from stiction._units import exactly, quantity, shortened
+from stiction._units import exact_text, quantity, short_repr
 from stiction.studies.values import Table, as_tuple
 
 if TYPE_CHECKING:
@@ -97,13 +97,13 @@ def known(name: str, given: Any, kind: Kind = "") -> Known:
         return given
     if not isinstance(given, str):
         value = _one(name, given, kind)
-        return Known(value, value, value, "exact", exactly(value, "GPa") if kind else repr(value))
+        return Known(value, value, value, "exact", exact_text(value, "GPa") if kind else repr(value))
     text = " ".join(given.split())
     found = _read(name, _TEST_LOAD.sub("HV", text) if kind == "hardness" else text, kind)
     if not found.high <= MAX_NUMBER:
-        raise ValueError(f"{name} must be at most {MAX_NUMBER:g} with its uncertainty, got {shortened(text)}")
+        raise ValueError(f"{name} must be at most {MAX_NUMBER:g} with its uncertainty, got {short_repr(text)}")
     if found.distribution == "normal" and found.high - found.low < 2 * ENDS * MIN_DEVIATION * found.value:
-        raise ValueError(f"{name} must have a larger uncertainty or none, got {shortened(text)}")
+        raise ValueError(f"{name} must have a larger uncertainty or none, got {short_repr(text)}")
     return replace(found, text=text)
 
 
@@ -114,9 +114,9 @@ def _read(name: str, text: str, kind: Kind) -> Known:
         flat, first, last = match.groups()
         low, high = (_one(name, end, kind) for end in _with_units(first, last))
         if not 0 <= low < high:
-            raise ValueError(f"{name} must be a range from a smaller to a larger value, got {shortened(text)}")
+            raise ValueError(f"{name} must be a range from a smaller to a larger value, got {short_repr(text)}")
         if kind in ("hardness", "modulus") and low == 0:
-            raise ValueError(f"{name} must be above 0, got {shortened(text)}")
+            raise ValueError(f"{name} must be above 0, got {short_repr(text)}")
         if converted:
             return _widened(low, high, text)
         if flat or low == 0:
@@ -135,17 +135,17 @@ def _read(name: str, text: str, kind: Kind) -> Known:
             ends = (middle - ENDS * steps, middle + ENDS * steps)
             if not min(_ROCKWELL) <= ends[0] <= ends[1] <= max(_ROCKWELL):
                 limits = f"{min(_ROCKWELL)} to {max(_ROCKWELL)} HRC"
-                raise ValueError(f"{name} must be from {limits} with its uncertainty, got {shortened(text)}")
+                raise ValueError(f"{name} must be from {limits} with its uncertainty, got {short_repr(text)}")
             low, high = (_one(name, f"{end:g} HRC", kind) for end in ends)
             return _widened(low, high, text)
         else:
             value, deviation = (_one(name, each, kind) for each in _with_units(first, last))
         if not deviation > 0:
-            raise ValueError(f"{name} must have an uncertainty above 0, got {shortened(text)}")
+            raise ValueError(f"{name} must have an uncertainty above 0, got {short_repr(text)}")
         if kind in ("hardness", "modulus") and value < ENDS * deviation:
             raise ValueError(
                 f"{name} must be at least twice its standard uncertainty, since it is above 0, got "
-                f"{shortened(text)}; give the range that is meant, low..high"
+                f"{short_repr(text)}; give the range that is meant, low..high"
             )
         return Known(value, value - ENDS * deviation, value + ENDS * deviation, "normal", text)
     value = _one(name, text, kind)
@@ -166,9 +166,9 @@ def _number(name: str, text: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise ValueError(f"{name} must be a number, got {shortened(text)}") from None
+        raise ValueError(f"{name} must be a number, got {short_repr(text)}") from None
     if not 0 <= value <= MAX_NUMBER:
-        raise ValueError(f"{name} must be finite and from 0 to {MAX_NUMBER:g}, got {shortened(text)}")
+        raise ValueError(f"{name} must be finite and from 0 to {MAX_NUMBER:g}, got {short_repr(text)}")
     return value
 
 
@@ -182,7 +182,7 @@ def _one(name: str, given: Any, kind: str) -> float:
         if scale[0] == "HRC":
             if not min(_ROCKWELL) <= number <= max(_ROCKWELL):
                 raise ValueError(
-                    f"{name} must be from {min(_ROCKWELL)} to {max(_ROCKWELL)} HRC, got {shortened(given)}"
+                    f"{name} must be from {min(_ROCKWELL)} to {max(_ROCKWELL)} HRC, got {short_repr(given)}"
                 )
             number = math.exp(float(np.interp(number, list(_ROCKWELL), np.log(list(_ROCKWELL.values())))))
         return number * _VICKERS
@@ -191,10 +191,10 @@ def _one(name: str, given: Any, kind: str) -> float:
     try:
         value = float(quantity(given, kind)) if kind and isinstance(given, str) else float(given)
     except (TypeError, ValueError, OverflowError) as error:
-        said = f"{error}{scales}" if kind and isinstance(given, str) else f"must be a number, got {shortened(given)}"
+        said = f"{error}{scales}" if kind and isinstance(given, str) else f"must be a number, got {short_repr(given)}"
         raise ValueError(f"{name} {said}") from None
     if not (math.isfinite(value) and value >= 0):
-        raise ValueError(f"{name} must be finite and not negative, got {shortened(given)}")
+        raise ValueError(f"{name} must be finite and not negative, got {short_repr(given)}")
     return value
 
 
@@ -242,12 +242,12 @@ def read_known(name: str, given: Any) -> Known:
     found = known("", given, KINDS[name])
     if name == "poisson":
         if found.high > MOST_POISSON:
-            raise ValueError(f"must be from 0 to {MOST_POISSON:g} with its uncertainty, got {shortened(given)}")
+            raise ValueError(f"must be from 0 to {MOST_POISSON:g} with its uncertainty, got {short_repr(given)}")
         found = replace(found, most=MOST_POISSON)
     if name == "junction_growth" and found.high > MAX_GROWTH:
-        raise ValueError(f"must be from 0 to {MAX_GROWTH:g}, got {shortened(given)}")
+        raise ValueError(f"must be from 0 to {MAX_GROWTH:g}, got {short_repr(given)}")
     if name == "creep" and found.high > MOST_CREEP:
-        raise ValueError(f"must be at most {MOST_CREEP:g}, got {shortened(given)}")
+        raise ValueError(f"must be at most {MOST_CREEP:g}, got {short_repr(given)}")
     return found
 
 

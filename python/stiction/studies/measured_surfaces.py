@@ -17,8 +17,8 @@ from pydantic import ConfigDict, Field, PlainValidator, model_validator
 
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
-from stiction._text import named
-from stiction._units import Quantity, quantity, shortened
+from stiction._text import printable_path
+from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import THICKNESS
 from stiction.studies.values import (
     CutOffs,
@@ -67,13 +67,13 @@ CutOffPair = tuple[float, float]  # of the upper and of the lower scan, µm
 
 def _unit(value: object) -> str:
     if not isinstance(value, str) or value not in LENGTH_UNITS:
-        raise ValueError(f"must be a unit of length ({', '.join(LENGTH_UNITS)}) or two, got {shortened(value)}")
+        raise ValueError(f"must be a unit of length ({', '.join(LENGTH_UNITS)}) or two, got {short_repr(value)}")
     return value
 
 
 def _column(value: object) -> Column:
     if isinstance(value, bool) or not isinstance(value, (str, int)) or (isinstance(value, int) and value < 0):
-        raise ValueError(f"must be a name or a number from 0 on, got {shortened(value)}")
+        raise ValueError(f"must be a name or a number from 0 on, got {short_repr(value)}")
     return value
 
 
@@ -84,7 +84,7 @@ def _marks(value: object) -> tuple[float | str, ...] | None:
     parts: Any = value.split(",") if isinstance(value, str) else value
     parts = parts if isinstance(parts, (list, tuple)) else [parts]
     if not parts or not all(isinstance(part, (str, int, float)) and not isinstance(part, bool) for part in parts):
-        raise ValueError(f"must be a number or a word, or a list of them, got {shortened(value)}")
+        raise ValueError(f"must be a number or a word, or a list of them, got {short_repr(value)}")
     return tuple(part.strip() if isinstance(part, str) else part for part in parts)
 
 
@@ -94,7 +94,7 @@ def _accepted(value: object) -> tuple[str, ...] | None:
         return None
     names = [part.strip() for part in value.split(",")] if isinstance(value, str) else value
     if not isinstance(names, (list, tuple)) or not set(names) <= set(CAVEATS):
-        raise ValueError(f"must be one of {', '.join(CAVEATS)}, or a list of them, got {shortened(value)}")
+        raise ValueError(f"must be one of {', '.join(CAVEATS)}, or a list of them, got {short_repr(value)}")
     return tuple(names)
 
 
@@ -103,7 +103,7 @@ def _crop(value: object) -> tuple[Quantity, ...] | None:
         return None
     texts = value.split(",") if isinstance(value, str) else value
     if not isinstance(texts, (list, tuple)) or len(texts) not in (2, 4):
-        raise ValueError(f'must be "x0,x1" or "x0,x1,y0,y1", got {shortened(value)}')
+        raise ValueError(f'must be "x0,x1" or "x0,x1,y0,y1", got {short_repr(value)}')
     return tuple(quantity(text.strip() if isinstance(text, str) else text, "length") for text in texts)
 
 
@@ -115,7 +115,7 @@ def _one_or_two(read: Callable[[object], Any], most: int = 2) -> PlainValidator:
             return None if value is None else read(value)
         if not 2 <= len(value) <= most:
             allowed = "two" if most == 2 else f"two to {most}"
-            raise ValueError(f"must be one value or a list of {allowed}, got {shortened(value)}")
+            raise ValueError(f"must be one value or a list of {allowed}, got {short_repr(value)}")
         return tuple(map(read, value))
 
     return PlainValidator(values)
@@ -261,8 +261,8 @@ class MeasuredFile(Table):
             return self.body.body  # type: ignore[no-any-return]
         if self.sha256 is not None and self.checksum() != self.sha256:
             raise ValueError(
-                f"{named(self.file)}: is another file than that which the study was made for: its SHA-256 is not "
-                f"{self.sha256[:12]}...; remove sha256 from the study to begin another one with it"
+                f"{printable_path(self.file)}: is another file than that which the study was made for: its SHA-256 "
+                f"is not {self.sha256[:12]}...; remove sha256 from the study to begin another one with it"
             )
         return _body(self.model_copy(update={"sha256": self.checksum(), "others": None, "height_factor": 1.0}))
 
@@ -315,7 +315,7 @@ class MeasuredFile(Table):
             with Path(self.file).open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
         except OSError as error:
-            raise ValueError(f"{named(self.file)}: cannot be read: {error.strerror}") from None
+            raise ValueError(f"{printable_path(self.file)}: cannot be read: {error.strerror}") from None
 
     def stamp(self) -> tuple[int, int] | None:
         """Time of the last change of the file and its size; None where there is no file."""
@@ -366,7 +366,7 @@ def _body(file: MeasuredFile) -> Body:
     if is_spectrum(Path(file.file)):
         for name in ("unit", "spacing", "channel", "columns", "crop"):
             if getattr(file, name) is not None:
-                raise ValueError(f"{named(file.file)}: is a spectrum, which has no {name} to be given")
+                raise ValueError(f"{printable_path(file.file)}: is a spectrum, which has no {name} to be given")
         return read_spectrum(file.file)
     return _reading(file).body
 

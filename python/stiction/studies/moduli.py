@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from stiction._arguments import listed
+from stiction._arguments import split_values
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction.mechanics.materials import Material, MaterialValue, material
@@ -115,7 +115,7 @@ def elasticity_and_moduli(
 
 
 def _known(name: str, value: Any) -> list[Known]:
-    several = [value] if name == "effective_modulus" else listed(value)
+    several = [value] if name == "effective_modulus" else split_values(value)
     if not several:
         raise ArgumentError(f"{{{name}}} must have at least one value, got {{got}}", got=repr(value))
     try:

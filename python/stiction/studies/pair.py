@@ -14,18 +14,18 @@ from typing import Any
 import numpy as np
 
 from stiction._arguments import (
-    at_least_0,
-    coefficients_of,
-    listed,
-    load_of,
-    numbers_of,
-    quantities_of,
-    quantity_of,
+    parse_coefficients,
+    parse_load,
+    parse_numbers,
+    parse_quantities,
+    parse_quantity,
     reject_decimal_commas,
+    reject_negative,
+    split_values,
 )
 from stiction._checks import Floats, number, whole_number
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, exactly, quantity, shortened
+from stiction._units import Quantity, exact_text, quantity, short_repr
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.law import NAMED, JacksonGreen
 from stiction.mechanics.materials import material, softer_material
@@ -136,11 +136,11 @@ class Pair:
             "travel",
         ):
             if isinstance(getattr(self, name), (list, tuple)):
-                raise ArgumentError(f"{{{name}}} must be one value, got {{got}}", got=shortened(getattr(self, name)))
+                raise ArgumentError(f"{{{name}}} must be one value, got {{got}}", got=short_repr(getattr(self, name)))
         for name, least in (("shifts", 1), ("lines", 1), ("offsets", 1), ("seed", 0)):
             if (value := getattr(self, name)) is not None:
                 try:
-                    whole_number("", value, least=least)
+                    whole_number("", value, minimum=least)
                 except ValueError as error:
                     raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
         if self.mu0 is None and self.interface is None:
@@ -175,9 +175,9 @@ class Pair:
         if crops:
             table["crop"] = crops[index % len(crops)]
         if self.tip is not None and np.size(self.tip):  # of the command none is an empty list
-            radii = quantities_of("tip", self.tip, "length")
+            radii = parse_quantities("tip", self.tip, "length")
             table["tip"] = radii[index % len(radii)]
-        if processes := listed(self.texture or ()):
+        if processes := split_values(self.texture or ()):
             table["texture"] = self._process(processes[index % len(processes)])
         if is_array := isinstance(body, np.ndarray):
             body = self._from_array(side, index, body)
@@ -199,8 +199,8 @@ class Pair:
             value = several[index % len(several)] if several else None
             if value is None or value == "":
                 continue
-            text = value if isinstance(value, str) else exactly(value, "um") if name == "spacing" else str(value)
-            table[name] = listed(text) if "," in text and name != "channel" else text
+            text = value if isinstance(value, str) else exact_text(value, "um") if name == "spacing" else str(value)
+            table[name] = split_values(text) if "," in text and name != "channel" else text
         return validated(MeasuredFile, table, f"pair: {side}")
 
     def _process(self, name: Any) -> Any:
@@ -216,7 +216,7 @@ class Pair:
         for values in (self.spacing, self.unit):
             several = list(values) if isinstance(values, (list, tuple)) else [values]
             value = several[index % len(several)] if several else None
-            given.append(listed(value) if isinstance(value, str) and "," in value else value)
+            given.append(split_values(value) if isinstance(value, str) and "," in value else value)
         try:
             return as_body(side, heights, spacing=given[0], unit=given[1] or "um")  # type: ignore[no-any-return]
         except ValueError as error:
@@ -294,7 +294,7 @@ class Pair:
         """What is known of inputs that were given as ranges or with an uncertainty, by their names."""
         found: dict[str, list[Known]] = {}
         for name in KINDS:
-            texts = [each for each in listed(getattr(self, name)) if each is not None]
+            texts = [each for each in split_values(getattr(self, name)) if each is not None]
             if not any(isinstance(each, str) and NO_NUMBER.search(each) for each in texts):
                 continue
             if len(texts) > (2 if name in ("young", "poisson") else 1):
@@ -304,7 +304,7 @@ class Pair:
 
     def _read(self, name: str) -> list[Known]:
         try:
-            return [read_known(name, each) for each in listed(getattr(self, name)) if each is not None]
+            return [read_known(name, each) for each in split_values(getattr(self, name)) if each is not None]
         except ValueError as error:
             raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
 
@@ -364,7 +364,7 @@ class Pair:
         }
         if 0.0 in forces:  # every pull-off force is more than the attraction of one point
             forces = {force or float(f"{NO_LOAD * self._attraction_of_a_point:.3g}") for force in forces}
-        return [quantity(exactly(force, "mN"), "force") for force in sorted(forces)]
+        return [quantity(exact_text(force, "mN"), "force") for force in sorted(forces)]
 
     @property
     def _asks_for_no_load(self) -> bool:
@@ -382,7 +382,7 @@ class Pair:
     @property
     def _width(self) -> float:
         """Width that forces on profiles are on, µm."""
-        width = quantity_of("width", self.width, "length")
+        width = parse_quantity("width", self.width, "length")
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.width))
         if all(per_area for _, per_area in self._asked_loads):
@@ -392,10 +392,10 @@ class Pair:
     @cached_property
     def _asked_loads(self) -> list[tuple[Quantity, bool]]:
         """Loads as they were given, mN or GPa of the slider's area, and whether they are that."""
-        if not (loads := listed(self.load)):
+        if not (loads := split_values(self.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.load))
         reject_decimal_commas("load", self.load)
-        return [load_of("load", load, or_zero=bool(self._adhesion.get("work_of_adhesion"))) for load in loads]
+        return [parse_load("load", load, or_zero=bool(self._adhesion.get("work_of_adhesion"))) for load in loads]
 
     # ---- Studies -----------------------------------------------------------------------------------------------------
 
@@ -408,7 +408,7 @@ class Pair:
     def studies(self) -> list[Study]:
         """The study of the answer and, with a check, that by the other mechanics."""
         contacts = [self._contact(mechanics) for mechanics in self.by]
-        loads = [exactly(load, "mN") for load in self._ladder(contacts).tolist()]
+        loads = [exact_text(load, "mN") for load in self._ladder(contacts).tolist()]
         return [self._study(contact | {"load": loads}) for contact in contacts]
 
     @property
@@ -432,13 +432,13 @@ class Pair:
         return remarks
 
     def _study(self, contact: dict[str, Any]) -> Study:
-        strengths = at_least_0("tau0", quantities_of("tau0", self._middle("tau0"), "pressure"), self.tau0)
-        coefficients = coefficients_of("mu0", self._middle("mu0"))
+        strengths = reject_negative("tau0", parse_quantities("tau0", self._middle("tau0"), "pressure"), self.tau0)
+        coefficients = parse_coefficients("mu0", self._middle("mu0"))
         friction = {"mu0": sorted(set(coefficients)), "tau0": _rising(strengths), "load": self.loads}
         if self.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
                 raise ArgumentError("{wait} needs {hardness}: bodies that do not yield do not creep into each other")
-            friction["wait"] = _rising(quantities_of("wait", self.wait, "time"))
+            friction["wait"] = _rising(parse_quantities("wait", self.wait, "time"))
         data = {
             "surfaces": self._surfaces(), "contact": contact, "friction": friction, "ensemble": self._ensemble(),
             "known": self._known_table,
@@ -453,7 +453,7 @@ class Pair:
         elif self.cutoff is None:
             table |= self._both_readings
         else:
-            table["cut_off"] = _rising(quantities_of("cutoff", self.cutoff, "length"))
+            table["cut_off"] = _rising(parse_quantities("cutoff", self.cutoff, "length"))
         if level is None and self.gap is not None and self.tilt == "fixed":
             level = "mean"  # the faces stay as they were measured
         if level is not None:
@@ -465,7 +465,7 @@ class Pair:
             replaced = "none" if self.surrogates is None else str(self.surrogates)
             table |= {"along": self.along or "x", "replace": replaced, "offsets": self._positions()[1]}
             if self.travel is not None:
-                table["travel"] = quantity_of("travel", self.travel, "length")
+                table["travel"] = parse_quantity("travel", self.travel, "length")
         return table
 
     @cached_property
@@ -489,7 +489,7 @@ class Pair:
             )
             parts.append(first.model_copy(update={"others": tuple(others) or None}))
         floors = all(limit.origin == "instrument" for limit in doubtful)
-        cut_offs = ["0 um", exactly(longest, "um")]
+        cut_offs = ["0 um", exact_text(longest, "um")]
         return {
             "cut_off": cut_offs[::-1] if floors else cut_offs, "both_readings": True,
             **dict(zip(SIDES, parts, strict=True)),
@@ -531,13 +531,13 @@ class Pair:
     def _contact(self, mechanics: str) -> dict[str, Any]:
         known = self.elasticity
         table: dict[str, Any] = {
-            "mechanics": mechanics, "effective_modulus": exactly(known.effective_modulus, "GPa"),
+            "mechanics": mechanics, "effective_modulus": exact_text(known.effective_modulus, "GPa"),
         }  # fmt: skip
         for name, value in (("materials", known.materials), ("poisson_ratio", known.poisson_ratios)):
             if value is not None:
                 table[name] = list(value)
         if self.direction is not None:
-            table["direction"] = numbers_of("direction", self.direction, whole=True)
+            table["direction"] = parse_numbers("direction", self.direction, integers=True)
         if mechanics == "half-space":
             table["compliance_share"] = known.compliance_share
             table |= {} if self.tilt is None else {"tilt": self.tilt}
@@ -564,8 +564,8 @@ class Pair:
             if isinstance(value, str) and NO_NUMBER.search(value):
                 said = f"{{{name}}} must be one value; press at both ends of a range, got {{got}}"
                 raise ArgumentError(said, got=repr(value))
-            found[name] = quantity_of(name, value, kind)
-            at_least_0(name, [found[name]], value)
+            found[name] = parse_quantity(name, value, kind)
+            reject_negative(name, [found[name]], value)
         return found
 
     @property
@@ -593,11 +593,11 @@ class Pair:
         """That which is given, or else that of the materials."""
         if self.hardness is None:
             known = self.elasticity.hardness
-            return None if known is None else quantity(exactly(known, "GPa"), "pressure")
+            return None if known is None else quantity(exact_text(known, "GPa"), "pressure")
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
         self._read("hardness")  # whose errors name scales of hardness as well
-        hardness = quantity_of("hardness", self._middle("hardness"), "pressure")
+        hardness = parse_quantity("hardness", self._middle("hardness"), "pressure")
         if not hardness > 0:
             raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.hardness))
         return hardness
@@ -612,9 +612,9 @@ class Pair:
         if ratio is None:
             raise ArgumentError("{law} jackson-green needs {poisson}, of the softer body")
         if strength is None:
-            strength = exactly(float(self._hardness or 0.0) / HARDNESS, "GPa")
+            strength = exact_text(float(self._hardness or 0.0) / HARDNESS, "GPa")
         else:
-            strength = quantity_of("yield_strength", strength, "pressure")
+            strength = parse_quantity("yield_strength", strength, "pressure")
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
     def _ladder(self, contacts: list[dict[str, Any]]) -> Floats:
@@ -690,7 +690,7 @@ def _scans_of(side: str, given: Any) -> list[Any]:
     elif isinstance(given, (str, Path)) and Path(given).is_dir():
         found = sorted(each for each in Path(given).iterdir() if not (each.is_dir() or each.name.startswith(".")))
     elif isinstance(given, (str, Path)) and "," in str(given) and not Path(given).exists():
-        found = listed(str(given))
+        found = split_values(str(given))
     else:
         return [given]
     if not found or any(isinstance(each, str) and not each.strip() for each in found):
@@ -710,7 +710,7 @@ def _limit_of(scan: MeasuredFile) -> InstrumentLimit | None:
 
 
 def _length(wavelength: float) -> Quantity:
-    return quantity(exactly(wavelength, "um"), "length")
+    return quantity(exact_text(wavelength, "um"), "length")
 
 
 def _rising(values: list[Quantity]) -> list[Quantity]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction._units import exactly
+from stiction._units import exact_text
 from stiction.mechanics import brackets
 from stiction.studies.at_load import at_load
 from stiction.studies.members import about, bodies_of
@@ -49,7 +49,7 @@ def resolution_study(study: Study) -> Study | None:
     if len(lengths) < 2:
         return None
     changes: dict[str, Any] = {
-        "surfaces.cut_off": [exactly(each, "um") for each in lengths],
+        "surfaces.cut_off": [exact_text(each, "um") for each in lengths],
         "contact.load": [load.text for load in study.friction.load],
         "ensemble.repetitions": min(
             study.ensemble.repetitions, MEMBERS if study.is_areal else LINES

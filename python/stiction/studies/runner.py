@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._core import __version__
-from stiction._files import half_written
-from stiction._text import bytes_text, duration_text, named
+from stiction._files import new_partial_name
+from stiction._text import format_bytes, format_duration, printable_path
 from stiction.studies.executors import BROKEN, given_or_threads, progress_bar, sharing
 from stiction.studies.members import about, points_of_member
 from stiction.studies.pressed import cost_of_member, member_sums
@@ -153,7 +153,7 @@ def filled(
             _compute_into(stored, missing, pool, advance, say, late)
     stored = stored.again()
     if _Missing(stored, part).count:
-        raise StoreError(f"{named(stored.path)}: was removed or replaced while it was being written")
+        raise StoreError(f"{printable_path(stored.path)}: was removed or replaced while it was being written")
     return stored
 
 
@@ -191,13 +191,13 @@ def _compute_into(
 @contextlib.contextmanager
 def _token(path: Path) -> Iterator[Folder]:
     """A file by which workers know that they see the folder, and that somebody waits for them."""
-    folder = Folder(path.resolve(), half_written())
+    folder = Folder(path.resolve(), new_partial_name())
     token = folder.path / BLOCKS / folder.token
     try:
         try:
             token.touch(exist_ok=False)
         except OSError as error:
-            raise StoreError(f"{named(path)}: cannot be written: {error.strerror}") from None
+            raise StoreError(f"{printable_path(path)}: cannot be written: {error.strerror}") from None
         yield folder
     finally:
         with contextlib.suppress(OSError):
@@ -247,15 +247,15 @@ def _ahead(stored: Stored, missing: _Missing, is_seen: bool, workers: int) -> st
     free = shutil.disk_usage(stored.path).free
     files = sum(1 for _ in missing)
     size = missing.count * bytes_of_member(study)
-    room = f", with {bytes_text(free)} free" if size > free / 2 else ""
+    room = f", with {format_bytes(free)} free" if size > free / 2 else ""
     who = "" if is_seen else "; the workers do not see the folder, so this process writes them"
     seconds = missing.count * cost_of_member(study)
     elapsed = seconds / min(workers, missing.count)
-    time_text = f"about {duration_text(seconds)} of one core"
-    time_text += f", {duration_text(elapsed)} on {workers} threads" if workers > 1 and elapsed > LONG_REST else ""
+    time_text = f"about {format_duration(seconds)} of one core"
+    time_text += f", {format_duration(elapsed)} on {workers} threads" if workers > 1 and elapsed > LONG_REST else ""
     advice = "; fewer repetitions or smaller scans take less" if elapsed > LONG_RUN else ""
     return (
-        f"computing {missing.count} repetitions: {time_text}, {bytes_text(size)} in {files} "
+        f"computing {missing.count} repetitions: {time_text}, {format_bytes(size)} in {files} "
         f"{'file' if files == 1 else 'files'}{room}{who}{advice}"
     )
 
@@ -268,8 +268,8 @@ def _new_estimate(missing: _Missing, members: int, seconds: float, workers: int,
     rest = seconds * (missing.count / (members * workers) - 1)
     if rest < LONG_REST or seconds < 2 * members * cost:
         return ""
-    took = f"{members} of {missing.count} repetitions took {duration_text(seconds)}"
-    return f"{took}; the rest takes about {duration_text(rest)} more"
+    took = f"{members} of {missing.count} repetitions took {format_duration(seconds)}"
+    return f"{took}; the rest takes about {format_duration(rest)} more"
 
 
 class _Missing:

@@ -29,8 +29,8 @@ from numpy.typing import NDArray
 
 import stiction._files as _files
 from stiction._core import __version__
-from stiction._files import NotReadableError, content, new_file, reason, replaced_file
-from stiction._text import named, printable
+from stiction._files import NotReadableError, describe_os_error, new_file, read_content, replaced_file
+from stiction._text import printable, printable_path
 from stiction.studies.measured_surfaces import About
 from stiction.studies.members import about
 from stiction.studies.result import (
@@ -162,12 +162,12 @@ class Stored:
         """The whole result; a `StoreError` if it takes more than 2 GiB, is not begun, damaged or another study's."""
         total = self.study.ensemble.repetitions
         if not self.count:
-            raise StoreError(f"{named(self.path)}: none of its {total} repetitions is finished yet")
+            raise StoreError(f"{printable_path(self.path)}: none of its {total} repetitions is finished yet")
         if self.nbytes > MOST_MEMORY:
             raise StoreError(
-                f"{named(self.path)}: the result takes {self.nbytes / 2**30:.1f} GiB of memory, more than "
+                f"{printable_path(self.path)}: the result takes {self.nbytes / 2**30:.1f} GiB of memory, more than "
                 f"{MOST_MEMORY / 2**30:.0f}; stiction.studies.store.pieces reads it piece by piece, and "
-                f"xarray.open_mfdataset opens {named(self.path / BLOCKS)}"
+                f"xarray.open_mfdataset opens {printable_path(self.path / BLOCKS)}"
             )
         return self._piece.copy(deep=True) if self._step >= self.count else self._some(0, self.count)
 
@@ -223,14 +223,14 @@ class Stored:
     def _read(self, block: Block) -> Members:
         """A block whose checksum is that of its name: it is ours, and taken as it is."""
         try:
-            written = content(self.path / BLOCKS / block.name, MOST_MEMORY)
+            written = read_content(self.path / BLOCKS / block.name, MOST_MEMORY)
             if zlib.crc32(written) != block.checksum:
                 raise DamageError("is not what was written")
             members = decoded(written)
             if not np.array_equal(members.numbers, np.arange(block.first, block.last + 1)):
                 raise DamageError("has other repetitions than its name says")
         except OSError as error:
-            raise _damaged(self.path, block, f"cannot be read: {reason(error)}") from None
+            raise _damaged(self.path, block, f"cannot be read: {describe_os_error(error)}") from None
         except (NotReadableError, DamageError) as error:
             raise _damaged(self.path, block, str(error)) from None
         return members
@@ -238,8 +238,8 @@ class Stored:
 
 def _damaged(path: Path, block: Block, why: str) -> StoreError:
     return StoreError(
-        f"{named(path / BLOCKS / block.name)}: {why}; to have repetitions {block.first} to {block.last} computed "
-        "again, remove that file and run the study again"
+        f"{printable_path(path / BLOCKS / block.name)}: {why}; to have repetitions {block.first} to {block.last} "
+        "computed again, remove that file and run the study again"
     )
 
 
@@ -265,9 +265,11 @@ def read(path: str | Path) -> xarray.Dataset:
     path = Path(path)
     if path.is_file():
         try:
-            members = decoded(content(path, MOST_MEMORY))
+            members = decoded(read_content(path, MOST_MEMORY))
         except (OSError, NotReadableError, DamageError) as error:
-            raise StoreError(f"{named(path)}: {reason(error) if isinstance(error, OSError) else error}") from None
+            raise StoreError(
+                f"{printable_path(path)}: {describe_os_error(error) if isinstance(error, OSError) else error}"
+            ) from None
         exported = dataset_of(members.study, members.numbers, members.arrays, members.about)
         return exported.assign_attrs(stiction_version=members.version)
     stored = open_stored(path)
@@ -275,7 +277,7 @@ def read(path: str | Path) -> xarray.Dataset:
     total = stored.study.ensemble.repetitions
     if stored.count < total:
         warnings.warn(
-            f"{named(path)}: {stored.count} of {total} repetitions are finished; the result has only those",
+            f"{printable_path(path)}: {stored.count} of {total} repetitions are finished; the result has only those",
             stacklevel=2,
         )
     return result
@@ -286,7 +288,7 @@ def read_beside(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
     import xarray
 
     try:
-        written = content(path, MOST_BESIDE)
+        written = read_content(path, MOST_BESIDE)
         options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
         with _opened(written) as file:
             for name in names:
@@ -296,8 +298,10 @@ def read_beside(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
     except FileNotFoundError:
         return None
     except (OSError, NotReadableError, DamageError) as error:
-        why = reason(error) if isinstance(error, OSError) else error
-        raise StoreError(f"{named(path)}: {why}; to have it made again, remove it and run the study again") from None
+        why = describe_os_error(error) if isinstance(error, OSError) else error
+        raise StoreError(
+            f"{printable_path(path)}: {why}; to have it made again, remove it and run the study again"
+        ) from None
     attributes = {name: np.asarray(value) for name, value in dataset.attrs.items()}
     dataset.attrs = {name: each.item() if each.size == 1 else each for name, each in attributes.items()}
     return dataset
@@ -307,14 +311,14 @@ def open_stored(path: str | Path) -> Stored:
     """Open the result in a folder, without reading its blocks; a `StoreError` if there is none."""
     path = Path(path)
     if not path.exists():
-        raise StoreError(f"{named(path)}: no such directory")
+        raise StoreError(f"{printable_path(path)}: no such directory")
     blocks = _listed(path)
     try:
         study = _study(path)
     except FileNotFoundError:
-        raise StoreError(f"{named(path)}: is not a result: there is no {STUDY} in it") from None
+        raise StoreError(f"{printable_path(path)}: is not a result: there is no {STUDY} in it") from None
     except OSError as error:
-        raise StoreError(f"{named(path)}: {STUDY} cannot be read: {reason(error)}") from None
+        raise StoreError(f"{printable_path(path)}: {STUDY} cannot be read: {describe_os_error(error)}") from None
     return Stored(path, study, blocks)
 
 
@@ -348,7 +352,7 @@ def _listed(path: Path) -> tuple[Block, ...]:
     except (FileNotFoundError, NotADirectoryError):
         return ()
     except OSError as error:
-        raise StoreError(f"{named(path / BLOCKS)}: cannot be read: {reason(error)}") from None
+        raise StoreError(f"{printable_path(path / BLOCKS)}: cannot be read: {describe_os_error(error)}") from None
     found = (_NAME.fullmatch(name) for name in names)
     blocks = (Block(int(match[1]), int(match[2]), int(match[3], 16)) for match in found if match)
     return tuple(block for block in blocks if block.first <= block.last)
@@ -356,9 +360,9 @@ def _listed(path: Path) -> tuple[Block, ...]:
 
 def _study(path: Path) -> Study:
     try:
-        text = content(path / STUDY, LONGEST_FILE).decode()
+        text = read_content(path / STUDY, LONGEST_FILE).decode()
     except (NotReadableError, UnicodeDecodeError) as error:
-        raise StoreError(f"{named(path / STUDY)}: is no study: {printable(error)}") from None
+        raise StoreError(f"{printable_path(path / STUDY)}: is no study: {printable(error)}") from None
     return study_from_text(text, str(path / STUDY))
 
 
@@ -372,7 +376,7 @@ def begin(path: str | Path, study: Study) -> Stored:
     """
     path = Path(path)
     if path.is_file():
-        raise StoreError(f"{named(path)}: is a file; say in which directory the results shall go")
+        raise StoreError(f"{printable_path(path)}: is a file; say in which directory the results shall go")
     stored = Stored(path, study, _listed(path))
     if stored.blocks:
         _check(stored)
@@ -381,13 +385,13 @@ def begin(path: str | Path, study: Study) -> Stored:
     try:
         (path / BLOCKS).mkdir(parents=True, exist_ok=True)
         for folder in (path, path / BLOCKS):
-            _files.sweep(folder)
+            _files.remove_stale_partials(folder)
         if not _says(path, study):
-            _files.replace(path / STUDY, f"{MARK} {__version__}.\n\n{study.to_toml()}".encode())
+            _files.write_atomically(path / STUDY, f"{MARK} {__version__}.\n\n{study.to_toml()}".encode())
     except (OSError, RuntimeError) as error:  # RuntimeError: a symbolic link to itself
         if stored.count < study.ensemble.repetitions:
-            why = reason(error) if isinstance(error, OSError) else error
-            raise StoreError(f"{named(path)}: cannot be written: {why}") from None
+            why = describe_os_error(error) if isinstance(error, OSError) else error
+            raise StoreError(f"{printable_path(path)}: cannot be written: {why}") from None
     return stored
 
 
@@ -399,34 +403,34 @@ def _check(stored: Stored) -> None:
     last = max(block.last for block in stored.blocks)
     if last >= total:
         raise StoreError(
-            f"{named(path)}: repetition {last} is finished, and ensemble.repetitions = {total} would drop it; ask for "
-            f"at least {last + 1}, or choose another place"
+            f"{printable_path(path)}: repetition {last} is finished, and ensemble.repetitions = {total} would drop it; "
+            f"ask for at least {last + 1}, or choose another place"
         )
     if stored.count == total:
         return
     if begun.version != __version__:
         version = printable(begun.version)
         raise StoreError(
-            f"{named(path)}: was begun by stiction {version} and this is {__version__}, whose results may differ; "
-            f"finish it with stiction {version}, or choose another place"
+            f"{printable_path(path)}: was begun by stiction {version} and this is {__version__}, whose results may "
+            f"differ; finish it with stiction {version}, or choose another place"
         )
     if not begun.is_exact:
         raise StoreError(
-            f"{named(path)}: was begun on a machine or with a NumPy whose steps differ in the last digits; finish it "
-            "there, or choose another place"
+            f"{printable_path(path)}: was begun on a machine or with a NumPy whose steps differ in the last digits; "
+            "finish it there, or choose another place"
         )
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
     """Raise a `StoreError` if the study in a folder was not written by a command, so that it is not replaced."""
     try:
-        if content(path / STUDY, LONGEST_FILE).startswith(MARK.encode()):
+        if read_content(path / STUDY, LONGEST_FILE).startswith(MARK.encode()):
             return
         stored = _study(path)
     except OSError as error:
-        raise StoreError(f"{named(path / STUDY)}: cannot be read: {reason(error)}") from None
+        raise StoreError(f"{printable_path(path / STUDY)}: cannot be read: {describe_os_error(error)}") from None
     except NotReadableError as error:
-        raise StoreError(f"{named(path / STUDY)}: {error}; choose another place, or remove it") from None
+        raise StoreError(f"{printable_path(path / STUDY)}: {error}; choose another place, or remove it") from None
     raise OtherStudyError(path, stored, differences(stored, study))
 
 
@@ -443,7 +447,7 @@ class OtherStudyError(StoreError):
 
     def __init__(self, path: Path, stored: Study, differ: list[Difference], advice: str = "") -> None:
         advice = advice or "give another directory, or replace the stored result"
-        super().__init__(f"{named(path)}: holds another study; {advice}\n{differences_text(differ)}")
+        super().__init__(f"{printable_path(path)}: holds another study; {advice}\n{differences_text(differ)}")
         self.path, self.stored, self.differ = path, stored, differ
 
     def with_advice(self, advice: str) -> OtherStudyError:
@@ -456,13 +460,15 @@ def put(path: Path, first: int, written: bytes, count: int) -> None:
     block = Block(first, first + count - 1, zlib.crc32(written))
     for attempt in range(1, _ATTEMPTS + 1):
         try:
-            _files.replace(path / BLOCKS / block.name, written)
+            _files.write_atomically(path / BLOCKS / block.name, written)
             return
         except FileNotFoundError:  # somebody on another machine took the half-written file for one that was left
             if attempt == _ATTEMPTS or not (path / BLOCKS).is_dir():
-                raise StoreError(f"{named(path)}: was removed or replaced while it was being written") from None
+                raise StoreError(
+                    f"{printable_path(path)}: was removed or replaced while it was being written"
+                ) from None
         except OSError as error:
-            raise StoreError(f"{named(path)}: cannot be written: {reason(error)}") from None
+            raise StoreError(f"{printable_path(path)}: cannot be written: {describe_os_error(error)}") from None
 
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------

@@ -13,9 +13,9 @@ from pydantic import AfterValidator, Field, ValidationInfo, field_validator, mod
 from pydantic_core import PydanticCustomError
 
 from stiction._checks import Floats
-from stiction._files import NotReadableError, content, reason
-from stiction._text import LONGEST_NAME, named, printable
-from stiction._units import exact, exactly, quantity, shortened
+from stiction._files import NotReadableError, describe_os_error, read_content
+from stiction._text import MAX_PATH_LENGTH, printable, printable_path
+from stiction._units import exact_quantity, exact_text, quantity, short_repr
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, HALF_SPACE_SUMS, ONSET, SUMS
 from stiction.studies.contact_tables import AROUND_AREAS, KEYS, Contact, contact_case, ladder, read_contact
@@ -157,7 +157,7 @@ def _bracketed(surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction
             upper = min(upper, max(loads) * max(math.sqrt(most / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):  # reported of the key that is wrong
         return {}
-    around = [exactly(float(f"{load:.6g}"), "mN") for load in (min(loads) / AROUND_AREAS, upper)]
+    around = [exact_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / AROUND_AREAS, upper)]
     return {"contact": {**contact, "load": [around[0], *asked, around[1]]}, "friction": {**friction, "load": [*asked]}}
 
 
@@ -216,7 +216,7 @@ class Study(Table):
             around = ladder(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
         except (ValueError, TypeError):  # said of the key that is wrong
             return given
-        return {**given, "contact": {**contact, "load": [exactly(load, "mN") for load in around.tolist()]}}
+        return {**given, "contact": {**contact, "load": [exact_text(load, "mN") for load in around.tolist()]}}
 
     @field_validator("surfaces", mode="before")
     @classmethod
@@ -225,7 +225,7 @@ class Study(Table):
         if isinstance(value, SURFACES):
             return value
         if not isinstance(value, Mapping):
-            raise ValueError(f"must be a table, got {shortened(value)}")
+            raise ValueError(f"must be a table, got {short_repr(value)}")
         case = surfaces_case(value)
         for key in value:
             owners = [each.case for each in SURFACES if key in each.model_fields]
@@ -241,7 +241,7 @@ class Study(Table):
         if surfaces is None:
             surfaces, value = Profiles(), {}
         if not isinstance(value, Mapping):
-            raise ValueError(f"must be a table, got {shortened(value)}")
+            raise ValueError(f"must be a table, got {short_repr(value)}")
         if info.field_name == "contact":
             return read_contact(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, Measured):
@@ -334,7 +334,7 @@ class Study(Table):
             If there is none of that name.
         """
         if name not in study_names():
-            raise StudyError(f"there is no built-in study {shortened(name)}; there are {', '.join(study_names())}")
+            raise StudyError(f"there is no built-in study {short_repr(name)}; there are {', '.join(study_names())}")
         return study_from_text((_LIBRARY / f"{name}.toml").read_text(encoding="utf-8"), name)
 
     @classmethod
@@ -347,14 +347,14 @@ class Study(Table):
             If the file cannot be read, is not TOML, or has unknown keys, wrong units or impossible values.
         """
         try:
-            raw = content(Path(path), LONGEST_FILE)
+            raw = read_content(Path(path), LONGEST_FILE)
             study = study_from_text(raw.decode("utf-8"), str(path))
         except OSError as error:
-            raise StudyError(f"{named(path)}: cannot be read: {reason(error)}") from None
+            raise StudyError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
         except NotReadableError as error:
-            raise StudyError(f"{named(path)}: {error}, so it is no study") from None
+            raise StudyError(f"{printable_path(path)}: {error}, so it is no study") from None
         except UnicodeDecodeError:
-            raise StudyError(f"{named(path)}: is not a text file, so it is no study") from None
+            raise StudyError(f"{printable_path(path)}: is not a text file, so it is no study") from None
         if not isinstance(study.surfaces, Measured):
             return study
         folder = Path(path).absolute().parent
@@ -378,7 +378,7 @@ class Study(Table):
         for key, value in changes.items():
             table: Any = data
             if not isinstance(key, str):
-                raise StudyError(f"{shortened(key)}: unknown key")
+                raise StudyError(f"{short_repr(key)}: unknown key")
             *path, last = key.split(".")
             for part in path:
                 table = table.setdefault(part, {}) if isinstance(table, dict) else None
@@ -508,7 +508,7 @@ def computed_otherwise(one: Study, other: Study) -> list[Difference]:
 
 def differences_text(differ: list[Difference]) -> str:
     """Differences for a message, a line for each of the first few."""
-    lines = [f"{key} = {shortened(there)} there, {shortened(here)} here" for key, there, here in differ[:MOST_LISTED]]
+    lines = [f"{key} = {short_repr(there)} there, {short_repr(here)} here" for key, there, here in differ[:MOST_LISTED]]
     if len(differ) > MOST_LISTED:
         lines.append(f"... and {len(differ) - MOST_LISTED} more")
     return "\n".join(lines)
@@ -519,7 +519,7 @@ def study_from_text(text: str, source: str) -> Study:
     try:
         data = toml(text)
     except ValueError as error:
-        raise StudyError(f"{named(source)}: is not TOML: {printable(error, LONGEST_NAME)}") from None
+        raise StudyError(f"{printable_path(source)}: is not TOML: {printable(error, MAX_PATH_LENGTH)}") from None
     return validated(Study, data, source)
 
 
@@ -527,7 +527,7 @@ def given_study(
     surfaces: Measured, contact: dict[str, Any], loads: Floats, *, repetitions: int, seed: int = SEED
 ) -> Study:
     """The study of bodies in memory that are pressed to these loads (mN) and no others."""
-    load = [exact(load, "mN") for load in loads.tolist()]
+    load = [exact_quantity(load, "mN") for load in loads.tolist()]
     data = {
         "surfaces": surfaces, "contact": contact | {"load": load}, "friction": {"mu0": [0.0], "load": load[:1]},
         "ensemble": {"repetitions": repetitions, "seed": seed},

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stiction._files import NotReadableError, content, reason
-from stiction._text import named, printable
-from stiction._units import shortened, units_of
+from stiction._files import NotReadableError, describe_os_error, read_content
+from stiction._text import printable, printable_path
+from stiction._units import short_repr, unit_names
 from stiction.studies.interfaces import FrictionTest
 from stiction.surfaces.measured.decode import decode
 
@@ -28,8 +28,9 @@ _ALIASES = {
 """Other names of columns."""
 
 _UNITS = {
-    "load": (*units_of("force"), *units_of("pressure")), "force": units_of("force"), "coefficient": ("", "1", "%"),
-    "uncertainty": ("", "1", "%", *units_of("force")), "wait": units_of("time"),
+    "load": (*unit_names("force"), *unit_names("pressure")), "force": unit_names("force"),
+    "coefficient": ("", "1", "%"),
+    "uncertainty": ("", "1", "%", *unit_names("force")), "wait": unit_names("time"),
 }  # fmt: skip
 """Units of each column; one without an entry has none."""
 
@@ -47,14 +48,14 @@ def friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[Frictio
     pair names one of the bodies, results or balls. A `ValueError` names the line that does not fit its columns.
     """
     try:
-        text = decode(content(Path(path), MAX_TABLE_BYTES)).data.decode()
+        text = decode(read_content(Path(path), MAX_TABLE_BYTES)).data.decode()
     except OSError as error:
-        raise ValueError(f"{named(path)}: cannot be read: {reason(error)}") from None
+        raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
     except (ValueError, NotReadableError) as error:
-        raise ValueError(f"{named(path)}: is not a table of friction tests: {error}") from None
+        raise ValueError(f"{printable_path(path)}: is not a table of friction tests: {error}") from None
     lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
     if len(lines) < 2:
-        raise ValueError(f"{named(path)}: has no tests: a line of names and a line for each test are needed")
+        raise ValueError(f"{printable_path(path)}: has no tests: a line of names and a line for each test are needed")
     separator = next((each for each in "\t;" if each in lines[0][1]), ",")
     try:
         reader = csv.reader((f"{line}\n" for _, line in lines), delimiter=separator)
@@ -65,7 +66,7 @@ def friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[Frictio
         table = _Table(_titles(rows[0]), numbers[1:], rows[1:], bodies, separator)
         return tuple(table.tests())
     except (ValueError, csv.Error) as error:
-        raise ValueError(f"{named(path)}: {error}") from None
+        raise ValueError(f"{printable_path(path)}: {error}") from None
 
 
 def _titles(head: list[str]) -> dict[str, tuple[int, str]]:
@@ -110,7 +111,7 @@ def _wrong_unit(name: str, cell: str, allowed: list[str]) -> str:
 
 
 def _shown(cell: str) -> str:
-    return shortened(printable(cell))
+    return short_repr(printable(cell))
 
 
 @dataclass(frozen=True)
@@ -144,9 +145,9 @@ class _Table:
         bodies = self.bodies
         name = cells.get("pair", "").rstrip("/") or (next(iter(bodies)) if len(bodies) == 1 else "")
         if name not in bodies:
-            raise ValueError(f"pair must be one of {', '.join(bodies)}, got {shortened(name)}")
+            raise ValueError(f"pair must be one of {', '.join(bodies)}, got {short_repr(name)}")
         if (slid := _SLID.get(cells.get("slid", "").lower())) is None:
-            raise ValueError(f"slid must be 1, or 0 where it held, got {shortened(cells['slid'])}")
+            raise ValueError(f"slid must be 1, or 0 where it held, got {short_repr(cells['slid'])}")
         asked: dict[str, Any] = {"slid": slid, "run": cells.get("run") or None}
         for each in ("force", "wait", "uncertainty"):
             if cells.get(each):
@@ -168,4 +169,4 @@ def _number(name: str, text: str) -> float:
             raise ValueError
         return float(text.replace(",", "."))
     except ValueError:
-        raise ValueError(f"{name} must be a number, got {shortened(text)}") from None
+        raise ValueError(f"{name} must be a number, got {short_repr(text)}") from None

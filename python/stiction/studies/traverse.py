@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, choice, float_array, number, part_of_one, whole_number
+from stiction._checks import Floats, check_choice, float_array, fraction, number, whole_number
 from stiction._core import __version__
-from stiction._units import exact, in_core_units
+from stiction._units import exact_quantity, to_core_units
 from stiction.mechanics import friction
 from stiction.mechanics.friction import RATIOS, SIX, STATUSES, load_of, loads_of, ratio_of
 from stiction.mechanics.model import (
@@ -155,8 +155,8 @@ def traverse(
     >>> traverse_mean(result)["friction_coefficient"].dims
     ('shear', 'load', 'statistic')
     """
-    choice("mechanics", mechanics, Mechanics)
-    choice("load", load, Load)
+    check_choice("mechanics", mechanics, Mechanics)
+    check_choice("load", load, Load)
     areal = isinstance(upper, Surface) or isinstance(lower, Surface)
     if areal and mechanics != "asperities":
         raise ValueError(f"mechanics of surfaces must be 'asperities', got {mechanics!r}; see pressed_maps")
@@ -164,10 +164,13 @@ def traverse(
     model, wanted = positions.model, _checked_loads(loads)
     material = friction.listed_parameter("mu0", mu0), friction.listed_parameter("tau0", tau0)
     friction.check_shear_strength(material[1], model.effective_modulus)
-    table: dict[str, Any] = {"mechanics": mechanics, "effective_modulus": exact(model.effective_modulus, "GPa")}
+    table: dict[str, Any] = {
+        "mechanics": mechanics,
+        "effective_modulus": exact_quantity(model.effective_modulus, "GPa"),
+    }
     attributes: dict[str, Any]
     if mechanics == "half-space":
-        attributes = {"compliance_share": part_of_one("compliance_share", compliance_share)}
+        attributes = {"compliance_share": fraction("compliance_share", compliance_share)}
         table |= attributes
     else:
         attributes = {"detection": model.detection, "law": str(model.law), "curvature": model.curvature}
@@ -317,7 +320,7 @@ def _places_on_maps(offsets: ArrayLike, upper: Surface, lower: Surface) -> NDArr
 
 def _checked_loads(loads: ArrayLike) -> Floats:
     """Loads (mN) above 0, each once and rising."""
-    values = np.unique(np.atleast_1d(float_array("loads", in_core_units("loads", loads, "force"))))
+    values = np.unique(np.atleast_1d(float_array("loads", to_core_units("loads", loads, "force"))))
     if not values.size or not (values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
     return values
@@ -558,8 +561,8 @@ def pressed_maps(
     >>> pressed_maps_mean(result)["friction_coefficient"].dims
     ('sliding', 'direction', 'load', 'mu0', 'tau0', 'statistic')
     """
-    choice("mechanics", mechanics, Mechanics)
-    choice("level", level, SurfaceTrend)
+    check_choice("mechanics", mechanics, Mechanics)
+    check_choice("level", level, SurfaceTrend)
     if hardness is not None and mechanics != "half-space":
         raise ValueError(f"hardness is for the half-space, got mechanics={mechanics!r}")
     modulus = modulus_for(effective_modulus, upper, lower)
@@ -567,18 +570,18 @@ def pressed_maps(
     if not angles.size or np.unique(angles).size < angles.size:
         raise ValueError(f"directions must be one or several different angles, got {directions!r}")
     contact: dict[str, Any] = {
-        "mechanics": mechanics, "effective_modulus": exact(modulus, "GPa"), "direction": angles.tolist(),
+        "mechanics": mechanics, "effective_modulus": exact_quantity(modulus, "GPa"), "direction": angles.tolist(),
     }  # fmt: skip
-    share = part_of_one("compliance_share", compliance_share)
+    share = fraction("compliance_share", compliance_share)
     if mechanics == "half-space":
         contact["compliance_share"] = share
         if hardness is not None:
-            contact["hardness"] = exact(number("hardness", hardness, unit="GPa", above=0), "GPa")
+            contact["hardness"] = exact_quantity(number("hardness", hardness, unit="GPa", above=0), "GPa")
     steps = _checked_loads(loads)
     rub, stick = (np.atleast_1d(friction.listed_parameter(*each)) for each in (("mu0", mu0), ("tau0", tau0)))
     friction.check_shear_strength(stick, modulus)
     surfaces, count, made = _surfaces(upper, lower, shifts, surrogates, level)
-    study = given_study(surfaces, contact, steps, repetitions=count + made, seed=whole_number("seed", seed, least=0))
+    study = given_study(surfaces, contact, steps, repetitions=count + made, seed=whole_number("seed", seed, minimum=0))
     if isinstance(upper, Surface) and isinstance(lower, Surface):
         warn_of_one_body(upper, lower, moved=True)
     members = bodies_of(study).members(0.0)
@@ -627,10 +630,10 @@ def _surfaces(
     if of_profiles:
         if shifts:
             raise ValueError(f"shifts are of maps; of profiles surrogates are pressed, got shifts={shifts!r}")
-        count = whole_number("surrogates", SURROGATES if surrogates is None else surrogates, least=1)
+        count = whole_number("surrogates", SURROGATES if surrogates is None else surrogates, minimum=1)
         return MeasuredSurrogates(**bodies, level=level, prepared=True), 0, count
-    made = whole_number("surrogates", 0 if surrogates is None else surrogates, least=0)
-    count = 0 if shifts == 0 and made else whole_number("shifts", SHIFTS if shifts is None else shifts, least=1)
+    made = whole_number("surrogates", 0 if surrogates is None else surrogates, minimum=0)
+    count = 0 if shifts == 0 and made else whole_number("shifts", SHIFTS if shifts is None else shifts, minimum=1)
     return MeasuredAreas(**bodies, level=level, surrogates=made, prepared=True), count, made
 
 

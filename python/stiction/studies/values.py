@@ -27,8 +27,8 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from stiction._arguments import MAX_NUMBER
 from stiction._checks import Floats
-from stiction._text import LONGEST_WORD, named, printable
-from stiction._units import Quantity, quantity, shortened
+from stiction._text import MAX_WORD_LENGTH, printable, printable_path
+from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import Direction, Sliding
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
@@ -114,7 +114,7 @@ def _one_or_several(name: str, one: Callable[[object], Any], same: Callable[[Any
             raise ValueError(f"must have from 1 to {MOST_VALUES} {name}s, got {len(value)}")
         several = tuple(map(one, value))
         if len(set(map(same, several))) < len(several):
-            raise ValueError(f"must have each {name} once, got {shortened(list(several))}")
+            raise ValueError(f"must have each {name} once, got {short_repr(list(several))}")
         return several
 
     return PlainValidator(values)
@@ -127,7 +127,7 @@ def _read_direction(value: object) -> Any:
         return float(value)
     raise ValueError(
         f'must be "+x", "-x" or degrees from {-MOST_DEGREES} to {MOST_DEGREES}, or a list of these, '
-        f"got {shortened(value)}"
+        f"got {short_repr(value)}"
     )
 
 
@@ -138,7 +138,7 @@ def degrees_of(direction: Direction) -> float:
 
 def _read_sliding(value: object) -> Any:
     if value not in ("opposing", "all"):
-        raise ValueError(f'must be "opposing" or "all", or a list of both, got {shortened(value)}')
+        raise ValueError(f'must be "opposing" or "all", or a list of both, got {short_repr(value)}')
     return value
 
 
@@ -164,7 +164,7 @@ def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any], usual: 
     value = given.get(key, usual or next(iter(cases)))
     if not isinstance(value, str) or value not in cases:
         names = '" or "'.join(cases)
-        raise fault_at(key, f'must be "{names}", got {shortened(value)}')
+        raise fault_at(key, f'must be "{names}", got {short_repr(value)}')
     return value
 
 
@@ -322,9 +322,9 @@ def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
         return kind.model_validate(data)
     except ValidationError as error:
         faults = error.errors(include_url=False)
-        lines = [f"{named(source)}: {_fault(kind, fault)}" for fault in faults[:5]]
+        lines = [f"{printable_path(source)}: {_fault(kind, fault)}" for fault in faults[:5]]
         if len(faults) > 5:
-            lines.append(f"{named(source)}: ... and {len(faults) - 5} more")
+            lines.append(f"{printable_path(source)}: ... and {len(faults) - 5} more")
         raise StudyError("\n".join(lines)) from None
 
 
@@ -359,7 +359,7 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> str:
     if (words := _WORDS.get(fault["type"])) is not None:
         message = words.format_map(fault.get("ctx", {}))
     if fault["type"] not in ("value_error", "missing", "range_or_list", "key", "too_short", "too_long"):
-        message = f"{message[0].lower()}{message[1:]}, got {shortened(fault['input'])}"
+        message = f"{message[0].lower()}{message[1:]}, got {short_repr(fault['input'])}"
     return f"{key}: {message}" if key else message
 
 
@@ -374,7 +374,7 @@ def _suggestion(kind: type[Table], location: list[int | str]) -> str:
         tables = [table for field in fields for table in tables_of(field.annotation)]
     known = dict.fromkeys(name for table in tables for name in table.model_fields)
     known |= dict.fromkeys(name for table in tables for name in getattr(table, "other_keys", ()))
-    word = str(location[-1])[:LONGEST_WORD]
+    word = str(location[-1])[:MAX_WORD_LENGTH]
     near = [*difflib.get_close_matches(word, known, n=3), *(name for name in known if word in name)]
     names = " or ".join(map(repr, list(dict.fromkeys(near))[:MAX_SUGGESTIONS]))
     return f"; is it {names}?" if names else "; stiction studies --keys lists all"

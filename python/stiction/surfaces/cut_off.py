@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stiction._checks import truth
+from stiction._checks import check_bool
 from stiction.surfaces.filters import checked_cutoff, gaussian_mean
 from stiction.surfaces.surface import AnyBody, as_body
 
@@ -41,7 +41,7 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     >>> round(float(cut_off(wave, 2.0, periodic=True).heights[0]), 6)
     0.5
     """
-    truth("periodic", periodic)
+    check_bool("periodic", periodic)
     body = as_body("body", body)
     length = checked_cutoff("wavelength", wavelength, body, longest=MAX_CUTOFF_FRACTION)
     step = f"waves shorter than {length:g} µm cut off (Gaussian filter, 50 % at {length:g} µm)"

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from stiction._checks import Floats, choice, number, truth
+from stiction._checks import Floats, check_bool, check_choice, number
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import AnyBody, Surface, as_body
@@ -79,9 +79,9 @@ def filtered(
     >>> round(float(filtered(wave, cutoff=2.0, kind="L", periodic=True).heights[0]), 6)
     0.5
     """
-    choice("kind", kind, FilterKind)
-    truth("robust", robust)
-    truth("periodic", periodic)
+    check_choice("kind", kind, FilterKind)
+    check_bool("robust", robust)
+    check_bool("periodic", periodic)
     body = as_body("body", body)
     if robust and periodic:
         raise ValueError("periodic must be False for a robust filter, got True")

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._shown import with_unit
+from stiction._repr import with_unit
 
 RoundForm = Literal["circle", "sphere", "cylinder"]
 Points = tuple[Floats, Floats]  # coordinates (x, y) from the middle, µm

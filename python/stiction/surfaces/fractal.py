@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import stiction._core
-from stiction._checks import Floats, choice, float_array, number, read_only, whole_number
+from stiction._checks import Floats, check_choice, float_array, number, read_only, whole_number
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ProfileMoments
 from stiction.surfaces.surface import Surface, parse_lengths, parse_shape
@@ -47,11 +47,11 @@ def random_phases(
     >>> random_phases(2016, directions=1, frequencies=2)
     array([[6.07702677, 2.1342465 ]])
     """
-    choice("side", side, Side)
-    seed = whole_number("seed", seed, least=0)
-    repetition = whole_number("repetition", repetition, least=0)
-    directions = whole_number("directions", directions, least=1)
-    frequencies = whole_number("frequencies", frequencies, least=1)
+    check_choice("side", side, Side)
+    seed = whole_number("seed", seed, minimum=0)
+    repetition = whole_number("repetition", repetition, minimum=0)
+    directions = whole_number("directions", directions, minimum=1)
+    frequencies = whole_number("frequencies", frequencies, minimum=1)
     words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_KEY[side]]))
     bits = words.random_raw(directions * frequencies) >> np.uint64(11)
     phases = bits.astype(np.float64) * (2 * math.pi / 2**53)
@@ -60,7 +60,7 @@ def random_phases(
 
 def hurst_exponent(fractal_dimension: float, *, convention: Convention = "paper") -> float:
     """Return H of Eq. 1 for a fractal dimension D: 4 - 2D in the paper's convention, 2 - D in the classical one."""
-    choice("convention", convention, Convention)
+    check_choice("convention", convention, Convention)
     dimension = number("fractal_dimension", fractal_dimension)
     if not 1 <= dimension < 2:
         raise ValueError(f"fractal_dimension must be at least 1 and below 2, got {fractal_dimension!r}")
@@ -121,7 +121,7 @@ def weierstrass_mandelbrot_family(
     >>> weierstrass_mandelbrot_family(random_phases(1), [1.1, 1.3], points=2000).shape
     (2, 2000)
     """
-    points = whole_number("points", points, least=MIN_POINTS, most=MAX_POINTS)
+    points = whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
     family = np.empty((np.size(fractal_dimensions), points))
     fill_profiles(
         family, phases, fractal_dimensions, length_scale=length_scale, gamma=gamma, extent=extent,
@@ -149,7 +149,7 @@ def fill_profiles(
 
 def _scale_and_ratio(length_scale: Any, gamma: Any, band_limit: Any) -> tuple[float, float]:
     if band_limit is not None:
-        choice("band_limit", band_limit, BandLimit)
+        check_choice("band_limit", band_limit, BandLimit)
     return number("length_scale", length_scale, unit="µm", above=0), number("gamma", gamma, above=1)
 
 
@@ -282,8 +282,8 @@ def weierstrass_mandelbrot_moments(
     >>> round(moments.height, 6)  # half the square of one amplitude, ln 1.5
     0.082201
     """
-    directions = whole_number("directions", directions, least=1)
-    frequencies = whole_number("frequencies", frequencies, least=1)
+    directions = whole_number("directions", directions, minimum=1)
+    frequencies = whole_number("frequencies", frequencies, minimum=1)
     scale, gamma = _scale_and_ratio(length_scale, gamma, None)
     shortest = number("shortest_wavelength", shortest_wavelength, unit="µm")
     weights = _weights(fractal_dimension, frequencies, scale, gamma, convention)

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, number, truth
-from stiction._shown import Tabled
+from stiction._checks import Floats, check_bool, number
+from stiction._repr import TableRepr
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import areal_spectrum, in_band, profile_spectrum
@@ -85,7 +85,7 @@ class PowerLaw:
 
 
 @dataclass(frozen=True, repr=False)
-class HurstEstimate(Tabled):
+class HurstEstimate(TableRepr):
     """Hurst exponent of a profile or a surface, with its uncertainty and the band of wavelengths of the fit.
 
     Attributes
@@ -226,7 +226,7 @@ def estimate_hurst_exponent(
     True
     """
     body = as_body("body", body, spacing=spacing, unit=unit)
-    truth("periodic", periodic)
+    check_bool("periodic", periodic)
     reject_flat(body)
     if isinstance(body, Profile):
         dimensions, (wave_number, power, scale) = 1, _harmonics(body, periodic)

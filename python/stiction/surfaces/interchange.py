@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stiction._shown import with_unit
+from stiction._repr import with_unit
 from stiction.surfaces.measured.raw import LENGTH_UNITS
 
 if TYPE_CHECKING:

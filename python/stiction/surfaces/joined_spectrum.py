@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stiction._checks import Floats, number, read_only, whole_number
-from stiction._shown import Readable
+from stiction._repr import TextRepr
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.scale import ScaleDependentRoughness, instrument_limit
@@ -27,7 +27,7 @@ _WAVES_PER_VALUE = 4.0  # wave vectors per independent value: opposite ones are 
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class JoinedSpectrum(Readable):
+class JoinedSpectrum(TextRepr):
     """Spectrum of an isotropic surface over all wavelengths that its scans resolve.
 
     Attributes
@@ -217,7 +217,7 @@ def joined_spectrum(
     bodies = [as_body("scans", scan) for scan in scans]
     if not bodies:
         raise ValueError("scans must be at least one profile or surface, got none")
-    per_decade = whole_number("per_decade", per_decade, least=4)
+    per_decade = whole_number("per_decade", per_decade, minimum=4)
     if names is not None and len(names) != len(bodies):
         raise ValueError(f"names must have one entry for each of the {len(bodies)} scans, got {len(names)}")
     limits = _check_list("shortest_wavelengths", shortest_wavelengths, len(bodies))

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stiction._checks import Floats, choice, read_only
-from stiction._shown import Readable
+from stiction._checks import Floats, check_choice, read_only
+from stiction._repr import TextRepr
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Along, Profile
@@ -25,7 +25,7 @@ _MIN_LINE_POINTS = 7  # points that a seven-point slope needs
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LineRoughness(Readable):
+class LineRoughness(TextRepr):
     """Roughness of the parallel lines of a surface, each levelled by its least-squares line.
 
     Attributes
@@ -105,7 +105,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
     >>> along_x.lines, along_x.hurst_exponents.size
     (60, 60)
     """
-    choice("along", along, Along)
+    check_choice("along", along, Along)
     reject_flat(surface)
     count, points = surface.heights.shape if along == "x" else surface.heights.shape[::-1]
     if points < _MIN_LINE_POINTS:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._shown import with_unit
+from stiction._repr import with_unit
 
 MIN_OUTLIER_DEVIATIONS = 6.0
 """Smallest deviation of an outlier from its neighbours, in robust standard deviations (1.4826 times the median

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from stiction._caching import cached_property
-from stiction._checks import choice, number, whole_number
+from stiction._checks import check_choice, number, whole_number
 from stiction.surfaces.cut_off import cut_off
 from stiction.surfaces.joined_spectrum import MAX_WAVELENGTH_FRACTION, JoinedSpectrum, joined_spectrum
 from stiction.surfaces.preparation import (
@@ -191,11 +191,11 @@ def paired_lines(
     >>> [len(each) for each in lines[:2]]
     [4, 4]
     """
-    choice("along", along, Along)
-    choice("surrogates", surrogates, Surrogates)
+    check_choice("along", along, Along)
+    check_choice("surrogates", surrogates, Surrogates)
     if level is not None:
-        choice("level", level, ProfileTrend)
-    count = whole_number("lines", lines, least=1)
+        check_choice("level", level, ProfileTrend)
+    count = whole_number("lines", lines, minimum=1)
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
     most = LinePairs(upper, lower, along=along, surrogates=surrogates).max_count()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from stiction._shown import Readable, in_unit, table
+from stiction._repr import TextRepr, number_and_unit, table_html
 
 NOT_LEVELLED = "no: as they are"  # description of heights that were not levelled
 
@@ -162,7 +162,7 @@ PARAMETERS = {
 
 
 @dataclass(frozen=True, repr=False)
-class ParameterSet(Readable):
+class ParameterSet(TextRepr):
     """Values of roughness parameters, available as attributes.
 
     Attributes
@@ -184,7 +184,7 @@ class ParameterSet(Readable):
         raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")
 
     def _shown_values(self) -> list[tuple[str, str, str]]:
-        return [(name, *in_unit(value, PARAMETERS[name].unit)) for name, value in self.values.items()]
+        return [(name, *number_and_unit(value, PARAMETERS[name].unit)) for name, value in self.values.items()]
 
     def _shown_words(self) -> dict[str, str]:
         return {"levelled": self.levelled}
@@ -197,4 +197,4 @@ class ParameterSet(Readable):
 
     def _repr_html_(self) -> str:
         words = [(name, text, "") for name, text in self._shown_words().items()]
-        return table(("parameter", "value", "unit"), [*self._shown_values(), *words])
+        return table_html(("parameter", "value", "unit"), [*self._shown_values(), *words])

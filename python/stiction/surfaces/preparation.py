@@ -8,7 +8,7 @@ from typing import Any, Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, choice, number
+from stiction._checks import Floats, check_choice, number
 from stiction.surfaces.form import round_form
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, index_mask
 from stiction.surfaces.surface import AnyBody, Surface, as_body
@@ -76,7 +76,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
     ('levelled by a line',)
     """
     scan: Profile | Surface = as_body("body", body, spacing=spacing, unit=unit)
-    choice("trend", trend, ProfileForm if isinstance(scan, Profile) else SurfaceForm)
+    check_choice("trend", trend, ProfileForm if isinstance(scan, Profile) else SurfaceForm)
     if trend not in _DEGREES:
         form, description = round_form(scan.heights, scan.spacings, scan.missing, trend)
         rest = scan.heights - form
@@ -237,7 +237,7 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
     >>> on_common_grid(fine, coarse)[1].heights
     array([0. , 0.5, 1. , 1.5, 2. ])
     """
-    choice("align", align, Align)
+    check_choice("align", align, Align)
     if not any(isinstance(a, kind) and isinstance(b, kind) for kind in (Profile, Surface)):
         raise ValueError(f"both must be a Profile or both a Surface, got {type(a).__name__} and {type(b).__name__}")
     spacing = tuple(map(min, a.spacings, b.spacings))

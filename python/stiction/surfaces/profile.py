@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core
-from stiction._checks import Floats, choice, float_array, number, read_only
+from stiction._checks import Floats, check_choice, float_array, number, read_only
 from stiction._drawing import draw_profile, draw_surface
-from stiction._shown import Shown, axes_for
+from stiction._repr import PlotRepr, axes_for
 from stiction.surfaces.interchange import describe_body, extract_heights, to_data_array
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ MIN_POINTS = 4  # a natural cubic spline with curvature needs two interior point
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Body(Shown):
+class Body(PlotRepr):
     """Base class of profiles and surfaces: heights on a uniform grid, and their history."""
 
     _ndim: ClassVar[int]
@@ -216,7 +216,7 @@ def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
     """Return a profile scaled to an amplitude; its heights are stored in `scaled`, which avoids an allocation."""
-    choice("measure", measure, AmplitudeMeasure)
+    check_choice("measure", measure, AmplitudeMeasure)
     amplitude = number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):
         raise ValueError("a flat profile has no amplitude to scale")

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats, read_only
-from stiction._drawing import draw_repeated
-from stiction._shown import Shown, axes_for
+from stiction._drawing import draw_repeated_scans
+from stiction._repr import PlotRepr, axes_for
 from stiction.surfaces.filters import transmission
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing
@@ -31,7 +31,7 @@ _ON_POINT = 1e-4  # deviation from an integer shift, in points, that is attribut
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RepeatedScans(Shown):
+class RepeatedScans(PlotRepr):
     """Comparison of two scans of the same area; arrays are over octaves of the wavelength.
 
     Attributes
@@ -77,7 +77,7 @@ class RepeatedScans(Shown):
 
         Into given axes, or by default new ones, which are returned.
         """
-        return draw_repeated(axes_for(ax), self)
+        return draw_repeated_scans(axes_for(ax), self)
 
 
 def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) -> RepeatedScans:

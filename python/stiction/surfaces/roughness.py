@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from stiction._checks import Floats, choice
+from stiction._checks import Floats, check_choice
 from stiction.surfaces.features import feature_parameters
 from stiction.surfaces.material_ratio import EXTREME_PEAK_RATIOS, PEAKS, VALLEYS, core_parameters, heights_at, volumes
 from stiction.surfaces.parameters import NOT_LEVELLED, PROFILE_PARAMETERS, SURFACE_PARAMETERS, ParameterSet
@@ -82,7 +82,7 @@ def roughness_parameters(
     0.5
     """
     profile = as_body("profile", profile, Profile, spacing=spacing, unit=unit)
-    choice("derivative", derivative, Derivative)
+    check_choice("derivative", derivative, Derivative)
     reject_flat(profile)
     z = profile.heights
     if z.size < SEVEN_POINTS.size:
@@ -177,7 +177,7 @@ def surface_parameters(
     (0.707107, 0.0, 1.5)
     """
     surface = as_body("surface", surface, Surface, spacing=spacing, unit=unit)
-    choice("derivative", derivative, Derivative)
+    check_choice("derivative", derivative, Derivative)
     check_roughness(surface)
     z = surface.heights
     deviation = z - z.mean()

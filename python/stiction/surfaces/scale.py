@@ -10,8 +10,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array, number, read_only, truth
-from stiction._shown import Readable, Tabled
+from stiction._checks import Floats, check_bool, float_array, number, read_only
+from stiction._repr import TableRepr, TextRepr
 from stiction.surfaces.filters import transmission
 from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, between_harmonics, find_period
 from stiction.surfaces.hurst import HurstEstimate
@@ -49,7 +49,7 @@ Spectrum = tuple[Floats, Floats, Floats, float]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ScaleDependentRoughness(Readable):
+class ScaleDependentRoughness(TextRepr):
     """Root-mean-square slope and curvature over all wavelengths from the longest down to a given one.
 
     Attributes
@@ -183,7 +183,7 @@ def scale_dependent_roughness(
     >>> float(found.fraction_below(0.16).round(2))
     0.26
     """
-    truth("periodic", periodic)
+    check_bool("periodic", periodic)
     body = as_body("body", body, spacing=spacing, unit=unit)
     reject_flat(body)
     q, weight = mean_square_heights(body, periodic=periodic)
@@ -223,7 +223,7 @@ def _between(wavelength: Floats, values: Floats, wanted: ArrayLike) -> Floats:
 
 
 @dataclass(frozen=True, repr=False)
-class InstrumentLimit(Tabled):
+class InstrumentLimit(TableRepr):
     """The wavelength below which a scan is of the instrument rather than of the surface.
 
     Attributes

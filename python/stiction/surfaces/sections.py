@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stiction._checks import Floats, choice, number, truth, whole_number
-from stiction._shown import with_unit
+from stiction._checks import Floats, check_bool, check_choice, number, whole_number
+from stiction._repr import with_unit
 from stiction.surfaces.filters import gaussian_mean, robust_mean
 from stiction.surfaces.material_ratio import core_parameters, heights_at
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ParameterSet
@@ -184,9 +184,9 @@ def section_parameters(
     """
     profile = as_body("profile", profile, Profile, spacing=spacing, unit=unit)
     reject_flat(profile)
-    choice("derivative", derivative, Derivative)
-    truth("robust", robust)
-    sections = whole_number("sections", sections, least=1)
+    check_choice("derivative", derivative, Derivative)
+    check_bool("robust", robust)
+    sections = whole_number("sections", sections, minimum=1)
     short = None if ls is None else number("ls", ls, unit="µm")
     if short is not None and short < 0:
         raise ValueError(f"ls must be 0 or above, got {ls!r}")

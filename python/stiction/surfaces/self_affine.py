@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from stiction._checks import choice, number, read_only, truth, whole_number
+from stiction._checks import check_bool, check_choice, number, read_only, whole_number
 from stiction.surfaces.fractal import SIDE_KEY, random_phases
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
@@ -74,10 +74,10 @@ def self_affine(
     >>> round(roughness_parameters(profile).Pq, 12)
     0.1
     """
-    choice("amplitudes", amplitudes, Amplitudes)
-    truth("periodic", periodic)
+    check_choice("amplitudes", amplitudes, Amplitudes)
+    check_bool("periodic", periodic)
     hurst, rms = _exponent_and_height(hurst_exponent, rms)
-    points = whole_number("points", points, least=MIN_POINTS, most=MAX_POINTS)
+    points = whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
     spacing = number("spacing", spacing, unit="µm", above=0)
     extent = points * spacing
     shortest = _shortest(shortest_wavelength, 2 * spacing, "spacing")
@@ -192,9 +192,9 @@ def self_affine_surface(
         longest = number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
         if longest > longer * ROUND_OFF_FACTOR:
             raise ValueError(f"longest_wavelength must be at most the longer side, {longer:g} µm, got {longest!r}")
-    choice("side", side, Side)
-    seed = whole_number("seed", seed, least=0)
-    repetition = whole_number("repetition", repetition, least=0)
+    check_choice("side", side, Side)
+    seed = whole_number("seed", seed, minimum=0)
+    repetition = whole_number("repetition", repetition, minimum=0)
 
     along = [
         min((size - 1) // 2, int(extent / shortest * ROUND_OFF_FACTOR))

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, number, read_only, truth, whole_number
+from stiction._checks import Floats, check_bool, number, read_only, whole_number
 from stiction._drawing import draw_spectrum
-from stiction._shown import Readable, Shown, Tabled, axes_for
+from stiction._repr import PlotRepr, TableRepr, TextRepr, axes_for
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
@@ -28,7 +28,7 @@ _PEAK_REACH = 6  # bins on each side for the median level at a bin
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PowerSpectrum(Shown):
+class PowerSpectrum(PlotRepr):
     """Power spectral density of a profile by the convention of Jacobs, Junge & Pastewka (2017).
 
     Attributes
@@ -59,7 +59,7 @@ class PowerSpectrum(Shown):
 
     def moment(self, order: int) -> float:
         """1/π times the integral of q^order C1D, µm^(2 - order); from bins it is approximate unless the order is 0."""
-        order = whole_number("order", order, least=0)
+        order = whole_number("order", order, minimum=0)
         return float((self.wave_number**order * self.density * self.count).sum() * self.resolution / math.pi)
 
     def in_bins(self, per_decade: int = 10) -> PowerSpectrum:
@@ -72,7 +72,7 @@ class PowerSpectrum(Shown):
         >>> spectrum.in_bins(2).count
         array([  3.,   6.,  22.,  68., 217., 683.,   1.])
         """
-        per_decade = whole_number("per_decade", per_decade, least=1)
+        per_decade = whole_number("per_decade", per_decade, minimum=1)
         return PowerSpectrum(*_in_bins(per_decade, self.wave_number, self.density, self.count), self.resolution)
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -130,7 +130,7 @@ def power_spectrum(
     (0.08, 0.005)
     """
     profile = as_body("profile", profile, Profile, spacing=spacing, unit=unit)
-    truth("periodic", periodic)
+    check_bool("periodic", periodic)
     return profile_spectrum(profile.heights - profile.heights.mean(), profile.spacing, windowed=not periodic)
 
 
@@ -152,7 +152,7 @@ def profile_spectrum(heights: Floats, spacing: float, *, windowed: bool) -> Powe
 
 
 @dataclass(frozen=True, repr=False)
-class ProfileMoments(Tabled):
+class ProfileMoments(TableRepr):
     """Variances of a profile and its derivatives: its spectral moments m0, m2, m4.
 
     Attributes
@@ -243,7 +243,7 @@ def in_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RadialSpectrum(Readable):
+class RadialSpectrum(TextRepr):
     """Mean of a surface's spectrum over the directions of the wave vector.
 
     Attributes
@@ -272,7 +272,7 @@ class RadialSpectrum(Readable):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SurfaceSpectrum(Readable):
+class SurfaceSpectrum(TextRepr):
     """Power spectral density of a surface by the convention of Jacobs, Junge & Pastewka (2017).
 
     Attributes
@@ -361,7 +361,7 @@ class SurfaceSpectrum(Readable):
         >>> round(spectrum.moments(0).height, 12), round(abs(spectrum.moments(90).slope), 12)
         (0.005, 0.0)
         """
-        per_decade = whole_number("per_decade", per_decade, least=1)
+        per_decade = whole_number("per_decade", per_decade, minimum=1)
         q, _, density = self.waves()
         if not q.size:
             raise ValueError(f"surface must have more than {self.density.shape} points for a mean over directions")
@@ -398,7 +398,7 @@ def surface_spectrum(
     (64, 64)
     """
     surface = as_body("surface", surface, Surface, spacing=spacing, unit=unit)
-    truth("periodic", periodic)
+    check_bool("periodic", periodic)
     reject_flat(surface)
     return areal_spectrum(surface.heights - surface.heights.mean(), surface.spacing, windowed=not periodic)
 

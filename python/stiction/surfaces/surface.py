@@ -8,8 +8,8 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 import stiction._core as _core
-from stiction._checks import Floats, choice, float_array, number, whole_number
-from stiction._units import shortened
+from stiction._checks import Floats, check_choice, float_array, number, whole_number
+from stiction._units import short_repr
 from stiction.surfaces.measured.raw import LENGTH_UNITS
 from stiction.surfaces.profile import MAX_POINTS, Body, Profile, index_mask
 
@@ -76,12 +76,12 @@ class Surface(Body):
 
     def row(self, index: int) -> Profile:
         """Return one row as a profile along x."""
-        index = whole_number("index", index, least=0, most=self.heights.shape[0] - 1)
+        index = whole_number("index", index, minimum=0, maximum=self.heights.shape[0] - 1)
         return self._line(index, 1, f"row {index}")
 
     def column(self, index: int) -> Profile:
         """Return one column as a profile along y."""
-        index = whole_number("index", index, least=0, most=self.heights.shape[1] - 1)
+        index = whole_number("index", index, minimum=0, maximum=self.heights.shape[1] - 1)
         return self._line((slice(None), index), 0, f"column {index}")
 
     def _line(self, index: Any, axis: int, step: str) -> Profile:
@@ -99,7 +99,7 @@ class Surface(Body):
         measure : {"height", "Sa", "Sq"}
             Highest minus lowest point, mean absolute deviation, or root-mean-square deviation from the mean.
         """
-        choice("measure", measure, SurfaceAmplitude)
+        check_choice("measure", measure, SurfaceAmplitude)
         amplitude = number("amplitude", amplitude, unit="µm", above=0)
         scaled = np.empty(self.heights.size)
         if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _OF_POINTS[measure], scaled):
@@ -111,7 +111,7 @@ def parse_lengths(name: str, value: Any) -> tuple[float, float]:
     """Parse a length above 0 for y and for x, from a pair or from one number for both."""
     pair = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(pair) != 2:
-        raise ValueError(f"{name} must be a number or a pair (y, x), got {shortened(value)}")
+        raise ValueError(f"{name} must be a number or a pair (y, x), got {short_repr(value)}")
     along_y, along_x = (number(name, item, unit="µm", above=0) for item in pair)
     return along_y, along_x
 
@@ -147,7 +147,7 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
         hint = "; make one by " + " or ".join(f"{kind.__name__}(z, spacing=...)" for kind in allowed)
         raise ValueError(f"{name} must be a {words}, got {type(given).__name__}{hint if is_array else ''}")
     if unit not in LENGTH_UNITS:
-        raise ValueError(f"unit must be one of length, such as um or nm, got {shortened(unit)}")
+        raise ValueError(f"unit must be one of length, such as um or nm, got {short_repr(unit)}")
     heights = float_array(name, given) * float(LENGTH_UNITS[unit])
     for kind in allowed:
         if kind._ndim == heights.ndim:
@@ -170,7 +170,7 @@ def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
     """Parse a shape with at least `least` rows and columns and at most MAX_POINTS points."""
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {shape!r}")
-    rows, columns = (whole_number("shape", size, least=least, most=MAX_POINTS) for size in shape)
+    rows, columns = (whole_number("shape", size, minimum=least, maximum=MAX_POINTS) for size in shape)
     if rows * columns > MAX_POINTS:
         raise ValueError(f"shape must hold at most {MAX_POINTS} points, got {shape!r}")
     return rows, columns

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from stiction._checks import Floats, truth
+from stiction._checks import Floats, check_bool
 from stiction.surfaces.fractal import random_phases
 from stiction.surfaces.profile import Profile, Side, reject_missing
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
@@ -68,7 +68,7 @@ def surrogate(
     1.0
     """
     body = as_body("body", body)
-    truth("periodic", periodic)
+    check_bool("periodic", periodic)
     reject_flat(body)
     reject_missing(body, "a surrogate")
     if isinstance(body, Surface):
@@ -219,7 +219,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
 
 def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     """Return the edges of the rings, C2D in the rings, and the number of harmonics in every ring."""
-    truth("periodic", periodic)
+    check_bool("periodic", periodic)
     reject_flat(profile)
     reject_missing(profile, "a surface of a profile's spectrum")
     spectrum = power_spectrum(profile, periodic=periodic)

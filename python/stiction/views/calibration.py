@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._shown import png_of
+from stiction._repr import render_png
 from stiction.studies.calibration_fit import MIN_VARIATION
 from stiction.studies.interfaces import EXCLUDED, UNLIKELY, Fit, Interface
 from stiction.views.digits import finite, percent, with_interval, with_unit
@@ -139,7 +139,7 @@ def calibration_figure(interface: Interface) -> Figure:
         joint.set(xlabel="adhesive shear strength $\\tau_0$ (MPa)", ylabel="molecular friction coefficient $\\mu_0$")
         joint.set(xlim=(0, None), ylim=(0, None))
         joint.set_title("both are known" if interface.separated else "only their sum is known")
-    vars(figure)["_repr_png_"] = partial(png_of, figure)
+    vars(figure)["_repr_png_"] = partial(render_png, figure)
     return figure
 
 

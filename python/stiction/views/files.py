@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stiction._files import check_replaceable, new_file, replaced_file
-from stiction._text import named
+from stiction._text import printable_path
 from stiction.studies.store import export
 from stiction.views.asked import at_asked_loads
 from stiction.views.inputs import doubts_of_study
@@ -60,5 +60,5 @@ def write_result(stored: Stored, path: Path) -> None:
     """
     if path.suffix.lower() not in WRITERS:
         endings = " or ".join(f"{ending} ({what})" for ending, (what, _) in WRITERS.items())
-        raise ValueError(f"{named(path)}: its name must end in {endings}")
+        raise ValueError(f"{printable_path(path)}: its name must end in {endings}")
     WRITERS[path.suffix.lower()][1](stored, path)

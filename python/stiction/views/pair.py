@@ -172,7 +172,7 @@ def pair(
 
     given = locals()
     if onset is not None:
-        whole_number("onset", onset, least=0)
+        whole_number("onset", onset, minimum=0)
     asked = {name: value for name in ARGUMENTS if (value := given.get(_NAMES.get(name, name))) is not None}
     for name in ("first", "second"):
         if any(step == "turned over" for step in getattr(given[name], "history", ())):
@@ -193,6 +193,6 @@ def pair(
         with given_or_threads(executor) as workers:
             stored = complete(study, folder, workers, replace=replace, onset=onset, progress=progress)
     except ValueError as error:
-        said = error.said(lambda name: _NAMES.get(name, name)) if isinstance(error, ArgumentError) else str(error)
+        said = error.with_names(lambda name: _NAMES.get(name, name)) if isinstance(error, ArgumentError) else str(error)
         raise ValueError("; ".join(said.splitlines())) from None
     return Result(stored, doubts_of_study(stored.study))

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from numpy.typing import ArrayLike
 
-from stiction._checks import truth
-from stiction._shown import picture_of, png_of, words
-from stiction._units import in_core_units, loads_in_core_units
+from stiction._checks import check_bool
+from stiction._repr import figure_html, preformatted_html, render_png
+from stiction._units import loads_to_core_units, to_core_units
 from stiction.studies.at_load import at_load
 from stiction.studies.budget import with_uncertainty
 from stiction.studies.maps import study_of_result
@@ -187,7 +187,7 @@ class Result:
         if height_scale is not None:
             return self._at_height_scale(height_scale, load, mu0, tau0, reading, scaled, compute)
         loads = asked_loads(self.source) if load is None else self._loads_of(load)
-        strengths = in_core_units("tau0", tau0, "pressure")
+        strengths = to_core_units("tau0", tau0, "pressure")
         at = at_load(self.source, loads, mu0=mu0, tau0=strengths, reading=reading)
         return with_uncertainty(at, self.source, budget=False)
 
@@ -197,14 +197,14 @@ class Result:
         from stiction.studies.height_scale import at_height_scale, checked_factors, compute_factors
         from stiction.studies.store import Stored
 
-        truth("compute", compute)
+        check_bool("compute", compute)
         if reading not in (None, "elastic"):
             raise ValueError(f"reading must be 'elastic' with height_scale, got {reading!r}")
         if not isinstance(self.source, Stored):
             raise ValueError("height_scale needs a stored result: one of `pair`, or of `read_result`")
         factors = checked_factors(factors)
         loads = asked_loads(self.source) if load is None else self._loads_of(load)
-        strengths = in_core_units("tau0", tau0, "pressure")
+        strengths = to_core_units("tau0", tau0, "pressure")
         if compute:
             compute_factors(self.source, factors, scaled)
         return at_height_scale(self.source, factors, loads, mu0=mu0, tau0=strengths, scaled=scaled)
@@ -217,7 +217,7 @@ class Result:
     def _loads_of(self, load: Any) -> Any:
         """Loads in mN; of measured bodies text may be a pressure on the nominal area."""
         area = self.nominal_area
-        return in_core_units("load", load, "force") if area is None else loads_in_core_units("load", load, area)
+        return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 
     def table(self) -> pandas.DataFrame:
         """What the CSV file holds: a row for each load, mu0, tau0, rule and motion, with intervals and doubts."""
@@ -281,7 +281,7 @@ class Result:
             raise ValueError(f"name must be one of {', '.join(map(repr, drawings))}, got {name!r}")
         with mpl.rc_context(STYLE):
             figure: Figure = drawings[name]()
-        vars(figure)["_repr_png_"] = partial(png_of, figure)  # so that a notebook shows it without pyplot
+        vars(figure)["_repr_png_"] = partial(render_png, figure)  # so that a notebook shows it without pyplot
         return figure
 
     def _drawings(self) -> Sequence[tuple[str, Any]]:
@@ -314,7 +314,7 @@ class Result:
         """Show the answer as the terminal does, with a picture."""
         names = self.figures()
         name = next((each for each in ("contacts", "friction", *names) if each in names), None)
-        return f"<div>{words(repr(self))}{picture_of(self.figure(name)) if name else ''}</div>"
+        return f"<div>{preformatted_html(repr(self))}{figure_html(self.figure(name)) if name else ''}</div>"
 
 
 def read_result(directory: str | Path) -> Result:

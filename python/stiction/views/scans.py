@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._drawing import few_ticks
+from stiction._drawing import set_log_ticks
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.resolution import KAPPA
@@ -102,7 +102,7 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
         for axes in (spectra, slopes, pressure):
             axes.set(xscale="log", yscale="log", xlabel="wavelength (µm)")
             axes.set_xlim(1.15 * joined.longest, joined.shortest / 1.15)
-            few_ticks(axes)
+            set_log_ticks(axes)
     return figure
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._core import __version__
 from stiction._files import replaced_file
-from stiction._shown import write_png
+from stiction._repr import write_png
 from stiction.mechanics.quantities import QUANTITIES
 
 if TYPE_CHECKING:

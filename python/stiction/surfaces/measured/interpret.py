@@ -13,7 +13,7 @@ from typing import Any, Generic, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, choice, read_only
+from stiction._checks import Floats, check_choice, read_only
 from stiction._units import Quantity, quantity
 from stiction.surfaces.measured.plausibility import CAVEATS, Scan, caveats_of
 from stiction.surfaces.measured.raw import LENGTH_UNITS, Caveat, FormatError, Raw, Stated, length_unit
@@ -63,8 +63,8 @@ def read_options(
     accepted = tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
     if not set(accepted) <= set(CAVEATS):
         raise ValueError(f"accept must be one of {', '.join(CAVEATS)}, or several, got {accept!r}")
-    choice("missing", missing, Missing)
-    choice("outliers", outliers, Outliers)
+    check_choice("missing", missing, Missing)
+    check_choice("outliers", outliers, Outliers)
     crop = crop.split(",") if isinstance(crop, str) else crop
     if crop is not None and not (isinstance(crop, (list, tuple)) and len(crop) in (2, 4)):
         raise ValueError(f'crop must be "x0,x1" or "x0,x1,y0,y1", got {crop!r}')

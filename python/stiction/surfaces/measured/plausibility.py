@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._shown import with_unit
+from stiction._repr import with_unit
 from stiction.surfaces.measured.raw import Caveat
 
 MIN_REPEATS = 2  # points at an extreme value that may be a code for missing points

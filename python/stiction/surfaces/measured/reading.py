@@ -11,9 +11,9 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from stiction._files import reason
-from stiction._shown import with_unit
-from stiction._text import named, printable
+from stiction._files import describe_os_error
+from stiction._repr import with_unit
+from stiction._text import printable, printable_path
 from stiction.surfaces.measured.decode import decode, is_text
 from stiction.surfaces.measured.excel import read_excel
 from stiction.surfaces.measured.instrument import is_available, read_instrument
@@ -302,7 +302,9 @@ def _read(
     """Return the body in a file; doubts about it are warnings."""
     reading = _reading(path, options, convert)
     for caveat in reading.caveats:
-        warnings.warn(f"{named(path)}: {caveat}", FormatWarning, stacklevel=3)  # of whoever called a public function
+        warnings.warn(
+            f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3
+        )  # of whoever called a public function
     return reading.body
 
 
@@ -315,11 +317,11 @@ def _reading(
         raw = raw_of(_content(path, options.words), options.channel, options.columns)
         found = convert(raw, path.name, options)
     except OSError as error:
-        raise FormatError(f"{named(path)}: cannot be read: {reason(error)}") from None
+        raise FormatError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
     except MemoryError:
-        raise FormatError(f"{named(path)}: is too large for the memory of this machine") from None
+        raise FormatError(f"{printable_path(path)}: is too large for the memory of this machine") from None
     except ValueError as error:
-        raise FormatError(f"{named(path)}: {error}") from None
+        raise FormatError(f"{printable_path(path)}: {error}") from None
     return Reading(found.body, path.name, raw.source, found.unit, found.missing, raw.heights.size, found.caveats)
 
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import read_only
-from stiction._files import NotReadableError, content, new_file
-from stiction._text import named
+from stiction._files import NotReadableError, new_file, read_content
+from stiction._text import printable_path
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, FormatError
 
@@ -116,14 +116,14 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
 
     path = Path(path)
     try:
-        text = content(path, MOST_TEXT_BYTES).decode("utf-8-sig", "replace")
+        text = read_content(path, MOST_TEXT_BYTES).decode("utf-8-sig", "replace")
         table = pandas.read_csv(io.StringIO(text), comment="#", dtype=str)  # pandas before 3 rounds numbers
     except OSError as error:
-        raise FormatError(f"{named(path)}: cannot be read: {error.strerror}") from None
+        raise FormatError(f"{printable_path(path)}: cannot be read: {error.strerror}") from None
     except NotReadableError as error:
-        raise FormatError(f"{named(path)}: {error}") from None
+        raise FormatError(f"{printable_path(path)}: {error}") from None
     except ValueError:  # of pandas, whatever it is
-        raise FormatError(f"{named(path)}: is no table of a spectrum") from None
+        raise FormatError(f"{printable_path(path)}: is no table of a spectrum") from None
     scans = [match for line in text.splitlines() if (match := _SCAN.fullmatch(line))]
     names = [match["name"] for match in scans]
     try:
@@ -135,14 +135,14 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
         )
         bands = tuple((float(match["shortest"]), float(match["longest"])) for match in scans)
     except KeyError as error:
-        raise FormatError(f"{named(path)}: is no spectrum: it has no column {error.args[0]!r}") from None
+        raise FormatError(f"{printable_path(path)}: is no spectrum: it has no column {error.args[0]!r}") from None
     except ValueError:
-        raise FormatError(f"{named(path)}: is no spectrum: it has something else than numbers") from None
+        raise FormatError(f"{printable_path(path)}: is no spectrum: it has something else than numbers") from None
     steps = np.diff(np.log(q)) if (q > 0).all() and np.isfinite(q).all() else np.empty(0)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > _EQUAL * steps.mean() + 1e-12:
-        raise FormatError(f"{named(path)}: is no spectrum: {WAVE_NUMBER!r} must rise in equal ratios")
+        raise FormatError(f"{printable_path(path)}: is no spectrum: {WAVE_NUMBER!r} must rise in equal ratios")
     if not (density > 0).all() or not np.isfinite(density).all():
-        raise FormatError(f"{named(path)}: is no spectrum: {DENSITY!r} must be above 0")
+        raise FormatError(f"{printable_path(path)}: is no spectrum: {DENSITY!r} must be above 0")
     return JoinedSpectrum(
         wave_number=read_only(q), density=read_only(density), count=read_only(count),
         contribution=read_only(contribution), ratio=read_only(ratio), bands=bands,

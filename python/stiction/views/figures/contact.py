@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_MAP, PRESSURE_MAP, scale_bar
+from stiction._drawing import HEIGHT_MAP, PRESSURE_MAP, add_scale_bar
 from stiction.mechanics.contact import Contacts, contacts
 from stiction.surfaces.profile import Profile
 from stiction.views.digits import with_unit
@@ -181,7 +181,7 @@ def contacts_figure(
     moved = "" if np.isnan(shift).any() else f"upper body moved by {along[0]} and {along[1]}"
     words = f"{force.size} contacts at {with_unit(float(picture.attrs['load_mN']), 'mN')}"
     axes.set_title("\n".join(filter(None, (title, words, moved))), loc="left", fontsize=6, pad=3)
-    scale_bar(axes, box_of(picture, "height"), fontsize=6)
+    add_scale_bar(axes, box_of(picture, "height"), fontsize=6)
     if has_pressure:
         _pressure_panel(figure, drawn[1], picture, hardness)
         draw_frame(axes, box_of(picture, "zoom"))

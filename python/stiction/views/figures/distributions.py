@@ -10,7 +10,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._checks import Floats
-from stiction._drawing import few_ticks
+from stiction._drawing import set_log_ticks
 from stiction.views.digits import with_unit
 from stiction.views.point import STATISTICS, by_rule
 from stiction.views.style import RULE_WORDS, RULES, dimension_colours, friction_parameters_text, label, new_figure
@@ -152,7 +152,7 @@ def sizes_figure(
             ax.plot(mean, percent, color=colour, linewidth=1.2, label=with_unit(float(load), "mN"))
     for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
         ax.set(ylim=(0, 100), xlabel=label(name), xscale="log")
-        few_ticks(ax)
+        set_log_ticks(ax)
     axes[0].set_ylabel("contacts that are smaller (%)")
     axes[1].set_ylabel("true contact area\nat lower pressure (%)")
     if hardness is not None:

@@ -19,8 +19,8 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_MAP, few_ticks
-from stiction._units import exact
+from stiction._drawing import HEIGHT_MAP, set_log_ticks
+from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.at_load import reached_loads
 from stiction.studies.maps import area_map, friction_map, means
@@ -260,7 +260,7 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     values, status = panel["friction_coefficient"].values, panel["status"].values
     edges = _edges(panel["fractal_dimension"].values), np.exp(_edges(np.log(panel["load"].values)))
     axes.set(yscale="log", xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
-    few_ticks(axes)
+    set_log_ticks(axes)
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
     known = np.isfinite(values)
     # A coefficient of 0 has no logarithm, and is drawn as the lowest colour is.
@@ -397,7 +397,7 @@ def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart:
         # A band that is wider than all the curves may be cut off.
         values = (scale * area)[area > 0]
         ax.set_ylim(values.min() / MOST_BAND, values.max() * MOST_BAND)
-        few_ticks(ax)
+        set_log_ticks(ax)
         names, places = [], []
         for curve, colour in enumerate(dimension_colours(dimensions)):
             ax.fill_between(load, scale * lower[curve], scale * upper[curve], color=colour, alpha=0.25, linewidth=0)
@@ -451,7 +451,7 @@ def length_scales_figure(study: Study) -> Figure:
     figure = new_figure(66)
     axes = figure.subplots(2, len(scales), height_ratios=[1, 1.2], sharex=True)
     for column, scale in enumerate(scales):
-        scaled = study.with_changes({"surfaces.length_scale": exact(scale, "um")})
+        scaled = study.with_changes({"surfaces.length_scale": exact_quantity(scale, "um")})
         profile = unscaled_profile(scaled, 0, "lower", dimension)
         surface = weierstrass_mandelbrot_surface(
             phases_of(study, 0, "lower"), dimension, shape=(pixels, pixels), extent=extent, length_scale=scale,

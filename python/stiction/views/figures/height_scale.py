@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from stiction._drawing import few_ticks
+from stiction._drawing import set_log_ticks
 from stiction.views.digits import with_unit
 from stiction.views.figures.loads import plain_log
 from stiction.views.point import STATISTICS, by_rule, is_unloaded
@@ -43,7 +43,7 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
         lower.set_yscale("log")
     for axes in (upper, lower):
         axes.axvline(measured, color="0.5", linewidth=0.5, linestyle="--")
-        few_ticks(axes)
+        set_log_ticks(axes)
     upper.set(ylim=(0, None), ylabel=label("friction_coefficient"))
     lower.set(xlabel=label("rms_gradient"), ylabel=label("contact_area_fraction" if has_fraction else "contact_area"))
     plain_log(lower.xaxis)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from stiction._checks import Floats
-from stiction._drawing import few_ticks
+from stiction._drawing import set_log_ticks
 from stiction.studies.contact_picture import IN_PULL_OFFS
 from stiction.views.digits import prefix
 from stiction.views.point import STATISTICS, by_rule
@@ -201,7 +201,7 @@ def _against(
     upper.set_ylabel(label("friction_coefficient"))
     lower.set_ylabel(label("contact_area_fraction" if has_fraction else "contact_area"))
     for ax in (upper, lower):
-        few_ticks(ax)
+        set_log_ticks(ax)
     plain_log(lower.xaxis)
     low, high = lower.get_ylim()
     if lower.get_yscale() == "log" and high < 30 * low:

@@ -13,7 +13,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
 from stiction._checks import Floats
-from stiction._drawing import scale_bar
+from stiction._drawing import add_scale_bar
 from stiction.studies.at_load import at_load, reached_loads
 from stiction.studies.contact_picture import AROUND_LARGEST, FEWEST_POINTS
 from stiction.studies.contact_tables import Asperities
@@ -123,7 +123,7 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     levels = BoundaryNorm([0.0, *onset["fraction"].values], colours.N)
     whole = box_of(onset, "slip")
     draw_heights(figure, drawn[0], onset["lower_height"].values, whole)
-    scale_bar(drawn[0], whole, fontsize=6)
+    add_scale_bar(drawn[0], whole, fontsize=6)
     if of_points:
         _points(drawn[0], onset["slip"].values, whole, levels)
         part, box = _crop(onset)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_MAP, wavelength_of
+from stiction._drawing import HEIGHT_MAP, to_wavelength
 from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -125,7 +125,7 @@ def _draw_line(axes: Axes, line: LineRoughness, axis: str, colour: str) -> None:
 def _finish_spectrum(axes: Axes, unit: str, density: Floats | None = None) -> None:
     """Logarithmic scales, wavelengths above, and what the lines are; over a density, or that of the first line."""
     axes.set(xscale="log", yscale="log", xlabel="wave number $q$ (1/µm)", ylabel=f"density $C$ ({unit})")
-    axes.secondary_xaxis("top", functions=(wavelength_of, wavelength_of)).set_xlabel(r"wavelength $\lambda$ (µm)")
+    axes.secondary_xaxis("top", functions=(to_wavelength, to_wavelength)).set_xlabel(r"wavelength $\lambda$ (µm)")
     known = np.asarray(axes.lines[0].get_ydata() if density is None else density[density > 0], np.float64)
     axes.set_ylim(max(known.min() / 5, 1e-14 * known.max()), 5 * known.max())
     axes.legend(loc="lower left", handlelength=1.5, borderaxespad=0.3, labelspacing=0.3)

@@ -1,0 +1,186 @@
+"""Text, HTML and images of results in a terminal or a notebook."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+NOTEBOOK_DPI = 110  # resolution of an image in a notebook
+NOTEBOOK_SIZE = (4.6, 3.2)  # width and height of an image in a notebook, inches
+MAX_COLUMN_WIDTH = 4.0  # figures up to this width (inches) fit one column and get a higher resolution
+PNG_COMPRESSION = 4  # half the time of the default level 6; maps become a tenth larger
+
+_SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
+"""Next smaller unit and its factor, used for values below 0.1."""
+
+
+class TextRepr:
+    """Mixin: text representation with each number, and the shape and range of each array."""
+
+    def __repr__(self) -> str:
+        """Return one line per quantity, with its unit."""
+        rows = [(name, text) for name, text in _format_fields(self) if text]
+        width = max((len(name) for name, _ in rows), default=0)
+        return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in rows)])
+
+
+class PlotRepr(TextRepr):
+    """Mixin: text and plot in a notebook. The class has a method ``plot(ax=None)``."""
+
+    def _repr_html_(self) -> str:
+        return f"<div>{preformatted_html(repr(self))}{plot_html(self.plot)}</div>"  # type: ignore[attr-defined]
+
+
+class TableRepr(TextRepr):
+    """Mixin: table of values with units in a notebook."""
+
+    def _repr_html_(self) -> str:
+        units = field_units(type(self))
+        rows = [
+            (field.name, *number_and_unit(getattr(self, field.name), units.get(field.name, "")))
+            for field in fields(self)  # type: ignore[arg-type]
+        ]
+        return table_html(("parameter", "value", "unit"), rows)
+
+
+# ---- Text ------------------------------------------------------------------------------------------------------------
+
+
+def field_units(cls: Any) -> dict[str, str]:
+    """Return the unit of each field of a dataclass that has one."""
+    return {field.name: field.metadata["unit"] for field in fields(cls) if "unit" in field.metadata}
+
+
+def number_and_unit(value: float, unit: str) -> tuple[str, str]:
+    """Format a number to four digits in the unit that needs few zeros; return the text and the unit."""
+    if unit in _SMALLER_UNITS and 0 < abs(value) < 0.1:
+        factor, unit = _SMALLER_UNITS[unit]
+        value = value / factor
+    if isinstance(value, float) and math.isnan(value):
+        return "none", ""
+    return f"{value:.4g}" if isinstance(value, float) else str(value), unit
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Format a number to four digits with its unit."""
+    return " ".join(number_and_unit(float(value), unit)).strip()
+
+
+def format_range(values: Any, unit: str = "") -> str:
+    """Format the range of the finite values of an array, and the number of missing values."""
+    finite = values[np.isfinite(values)] if values.dtype.kind == "f" else values
+    if not finite.size:
+        return "none"
+    low, high = finite.min(), finite.max()
+    ends = f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+    num_missing = values.size - finite.size
+    return " ".join([ends, unit] if unit else [ends]) + (
+        f" ({num_missing} of {values.size} none)" if num_missing else ""
+    )
+
+
+def _format_fields(shown: Any) -> Iterator[tuple[str, str]]:
+    units = field_units(type(shown))
+    for name in [field.name for field in fields(shown) if not field.name.startswith("_")]:
+        value, unit = getattr(shown, name), units.get(name, "")
+        if isinstance(value, np.ndarray):
+            yield name, _format_array(value, unit)
+        elif isinstance(value, (bool, str)):
+            yield name, str(value)
+        elif isinstance(value, (int, float)):
+            yield name, with_unit(value, unit) if isinstance(value, float) else f"{value} {unit}".strip()
+        elif isinstance(value, tuple) and value and all(isinstance(item, str) for item in value):
+            yield name, ", ".join(value)
+        elif isinstance(value, tuple) and all(isinstance(item, (int, float)) for item in value) and value:
+            yield name, ", ".join(with_unit(item, unit) for item in value)
+
+
+def _format_array(values: Any, unit: str) -> str:
+    if values.ndim == 0:
+        return with_unit(values.item(), unit)
+    if values.dtype.kind == "b":
+        return f"{values.sum()} of {values.size}"
+    if values.ndim == 1 and values.size <= 4 and values.dtype.kind in "iuf":
+        return " ".join([", ".join(f"{item:.4g}" for item in values.tolist()), unit]).strip() or "none"
+    shape = " × ".join(map(str, values.shape))
+    return f"{shape}: {format_range(values, unit)}" if values.dtype.kind in "iuf" else shape
+
+
+# ---- HTML ------------------------------------------------------------------------------------------------------------
+
+
+def preformatted_html(text: str) -> str:
+    """Return text as preformatted HTML."""
+    style = "white-space:pre;overflow-x:auto;font-size:0.85em;line-height:1.35"
+    return f'<pre style="{style}">{html.escape(text)}</pre>'
+
+
+def table_html(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return an HTML table whose first column contains the row names."""
+    head = "".join(f"<th>{html.escape(text)}</th>" for text in heads)
+    body = "".join("<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in row) + "</tr>" for row in rows)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def plot_html(draw: Callable[[Axes], object]) -> str:
+    """Render the axes drawn by a function as an inline image, or its error message if there is nothing to draw."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=NOTEBOOK_SIZE, layout="constrained")
+    try:
+        draw(figure.subplots())
+    except ValueError as error:
+        return preformatted_html(str(error))
+    return figure_html(figure)
+
+
+def figure_html(figure: Any) -> str:
+    """Return a Matplotlib figure as an inline image with a text for screen readers."""
+    coded = base64.b64encode(render_png(figure)).decode("ascii")
+    return f'<img alt="picture" style="max-width:100%" src="data:image/png;base64,{coded}"/>'
+
+
+def render_png(figure: Any) -> bytes:
+    """Render a Matplotlib figure as PNG, at a higher resolution if it is only one column wide."""
+    buffer = io.BytesIO()
+    is_narrow = figure.get_size_inches()[0] <= MAX_COLUMN_WIDTH
+    write_png(figure, buffer, dpi=1.5 * NOTEBOOK_DPI if is_narrow else NOTEBOOK_DPI)
+    return buffer.getvalue()
+
+
+def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: dict[str, str] | None = None) -> None:
+    """Write a Matplotlib figure as PNG at the given resolution.
+
+    The figure is drawn once; `Figure.savefig` draws a figure with automatic layout twice.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    original = figure.canvas, figure.dpi
+    try:
+        figure.dpi = dpi
+        canvas: Any = FigureCanvasAgg(figure)
+        canvas.print_png(file, metadata=metadata, pil_kwargs={"compress_level": PNG_COMPRESSION})
+    finally:
+        figure.dpi = original[1]
+        figure.set_canvas(original[0])
+
+
+def axes_for(ax: Axes | None) -> Axes:
+    """Return the given axes, or new pyplot axes, which a notebook displays."""
+    if ax is not None:
+        return ax
+    from matplotlib import pyplot
+
+    return pyplot.subplots(figsize=NOTEBOOK_SIZE, layout="constrained")[1]
