@@ -1,0 +1,77 @@
+"""Tests of tools/words.py, which samples and checks the names and sentences of the tree."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def words():
+    spec = importlib.util.spec_from_file_location("words", ROOT / "tools/words.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_comments_join_consecutive_lines(words):
+    source = "# A comment that goes on\n# over two lines.\nx = 1  # a comment after code that is long enough\n"
+    assert list(words.comments({"dev": source})) == [
+        ("dev:1", "A comment that goes on over two lines."),
+        ("dev:3", "a comment after code that is long enough"),
+    ]
+
+
+def test_docstrings_include_docstrings_of_constants(words):
+    source = '"""Module."""\n\nLIMIT = 3\n"""Largest number of rows."""\n'
+    assert list(words.docstrings({"dev": source})) == [("dev:module", "Module."), ("dev:4", "Largest number of rows.")]
+
+
+def test_names_are_sorted_by_kind_and_count_once(words):
+    source = "LIMIT = 1\n\nclass Row:\n    def read(self, file):\n        size = 1\n        size = 2\n"
+    spellings = {kind: {name for _, name in items} for kind, items in words.names({"dev": source}).items()}
+    assert spellings.pop("variable") == {"self", "file", "size"}
+    assert spellings == {"function": {"read"}, "class": {"Row"}, "constant": {"LIMIT"}, "test": set()}
+
+
+@pytest.mark.parametrize("name", ["said", "_said", "SAID"])
+def test_check_reports_rejected_names_in_their_folder(words, name):
+    files = {"tests/x.py": f"{name} = 1\n", "packaging/x.py": f"{name} = 1\n"}
+    faults = list(words.name_faults(files, {"tests": ["said"]}))
+    assert len(faults) == 1
+    assert faults[0].startswith(f"tests/x.py:1: {name} ")
+
+
+def test_check_reports_rejected_openings(words):
+    files = {"dev": '"""What a file contains."""\n\n\ndef read():\n    """Return what a file contains."""\n'}
+    assert len(list(words.opening_faults(files, {"all": ["What"]}))) == 1
+
+
+def test_check_reports_tests_that_do_not_begin_with_their_unit(words):
+    files = {"tests/test_x.py": "def test_the_rest():\n    pass\n\n\ndef test_rest_is_read():\n    pass\n"}
+    assert len(list(words.test_name_faults(files, {"all": ["the"]}))) == 1
+
+
+def test_repeated_names_have_different_values_or_modules(words):
+    files = {
+        "packaging/a.py": "SIZE = 1\nROOT = 2\nclass Row: pass\n",
+        "packaging/b.py": "_SIZE = 3\nROOT = 2\nclass _Row: pass\n",
+    }
+    assert words.repeated_constants(files) == {"SIZE": set(files)}
+    assert words.repeated_classes(files) == {"Row": set(files)}
+    assert list(words.repetition_faults(words.repeated_classes(files), ["Row"])) == []
+
+
+def test_sample_is_the_same_for_the_same_seed():
+    if not (ROOT / ".git").exists():
+        pytest.skip("no git checkout")
+    command = [sys.executable, str(ROOT / "tools/words.py"), "sample", "--number", "10"]
+    first, again, other = (
+        subprocess.check_output([*command, "--seed", seed], text=True, cwd=ROOT) for seed in ("1", "1", "2")
+    )
+    assert first == again != other
+    assert first.count("\n|  | ") == 20

@@ -1,0 +1,326 @@
+"""Draw sentences and names of the committed tree at random, and check names and sentences against tools/words.toml.
+
+words.py sample [--seed S] [--number N] [--functions N]
+    Print N sentences and N names as a table in which a reader marks each one. The same seed and commit give the
+    same sample. With --functions, print whole functions to explain from name, summary and body instead.
+words.py check
+    Exit with status 1 and one line for each name or sentence that words.toml rejects.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import functools
+import io
+import random
+import re
+import subprocess
+import sys
+import tarfile
+import tokenize
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from itertools import chain
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+RULES = ROOT / "tools/words.toml"
+SENTENCE_KINDS = ("docstring", "comment", "message", "documentation", "commit subject")
+NAME_KINDS = ("function", "class", "constant", "variable", "test")
+MIN_COMMENT_LENGTH = 25  # characters: shorter comments are units and markers
+MIN_WORDS = 7  # of a sentence of the documentation
+MAX_COMMITS = 200  # newest commits of which subjects are drawn
+MAX_SAMPLE_LENGTH = 300  # characters of a sentence that are printed
+MAX_FUNCTION_LINES = 40  # longer functions are not drawn for explanation
+PYTHON_FOLDERS = ("python/stiction", "tests", "benchmarks", "docs", "examples", "packaging", "tools", "dev")
+IMPORTABLE_FOLDERS = ("python/stiction", "tests/support", "tests/reference", "packaging", "tools")
+
+Files = Mapping[str, str]
+"""Texts of files by their path in the tree."""
+Item = tuple[str, str]
+"""Place and text of a sentence or name."""
+
+
+# ---- Reading the tree -----------------------------------------------------------------------------------------------
+
+
+def read_commit() -> Files:
+    """Return the text files of the current commit."""
+    archive = subprocess.run(["git", "archive", "HEAD"], cwd=ROOT, capture_output=True, check=True).stdout
+    texts = {}
+    with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
+        for member in tar:
+            if member.isfile() and (is_python(member.name) or member.name.endswith((".md", ".cpp", ".hpp", ".js"))):
+                file = tar.extractfile(member)
+                assert file is not None
+                texts[member.name] = file.read().decode("utf-8")
+    return texts
+
+
+def read_checkout() -> Files:
+    """Return the Python files of the working tree."""
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, check=True, text=True).stdout.split()
+    return {name: (ROOT / name).read_text("utf-8") for name in listed if is_python(name) and (ROOT / name).exists()}
+
+
+def is_python(name: str) -> bool:
+    return name == "dev" or name.endswith(".py")
+
+
+def is_in(name: str, folders: tuple[str, ...]) -> bool:
+    return any(name == folder or name.startswith(f"{folder}/") for folder in folders)
+
+
+def python_nodes(files: Files, folders: tuple[str, ...] = PYTHON_FOLDERS) -> Iterator[tuple[str, ast.AST]]:
+    """Yield the path of each Python file with each node of its syntax tree."""
+    for name, text in sorted(files.items()):
+        if is_python(name) and is_in(name, folders):
+            for node in syntax_nodes(text):
+                yield name, node
+
+
+@functools.cache
+def syntax_nodes(text: str) -> list[ast.AST]:
+    return list(ast.walk(ast.parse(text)))
+
+
+# ---- Sentences ------------------------------------------------------------------------------------------------------
+
+
+def docstrings(files: Files) -> Iterator[Item]:
+    """Yield the summary of each docstring, those of constants too."""
+    for name, node in python_nodes(files):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+            text = ast.get_docstring(node)
+            if text:
+                yield f"{name}:{getattr(node, 'name', 'module')}", " ".join(text.split("\n\n")[0].split())
+            for first, second in zip(node.body, node.body[1:], strict=False):
+                if isinstance(first, ast.Assign | ast.AnnAssign) and isinstance(second, ast.Expr):
+                    value = second.value
+                    if isinstance(value, ast.Constant) and isinstance(value.value, str):
+                        yield f"{name}:{second.lineno}", " ".join(value.value.split("\n\n")[0].split())
+
+
+def comments(files: Files) -> Iterator[Item]:
+    """Yield the comments of Python, C++ and JavaScript; consecutive lines are one comment."""
+    for name, text in sorted(files.items()):
+        lines: list[tuple[int, bool, str]] = []
+        if is_python(name):
+            for token in tokenize.generate_tokens(io.StringIO(text).readline):
+                if token.type == tokenize.COMMENT:
+                    whole = token.line.lstrip().startswith("#")
+                    lines.append((token.start[0], whole, token.string.lstrip("#! ")))
+        elif name.endswith((".cpp", ".hpp", ".js")):
+            for number, line in enumerate(text.splitlines(), 1):
+                if match := re.match(r"\s*///? ?(.+)|[^\"']*[;{}] +// (.+)", line):
+                    lines.append((number, match[1] is not None, match[1] or match[2]))
+        joined: list[tuple[int, int, str]] = []
+        for number, whole, comment in lines:
+            if whole and joined and joined[-1][1] == number - 1:
+                joined[-1] = (joined[-1][0], number, f"{joined[-1][2]} {comment}")
+            else:
+                joined.append((number, number if whole else 0, comment))
+        for number, _, comment in joined:
+            if len(comment) >= MIN_COMMENT_LENGTH and not re.search(r"----|^(type|fmt|noqa|ruff): ?|NOLINT", comment):
+                yield f"{name}:{number}", comment
+
+
+def messages(files: Files) -> Iterator[Item]:
+    """Yield the texts of exceptions and warnings of the package."""
+    for name, node in python_nodes(files, ("python/stiction",)):
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
+            arguments = node.exc.args
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("warn"):
+            arguments = node.args
+        else:
+            continue
+        for argument in arguments[:1]:
+            if isinstance(argument, ast.JoinedStr) or (
+                isinstance(argument, ast.Constant) and isinstance(argument.value, str) and " " in argument.value
+            ):
+                yield f"{name}:{node.lineno}", ast.unparse(argument)
+
+
+def documentation(files: Files) -> Iterator[Item]:
+    """Yield the sentences of the documentation."""
+    for name, text in sorted(files.items()):
+        if name.endswith(".md") and "generated" not in name:
+            body = re.sub(r"```.*?```|\A---.*?^---", "", text, flags=re.DOTALL | re.MULTILINE)
+            for block in re.split(r"\n\s*\n", body):
+                paragraph = " ".join(block.split())
+                if paragraph and not paragraph.startswith(("#", "|", "(", ":", "<")):
+                    for sentence in re.split(r"(?<=[.:])\s+(?=[A-Z*`])", paragraph):
+                        if len(sentence.split()) >= MIN_WORDS:
+                            yield name, sentence
+
+
+def commit_subjects(files: Files) -> Iterator[Item]:
+    """Yield the subjects of the newest commits."""
+    log = ["git", "log", f"-{MAX_COMMITS}", "--format=%h %s"]
+    for line in subprocess.run(log, cwd=ROOT, capture_output=True, check=True, text=True).stdout.splitlines():
+        commit, subject = line.split(" ", 1)
+        yield commit, subject
+
+
+SENTENCES: dict[str, Callable[[Files], Iterator[Item]]] = dict(
+    zip(SENTENCE_KINDS, (docstrings, comments, messages, documentation, commit_subjects), strict=True)
+)
+
+
+# ---- Names ----------------------------------------------------------------------------------------------------------
+
+
+def bound_names(node: ast.AST) -> Iterator[tuple[str, str]]:
+    """Yield the kind and spelling of each name that a node of the syntax tree binds."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+        yield ("test" if node.name.startswith("test_") else "function"), node.name
+    elif isinstance(node, ast.ClassDef):
+        yield "class", node.name
+    elif isinstance(node, ast.arg):
+        yield "variable", node.arg
+    elif isinstance(node, ast.Name | ast.Attribute) and isinstance(node.ctx, ast.Store):
+        name = node.id if isinstance(node, ast.Name) else node.attr
+        yield ("constant" if is_constant(name) else "variable"), name
+
+
+def is_constant(name: str) -> bool:
+    return name.isupper() and len(name.strip("_")) > 1
+
+
+def names(files: Files) -> dict[str, list[Item]]:
+    """Return the place and spelling of each name by kind; a name counts once in a file."""
+    unique: dict[str, dict[Item, None]] = {kind: {} for kind in NAME_KINDS}
+    for path, node in python_nodes(files):
+        for kind, name in bound_names(node):
+            if len(name.strip("_")) > 1:
+                unique[kind][path, name] = None
+    return {kind: list(items) for kind, items in unique.items()}
+
+
+# ---- Sample ---------------------------------------------------------------------------------------------------------
+
+
+def draw(items_by_kind: Mapping[str, list[Item]], number: int, generator: random.Random) -> Iterator[str]:
+    """Yield rows of a table with `number` items, as equally many of each kind as possible."""
+    yield "| mark | kind | place | text |\n|---|---|---|---|"
+    for i, (kind, items) in enumerate(items_by_kind.items()):
+        count = number // len(items_by_kind) + (i < number % len(items_by_kind))
+        for place, text in generator.sample(items, min(count, len(items))):
+            yield f"|  | {kind} | {place} | {text[:MAX_SAMPLE_LENGTH].replace('|', chr(92) + '|')} |"
+
+
+def draw_functions(files: Files, number: int, generator: random.Random) -> Iterator[str]:
+    """Yield the source of `number` functions of the package that have a docstring."""
+    functions = []
+    for name, node in python_nodes(files, ("python/stiction",)):
+        if isinstance(node, ast.FunctionDef) and ast.get_docstring(node):
+            end = node.end_lineno or node.lineno
+            if end - node.lineno <= MAX_FUNCTION_LINES:
+                functions.append((name, "\n".join(files[name].splitlines()[node.lineno - 1 : end])))
+    for name, source in generator.sample(functions, number):
+        yield f"## {name}\n\n```python\n{source}\n```\n"
+
+
+def sample(seed: int, number: int, functions: int) -> None:
+    files, generator = read_commit(), random.Random(seed)
+    print(f"Seed {seed}. Mark each: C clear, A awkward but understood, X read twice or misunderstood.\n")
+    if functions:
+        print(*draw_functions(files, functions, generator), sep="\n")
+        return
+    for items_by_kind in ({kind: list(find(files)) for kind, find in SENTENCES.items()}, names(files)):
+        print(", ".join(f"{len(items)} of kind {kind}" for kind, items in items_by_kind.items()), end="\n\n")
+        print(*draw(items_by_kind, number, generator), "", sep="\n")
+
+
+# ---- Check ----------------------------------------------------------------------------------------------------------
+
+
+def rejected_words(table: Mapping[str, list[str]], path: str) -> set[str]:
+    """Return the words that are rejected in a file: those of every folder that contains it, and those of `all`."""
+    return set(
+        chain.from_iterable(words for folder, words in table.items() if folder == "all" or is_in(path, (folder,)))
+    )
+
+
+def name_faults(files: Files, table: Mapping[str, list[str]]) -> Iterator[str]:
+    for path, node in python_nodes(files):
+        rejected = rejected_words(table, path)
+        for kind, name in bound_names(node):
+            if name.strip("_").lower() in rejected:
+                yield f"{path}:{getattr(node, 'lineno', 1)}: {name} is no noun of the field, for a {kind}"
+
+
+def test_name_faults(files: Files, table: Mapping[str, list[str]]) -> Iterator[str]:
+    for path, node in python_nodes(files, ("tests",)):
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
+            first_word = node.name.split("_")[1]
+            if first_word in rejected_words(table, path):
+                yield f"{path}:{node.lineno}: {node.name} does not begin with the unit that is tested"
+
+
+def opening_faults(files: Files, table: Mapping[str, list[str]]) -> Iterator[str]:
+    for place, sentence in chain(docstrings(files), comments(files)):
+        if sentence.split()[0] in rejected_words(table, place.split(":")[0]):
+            yield f"{place}: {sentence[:60]!r} does not begin with a verb or with the thing that it describes"
+
+
+def repeated_classes(files: Files) -> dict[str, set[str]]:
+    """Return the modules of each class name that several modules define."""
+    modules: dict[str, set[str]] = {}
+    for path, node in python_nodes(files):
+        if isinstance(node, ast.ClassDef):
+            modules.setdefault(node.name.strip("_"), set()).add(path)
+    return {name: paths for name, paths in modules.items() if len(paths) > 1}
+
+
+def repeated_constants(files: Files) -> dict[str, set[str]]:
+    """Return the modules of each constant that several modules define by different values."""
+    modules: dict[str, dict[str, str]] = {}
+    for path, text in sorted(files.items()):
+        if not is_python(path) or not is_in(path, IMPORTABLE_FOLDERS):
+            continue
+        for node in ast.parse(text).body:
+            if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
+                for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+                    if isinstance(target, ast.Name) and is_constant(target.id):
+                        modules.setdefault(target.id.strip("_"), {})[path] = ast.unparse(node.value)
+    return {name: set(values) for name, values in modules.items() if len(set(values.values())) > 1}
+
+
+def repetition_faults(repeated: Mapping[str, set[str]], accepted: list[str]) -> Iterator[str]:
+    for name in sorted(set(repeated) - set(accepted)):
+        yield f"{name} has several meanings: {', '.join(sorted(repeated[name]))}"
+
+
+def check() -> None:
+    files, rules = read_checkout(), tomllib.loads(RULES.read_text("utf-8"))
+    faults = [
+        *name_faults(files, rules["names"]),
+        *test_name_faults(files, rules["test_names"]),
+        *opening_faults(files, rules["openings"]),
+        *repetition_faults(repeated_classes(files), rules["repeated"]["classes"]),
+        *repetition_faults(repeated_constants(files), rules["repeated"]["constants"]),
+    ]
+    if faults:
+        print(*faults, sep="\n")
+        sys.exit(f"words: {len(faults)} names and sentences that tools/words.toml rejects")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    commands.add_parser("check")
+    options = commands.add_parser("sample")
+    options.add_argument("--seed", type=int, default=random.randrange(10**6))
+    options.add_argument("--number", type=int, default=150, metavar="N", help="sentences, and names")
+    options.add_argument("--functions", type=int, default=0, metavar="N")
+    chosen = vars(parser.parse_args())
+    if chosen.pop("command") == "check":
+        check()
+    else:
+        sample(**chosen)
+
+
+if __name__ == "__main__":
+    main()
