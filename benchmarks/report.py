@@ -74,7 +74,7 @@ def screenshot(driver, path: Path) -> None:
 
 
 def rows() -> list[tuple[str, str]]:
-    dataset = run(Study.named("figure6"), store=HERE.parent / "build/figure6")
+    dataset = run(Study.named("figure6"), store=HERE.parent / "build/figure6").dataset
     with tempfile.TemporaryDirectory() as folder, browser.browser(f"{folder}/profile") as driver:
         page = Path(folder) / "report.html"
         start = time.perf_counter()

@@ -120,7 +120,7 @@ def make_live(app: Sphinx, exception: Exception | None) -> None:
     with tempfile.TemporaryDirectory() as place:
         for name, (files, given) in LIVE.items():
             scans = (SCANS / files.format(side) for side in ("upper", "lower"))
-            pair(*scans, **given, directory=Path(place) / name).report(folder / f"{name}.html")
+            pair(*scans, **given, directory=Path(place) / name).save_report(folder / f"{name}.html")
     save_report(run(Study.named("quick")), folder / "study.html", name="quick")
     command = ["stiction", "characterise", SCANS / "lapped_upper.csv", "--output", folder / "surface.html"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)

@@ -62,7 +62,7 @@ def circular_arc():
 @pytest.fixture(scope="session")
 def small_result():
     """The result of the study `SMALL`; nothing may change it."""
-    return run(SMALL)
+    return run(SMALL).dataset
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,7 @@ SMALL = claims.claims_study().with_changes(
 
 @pytest.fixture(scope="module")
 def result():
-    return run(SMALL)
+    return run(SMALL).dataset
 
 
 @pytest.fixture(scope="module")

@@ -18,11 +18,11 @@ from stiction import (
     contacts,
     flipped,
     half_space,
+    open_result,
     pair,
     power_spectrum,
     press,
     pressed_maps,
-    read_result,
     read_surface,
     roughness_parameters,
     self_affine_surface,
@@ -217,7 +217,7 @@ def datasets(upper, lower, by_function, folder):
     pressed = pressed_maps(upper, lower, ["1 mN"], **maps)
     lines = stiction.traverse(upper.row(0), lower.row(0), "10 uN", mu0=0.3)
     small = {"ensemble.repetitions": 2, "surfaces.points": 3000, "contact.approach": ["5 nm", "20 nm", "40 nm"]}
-    ran = stiction.run(stiction.Study.named("quick").with_changes(small))
+    ran = stiction.run(stiction.Study.named("quick").with_changes(small)).dataset
     loads = [1e-3, 2e-3]
     made = [pressed, stiction.pressed_maps_mean(pressed), lines, stiction.traverse_mean(lines), ran]
     made += [stiction.friction_map(ran, loads), stiction.area_map(ran, loads), stiction.stiffness_map(ran, loads)]
@@ -270,7 +270,7 @@ def test_contacts_are_those_of_a_typical_member_unless_others_are_named(by_funct
 def test_generated_bodies_have_contacts_too():
     small = {"ensemble.repetitions": 3, "surfaces.points": 3000, "surfaces.fractal_dimension": [1.1, 1.4]}
     study = stiction.Study.named("quick").with_changes(small)
-    found = stiction.Result(stiction.run(study)).contacts(1e-3, members=[0, 1])
+    found = stiction.run(study).contacts(1e-3, members=[0, 1])
     one = found[(found["fractal_dimension"] == 1.4) & (found["member"] == 1)]
     upper, lower = stiction.pair_of(study, 1, fractal_dimension=1.4, amplitude=float(one["amplitude_um"].iloc[0]))
     approach = float(stiction.approach_at_load(upper, lower, 1e-3, mu0=0.0))
@@ -426,7 +426,7 @@ def by_command(where):
         patch.setattr("stiction.views.figures.drawn", lambda *_, **__: [])
         done = call_stiction("pair", "upper.npy", "lower.npy", *OPTIONS, "--output", "command", cwd=where)
     assert done.returncode == 0, done
-    return read_result(where / "command")
+    return open_result(where / "command")
 
 
 @pytest.fixture(scope="module")
@@ -437,10 +437,10 @@ def by_function(where):
 def test_the_function_is_the_command(by_command, by_function, where):
     assert by_function.study == by_command.study
     xarray.testing.assert_identical(by_function.dataset, by_command.dataset)
-    assert by_function.table().equals(by_command.table())
+    assert by_function.to_dataframe().equals(by_command.to_dataframe())
     assert repr(by_function) == repr(by_command)
     assert by_function.answers == by_command.answers
-    again = read_result(where / "function")
+    again = open_result(where / "function")
     assert (again.value, again.verdict) == (by_function.value, by_function.verdict)
 
 
@@ -465,11 +465,11 @@ def test_a_result_says_its_answer(by_function, tmp_path):
     assert by_function.interval == (first.lower, first.upper)
     assert by_function.verdict in repr(by_function)
     assert all(doubt.text in " ".join(repr(by_function).split()) for doubt in first.doubts)
-    table = by_function.table()
+    table = by_function.to_dataframe()
     assert {"verdict", "doubts", "coefficient of static friction"} <= set(table.columns)
     assert "<pre" in (shows := by_function._repr_html_())
     assert "<img" in shows
-    assert by_function.report(tmp_path / "page.html").stat().st_size > 1000
+    assert by_function.save_report(tmp_path / "page.html").stat().st_size > 1000
 
 
 def test_a_result_is_read_at_other_loads(by_function):

@@ -29,7 +29,7 @@ from typing import Any, Literal
 import numpy as np
 import xarray
 from numpy.typing import ArrayLike, NDArray
-from stiction import Study, read_result, run
+from stiction import Study, open_result, run
 from stiction.mechanics import friction
 from stiction.studies.intervals import Crossing
 from stiction.studies.study import study_of
@@ -706,8 +706,8 @@ def write_tables(
 
     def result_of(study: Study, folder: str) -> xarray.Dataset:
         if not (results / folder / "study.toml").exists():
-            return run(study.with_changes(changes), store=results / folder)
-        return read_result(results / folder).dataset
+            return run(study.with_changes(changes), store=results / folder).dataset
+        return open_result(results / folder).dataset
 
     result = result_of(claims_study(), "figure7")
     outcomes = judge(result)

@@ -10,8 +10,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import flipped, half_space, levelled, pair, read_profile
-from stiction.views.answer import answers, headlines
-from stiction.views.asked import at_asked_loads
+from stiction.views.answer import headlines
 from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, RULES, STYLE, UPPER, label, save_picture
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -45,7 +44,7 @@ def friction_against_load():
             directory=folder,
             **GIVEN,
         )
-        found = headlines(answers(at_asked_loads(result.source), result.study, beside=result.beside))
+        found = headlines(result.answers)
         rules = [{each.rule: (each.value, each.lower, each.upper) for each in one.rules} for one in found]
         return {rule: np.transpose([one[rule] for one in rules]) for rule in RULES}
 

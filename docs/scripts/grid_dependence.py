@@ -29,7 +29,7 @@ def measured(detection: str) -> dict[str, np.ndarray]:
                 "ensemble.repetitions": 24,
             }
         )
-        data = run(study).isel(amplitude=0, approach=0).transpose("fractal_dimension", "repetition")
+        data = run(study).dataset.isel(amplitude=0, approach=0).transpose("fractal_dimension", "repetition")
         columns["load"].append(data["normal_elastic"].values)
         columns["normal"].append(load_of("normal", data, MU0, 0.0))
         columns["tangential"].append(load_of("tangential", data, MU0, 0.0))

@@ -43,7 +43,7 @@ def results(directory: Path) -> dict:
     for name, study in {"half-plane": exact, "cylinders": cylinders}.items():
         path = directory / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        found[name] = store.read(path) if "--as-is" in sys.argv and path.exists() else run(study, store=path)
+        found[name] = store.read(path) if "--as-is" in sys.argv and path.exists() else run(study, store=path).dataset
     return found
 
 

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from scipy.ndimage import uniform_filter
 from scipy.sparse.linalg import LinearOperator, cg
 from scipy.stats import t as student
-from stiction import Result, Study, Surface, half_space, press, run, self_affine_surface
+from stiction import Study, Surface, half_space, press, run, self_affine_surface
 from stiction.views.digits import with_interval
 
 DOCS = Path(__file__).parents[1]
@@ -234,10 +234,10 @@ def slopes() -> list[str]:
 
 def over_dimension() -> list[str]:
     """Pairs of lines, of the built-in study, and of areas; draws that of lines."""
-    lines = Result(run(Study.named("presliding"), progress=True))
+    lines = run(Study.named("presliding"), progress=True)
     figure = lines.figure("onset")
     figure.savefig(DOCS / "images/onset_dimension.png", dpi=300)
-    areas = Result(run(Study.named("presliding").with_changes(AREAS), progress=True))
+    areas = run(Study.named("presliding").with_changes(AREAS), progress=True)
     rows = header(
         "D",
         *(f"{of}: {what}" for of in ("lines", "areas") for what in ("creep (nm)", "slips at half (%)", "k_t (mN/µm)")),

@@ -62,8 +62,9 @@ from stiction.studies.interfaces import (
     write_interface as write_interface,
 )
 from stiction.studies.maps import area_map as area_map, friction_map as friction_map, stiffness_map as stiffness_map
-from stiction.studies.result import nondimensional as nondimensional
+from stiction.studies.layout import nondimensional as nondimensional
 from stiction.studies.members import pair_of as pair_of
+from stiction.studies.result import Result as Result, open_result as open_result
 from stiction.studies.runner import run as run
 from stiction.studies.study import Study as Study, study_names as study_names
 from stiction.studies.traverse import traverse as traverse, traverse_mean as traverse_mean
@@ -141,4 +142,3 @@ from stiction.surfaces.surrogates import (
 from stiction.surfaces.tip import tip_reconstructed as tip_reconstructed
 from stiction.views.calibration import calibration_figure as calibration_figure
 from stiction.views.pair import pair as pair
-from stiction.views.result import Result as Result, read_result as read_result

@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 import xarray
-from stiction import read_result, run, self_affine, self_affine_surface, write_profile, write_surface
+from stiction import open_result, run, self_affine, self_affine_surface, write_profile, write_surface
 from stiction.studies.at_load import at_load
 from stiction.studies.store import open_stored
 from stiction.views.answer import answers
@@ -172,7 +172,7 @@ def test_scale_heights_computes_on_request_and_prints_a_table_or_json(folder, tm
     record = json.loads(said(*arguments, "--json", cwd=tmp_path))
     assert (record["kind"], record["scaled"], record["solved"]) == ("pair", "both", [0.5, 1.0, 2.0])
     load = 10e-3 * record["nominal_area"]
-    at = read_result(tmp_path / "maps").at(load, mu0=0.25, height_scale=[0.5, 1, 2])
+    at = open_result(tmp_path / "maps").at(load, mu0=0.25, height_scale=[0.5, 1, 2])
     names = {value["name"] for value in record["values"]}
     assert {"friction_combined", "contact_area_fraction", "rms_gradient", "upper_rms", "lower_rms"} <= names
     for value in record["values"]:

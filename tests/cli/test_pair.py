@@ -491,7 +491,7 @@ def areas(where):
 def test_a_pair_is_the_study_in_its_folder(where, checked, areas):
     for folder in ("pair", "pair/half-space", "areas"):
         stored = store.read(where / folder)
-        result = run(Study.from_toml(where / folder / "study.toml"))
+        result = run(Study.from_toml(where / folder / "study.toml")).dataset
         for name, values in result.data_vars.items():
             np.testing.assert_array_equal(stored[name].values, values.values, err_msg=name)
         assert (where / folder / "result.csv").exists()
@@ -616,7 +616,7 @@ def test_a_pair_says_how_finely_it_was_seen_and_what_no_finer_scan_passes(beside
     assert answer["finer_scans"]["from"] == pytest.approx(float(tabor_friction(0.625, 0.2, 0.05, 13.5)), rel=1e-3)
     assert answer["finer_scans"]["to"] >= answer["rules"][0]["value"]
     stored = store.read(folder / "pair" / "resolution")
-    wanted = run(Study.from_toml(folder / "pair" / "resolution" / "study.toml"))
+    wanted = run(Study.from_toml(folder / "pair" / "resolution" / "study.toml")).dataset
     np.testing.assert_array_equal(stored["contact_area"].values, wanted["contact_area"].values)
     files = folder / "pair"
     assert (files / "onset.csv").exists()
@@ -689,7 +689,7 @@ def test_noise_floor_is_filtered_out_of_the_scan_that_has_it_and_quoted_so():
     other = next(each for each in result.answers if each.at["cut_off"] == 0)
     assert other.covered
     assert filtered.lower <= other.lower <= other.upper <= filtered.upper
-    assert result.table()["cut-off (um)"].iloc[0] == pytest.approx(limit.cut_off)
+    assert result.to_dataframe()["cut-off (um)"].iloc[0] == pytest.approx(limit.cut_off)
 
 
 def test_named_texture_keeps_a_line_and_is_rejected_if_unknown():

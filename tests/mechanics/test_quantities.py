@@ -56,10 +56,10 @@ def results():
     areal = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
     half_space = {"shifts": 3, "mechanics": "half-space", "direction": [0, 180]}
     found = {
-        "generated": run(generated("quick", **{"surfaces.points": 2000})),
-        "generated areas": run(generated("figure6-areal", **areal)),
-        "generated half-planes": run(generated("figure6-half-plane", **{"surfaces.points": 512})),
-        "generated onset": run(generated("presliding", **{"surfaces.points": 2000})),
+        "generated": run(generated("quick", **{"surfaces.points": 2000})).dataset,
+        "generated areas": run(generated("figure6-areal", **areal)).dataset,
+        "generated half-planes": run(generated("figure6-half-plane", **{"surfaces.points": 512})).dataset,
+        "generated onset": run(generated("presliding", **{"surfaces.points": 2000})).dataset,
         "lines": pair(*lines(), **COMMON, mechanics="asperities", offsets=4).dataset,
         "half-planes": pair(*lines(), **COMMON, mechanics="half-space", offsets=4, hardness="1 GPa").dataset,
         "areas": pair(*maps(), **COMMON, mechanics="asperities", shifts=3, direction=[0, 180]).dataset,

@@ -15,7 +15,7 @@ def blocks_of_four(monkeypatch):
 @pytest.fixture(scope="session")
 def undisturbed():
     """The result of `TINY`; nothing may change it."""
-    return run(TINY)
+    return run(TINY).dataset
 
 
 @pytest.fixture

@@ -74,8 +74,8 @@ def test_rows_text_page_and_figure_have_it(sticky, tmp_path):
     said = repr(sticky)
     assert said.startswith("Sticks without a load: yes. Pull-off force ")
     for words in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
-        assert words in csv_text(sticky._asked, sticky.study).splitlines()[0]
-    values = json.loads(record_text("pair", sticky._asked, sticky.study))["values"]
+        assert words in csv_text(sticky.at_study_loads, sticky.study).splitlines()[0]
+    values = json.loads(record_text("pair", sticky.at_study_loads, sticky.study))["values"]
     assert {each["unit"] for each in values if each["name"] in HELD} == {"mN", "GPa"}
     assert "adhesion 50 mJ/m² over 0.5 nm" in sticky.sentence
     (at_no_load,) = {
@@ -84,7 +84,7 @@ def test_rows_text_page_and_figure_have_it(sticky, tmp_path):
     }  # fmt: skip
     pull_off = next(each["value"] for each in values if each["name"] == "pull_off")
     assert at_no_load > 0.3 * pull_off * 0.5
-    page = sticky.report(tmp_path / "page.html").read_text()
+    page = sticky.save_report(tmp_path / "page.html").read_text()
     assert "Coming and going" in page
     assert "friction at no load" in page
     ways = coming_and_going(sticky.source)
@@ -105,7 +105,7 @@ def test_pair_without_load_answers_whether_bodies_stick(sticky):
     assert free.dataset["load"].values.max() < 0.01 * float(free.dataset["pull_off"].mean())
     assert [one.unloaded for one in mixed.answers] == [True, False]
     assert mixed.answers[1].value == pytest.approx(sticky.answers[1].value, rel=OF_SOLUTIONS)
-    record = json.loads(record_text("pair", free._asked, free.study))["answers"][0]
+    record = json.loads(record_text("pair", free.at_study_loads, free.study))["answers"][0]
     assert record["sticking"]["sticks"] == "yes"
     assert record["sticking"]["pull_off"]["lower"] < record["sticking"]["pull_off"]["value"]
     assert record["verdict"] == "Do not quote"
@@ -137,10 +137,10 @@ def test_none_is_as_it_was_and_who_says_so_is_not_doubted(sticky):
     assert set(sticky.dataset.data_vars) - set(none.dataset.data_vars) == {
         "contact_load", "pull_off", "pull_off_is_bound", "unloaded_elastic", "unloaded_frictional", "unloaded_adhesive",
     }  # fmt: skip
-    doubted = [any(words in each.text for each in result.doubts) for result in (silent, none, sticky)]
+    doubted = [any(words in each.text for each in result.caveats) for result in (silent, none, sticky)]
     assert doubted == [True, False, False]
     steep = pair(rough("upper", 0.03), rough("lower", 0.03), **ASKED | {"load": "20 MPa"})
-    assert not any(words in each.text for each in steep.doubts)
+    assert not any(words in each.text for each in steep.caveats)
     assert "adhesion" not in repr(none)
 
 
@@ -157,7 +157,7 @@ def test_generated_bodies_adhere_too(surfaces):
         if surfaces == "surface" else {"surfaces.points": 1000, "surfaces.extent": "4 um"}
     )  # fmt: skip
     study = study.with_changes(changes)
-    result = run(study.with_changes({"contact.load": ["0.003 mN", "0.01 mN", "0.03 mN"]}))
+    result = run(study.with_changes({"contact.load": ["0.003 mN", "0.01 mN", "0.03 mN"]})).dataset
     at = at_load(result, [0.01]).sel(sliding="all").squeeze()
     carried = float(at["contact_load"].sel(statistic="mean"))
     assert carried > 0.01
@@ -186,7 +186,7 @@ def test_a_grid_that_decides_the_range_and_what_the_interval_leaves_out_are_said
     asked = ASKED | {"effective_modulus": "1.5..2.5 GPa", "load": "2 MPa"}
     with pytest.warns(UserWarning, match="adhesion_range = 0.5 nm is raised to"):
         result = pair(rough("upper", 0.01), rough("lower", 0.01), **asked, **WORK)
-    doubts = " ".join(each.text for each in result.doubts)
+    doubts = " ".join(each.text for each in result.caveats)
     assert "the least on this grid, not 0.5 nm" in doubts
     assert "the interval leaves out how E* change" in doubts
 
@@ -213,7 +213,7 @@ def test_what_adhesion_would_add_is_found_without_it():
         load = f"{0.01 * modulus * slope * 1e3:.4g} MPa"
         asked = {"load": load, "mu0": 0.3, "effective_modulus": modulus, "shifts": 1, "onset": 0, "direction": [0]}
         silent, found = pair(*bodies, **asked), pair(*bodies, **asked, **WORK)
-        point = next(points(silent._asked))
+        point = next(points(silent.at_study_loads))
         said = added_by_adhesion(point, silent.study)
         data = found.dataset.sel(load=float(found.study.friction.load[0]))
         true = float(data["contact_load"].squeeze() / data["load"]) - 1
@@ -226,13 +226,13 @@ def test_what_adhesion_would_add_is_found_without_it():
 @pytest.mark.filterwarnings("ignore:the pull-off force is at least")
 def test_complete_contact_is_a_status_in_text_rows_and_json(tmp_path):
     soft = pressed(effective_modulus="2 MPa", load="1 MPa", tau0="0.1 MPa", adhesion_range="25 nm", **WORK)
-    fraction = soft._asked["contact_area_fraction"]
+    fraction = soft.at_study_loads["contact_area_fraction"]
     assert float(fraction.max()) == 1
     assert soft.answers[0].contact_status == "complete"
-    record = json.loads(record_text("pair", soft._asked, soft.study))
+    record = json.loads(record_text("pair", soft.at_study_loads, soft.study))
     assert record["answers"][0]["contact_status"] == "complete"
     (row,) = (each for each in record["values"] if each["name"] == "contact_area_fraction")
     assert (row["status"], row["value"]) == ("complete", 1.0)
     assert "rue area A/A0 complete" in " ".join(repr(soft).split())
-    assert soft.table()["contact status"].unique().tolist() == ["complete"]
-    assert not any("101 %" in text for text in (repr(soft), soft.report(tmp_path / "page.html").read_text()))
+    assert soft.to_dataframe()["contact status"].unique().tolist() == ["complete"]
+    assert not any("101 %" in text for text in (repr(soft), soft.save_report(tmp_path / "page.html").read_text()))

@@ -75,7 +75,7 @@ STUDIES = {
 
 @pytest.fixture(scope="module", params=STUDIES)
 def result(request):
-    return run(STUDIES[request.param])
+    return run(STUDIES[request.param]).dataset
 
 
 def curves_of(study, upper, lower):
@@ -95,7 +95,7 @@ def curves_of(study, upper, lower):
 @pytest.mark.parametrize("name", STUDIES)
 def test_every_sum_is_that_of_its_pair(name):
     study = STUDIES[name]
-    dataset = run(study)
+    dataset = run(study).dataset
     step = study.contact.step
     for d, a, r in ((0, 1, 0), (1, 0, 2)):
         pair = pair_of(
@@ -129,10 +129,10 @@ def test_pairs_are_surfaces_of_their_study():
 @pytest.mark.parametrize("name", STUDIES)
 def test_stores_hold_and_continue_them(name, tmp_path):
     study = STUDIES[name]
-    whole = run(study)
+    whole = run(study).dataset
     with ThreadPoolExecutor(2) as pool:
         run(study.with_changes({"ensemble.repetitions": 1}), store=tmp_path / "r", executor=pool)
-        continued = run(study, store=tmp_path / "r", executor=pool)
+        continued = run(study, store=tmp_path / "r", executor=pool).dataset
     assert continued.identical(whole)
     assert store.read(tmp_path / "r").identical(whole)
     other = study.with_changes({"contact.sliding": "all"})
@@ -156,7 +156,7 @@ def test_maps_have_rules_and_directions_and_are_those_of_each(result):
 
 def test_friction_at_a_load_of_the_half_space_is_the_ratio_of_means():
     """Without friction in the normal load (mu0 = tau0 = 0) a load of the study is reached exactly at its own step."""
-    dataset = run(HALF_SPACES)
+    dataset = run(HALF_SPACES).dataset
     loads = HALF_SPACES.contact.steps()
     maps = friction_map(dataset, loads[1:-1], mu0=[0.0], tau0=[0.0]).squeeze(["mu0", "tau0"])
     expected = dataset["tangential_elastic"].mean("repetition") / dataset["normal_elastic"].mean("repetition")
@@ -167,7 +167,7 @@ def test_friction_at_a_load_of_the_half_space_is_the_ratio_of_means():
 
 
 def test_stiffness_by_the_half_space_is_that_of_the_approaches():
-    dataset = run(HALF_SPACES.with_changes({"contact.sliding": "all", "contact.direction": 90}))
+    dataset = run(HALF_SPACES.with_changes({"contact.sliding": "all", "contact.direction": 90})).dataset
     loads = HALF_SPACES.contact.steps()
     stiffness = stiffness_map(dataset, [loads[1]], mu0=[0.0], tau0=[0.0])["normal_stiffness"].squeeze()
     slopes = np.gradient(dataset["approach"].values, loads, axis=-1, edge_order=2)[..., 1]

@@ -16,14 +16,14 @@ ROUND_OFF = 1e-9
 def areas(tmp_path_factory):
     folder = tmp_path_factory.mktemp("areas")
     study = study_of(folder, spacing=write_maps(folder), members=5)
-    return study, run(study)
+    return study, run(study).dataset
 
 
 @pytest.fixture(scope="module")
 def lines(tmp_path_factory):
     folder = tmp_path_factory.mktemp("lines")
     study = study_of(folder, "lines", "asperities", spacing=write_profiles(folder), members=12, load="0.05 mN")
-    return study, run(study)
+    return study, run(study).dataset
 
 
 def test_lines_are_what_a_traverse_says(lines):
@@ -59,7 +59,7 @@ def test_generated_results_are_read_at_the_mean_load_as_maps_are():
     study = Study.named("quick").with_changes({
         "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.3],
     })  # fmt: skip
-    result = run(study)
+    result = run(study).dataset
     load = float(reached_loads(result, 5)[2])
     point, old = at_load(result, [load]), friction_map(result, [load])
     np.testing.assert_array_equal(point["friction_coefficient"].sel(statistic="mean"), old["friction_coefficient"])
@@ -77,7 +77,7 @@ def test_quantities_of_an_ensemble_are_means_over_directions_before_their_interv
         "surfaces.extent": ["1.5 um", "1.5 um"], "surfaces.band_limit": "nyquist", "contact.approach.count": 5,
         "surfaces.fractal_dimension": [1.2, 1.5], "surfaces.amplitude": ["50 nm"],
     })  # fmt: skip
-    result = run(study)
+    result = run(study).dataset
     load = [float(reached_loads(result, 5)[2])]
     point, merged = at_load(result, load), result.mean("direction", keep_attrs=True)
     for name, whole in (("contact_area", area_map(merged, load)), ("normal_stiffness", stiffness_map(merged, load))):

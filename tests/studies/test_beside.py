@@ -50,7 +50,7 @@ def test_it_is_what_was_written_or_nothing(made, stored, name):
 def test_a_flipped_bit_is_found_before_the_library_opens_the_file(stored, name, monkeypatch):
     path = stored.path / name
     if name == "result.nc":
-        export(stored, path)
+        export(stored.dataset(), path)
     content = path.read_bytes()
     assert content[-len(SEAL) - 8 : -8] == SEAL
     monkeypatch.setattr(h5py, "File", None)  # in which it may run for ever

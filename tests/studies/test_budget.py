@@ -32,7 +32,7 @@ def bodies(seed: int = 5, rms: float = 0.01, points: int = 64, finer: int = 1) -
 
 
 def of(result, name="friction_known", rule="all"):
-    return result._asked[name].sel(sliding=rule).squeeze().values
+    return result.at_study_loads[name].sel(sliding=rule).squeeze().values
 
 
 def test_numbers_alone_leave_the_interval_of_positions() -> None:
@@ -48,12 +48,12 @@ def test_interval_at_a_load_of_the_study_does_not_depend_on_other_loads() -> Non
         *bodies(), load=["2 MPa", "4 MPa"], mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa",
         hardness="0.5..1.5 GPa", mechanics="half-space", **QUICK,
     )  # fmt: skip
-    own = result._asked["load"].values.tolist()
+    own = result.at_study_loads["load"].values.tolist()
     at = with_uncertainty(at_load(result.source, [*own, 1.5 * own[0]]), result.source, budget=False)
     assert at["load"].values.tolist() == sorted([*own, 1.5 * own[0]])
     for name in ("friction_combined", "friction_known", "friction_next_test"):
-        assert at[name].dims == result._asked[name].dims
-        np.testing.assert_array_equal(at[name].sel(load=own), result._asked[name])
+        assert at[name].dims == result.at_study_loads[name].dims
+        np.testing.assert_array_equal(at[name].sel(load=own), result.at_study_loads[name])
 
 
 def test_a_range_of_mu0_is_a_range_of_friction() -> None:
@@ -92,7 +92,7 @@ def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_soluti
     inputs = inputs_of(result.study)
     assert sorted(inputs) == ["effective_modulus", "hardness"]
     assert bodies_wanted(result.study)[1].size == (3 if modulus.startswith("48") else 1)
-    at = result._asked
+    at = result.at_study_loads
     where = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
     six, areas = six_at(result.source, at["load"].values), areas_of(at, result.source)
     friction = PerLoad.of(six.sel(sliding="all").mean())
@@ -157,11 +157,11 @@ def test_materials_bring_their_ranges_and_a_hardness_that_is_given_is_exact() ->
 def test_elastic_bodies_over_a_range_of_the_modulus_are_those_of_direct_solutions() -> None:
     kwargs = dict(load="0.2 MPa", mu0=0.2, tau0="50 kPa", **QUICK)
     result = pair(*bodies(rms=0.01), effective_modulus="1.5..6 MPa", **kwargs)
-    at, study = result._asked, result.study
+    at, study = result.at_study_loads, result.study
     areas = areas_of(at, result.source)
 
     def area(found):
-        return found._asked["contact_area"].sel(statistic="mean").item()
+        return found.at_study_loads["contact_area"].sel(statistic="mean").item()
 
     for ratio in (0.6, 1.5):
         softer = pair(*bodies(rms=0.01), effective_modulus=float(study.contact.effective_modulus) * ratio, **kwargs)
@@ -181,8 +181,8 @@ def test_a_gap_has_the_interval_of_its_inputs_and_says_what_is_not_in_it() -> No
     assert np.isnan(known.of_positions).all()
     assert np.isnan(exact.interval).all()
     for result in (known, exact):
-        assert any("a gap has one position" in doubt.text for doubt in result.doubts)
-        assert not any("members that differ" in doubt.cure for doubt in result.doubts)
+        assert any("a gap has one position" in doubt.text for doubt in result.caveats)
+        assert not any("members that differ" in doubt.cure for doubt in result.caveats)
 
 
 def test_one_body_by_name_and_the_other_by_numbers() -> None:
@@ -270,7 +270,7 @@ def one_test(truth, rng) -> float:
     """The coefficient of one member in one direction, of which the result has many."""
     from stiction.studies.at_load import member_values
 
-    members = member_values(truth.source, truth._asked["load"].values).sel(sliding="all").squeeze()
+    members = member_values(truth.source, truth.at_study_loads["load"].values).sel(sliding="all").squeeze()
     assert (members["status"] == STATUS_OK).all()
     return float(rng.choice(members["friction_coefficient"].values.ravel()))
 
@@ -288,7 +288,7 @@ def test_intervals_contain_their_parts_and_stay_above_0(monkeypatch) -> None:
     result = pair(
         *bodies(), load="2 MPa", mu0=0.2, tau0="20..80 MPa", hardness="1 GPa", effective_modulus="80 GPa", **QUICK
     )
-    at = result._asked
+    at = result.at_study_loads
     for _ in range(300):
         value, scatter, half = random.uniform(0.21, 1.0), random.uniform(0.001, 1.5), random.uniform(0.001, 0.6)
         ends = value * np.array([1.0, 1 - half, 1 + half * random.uniform(0.5, 2)])

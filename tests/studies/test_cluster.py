@@ -36,11 +36,11 @@ def scheduler():
 
 
 def test_workers_of_a_scheduler_give_the_bits_of_threads_and_write_themselves(scheduler, tmp_path, monkeypatch):
-    undisturbed = run(STUDY)
+    undisturbed = run(STUDY).dataset
     monkeypatch.setattr(runner, "put", lambda *_: pytest.fail("written by the process that hands out the work"))
     with executors.connected(scheduler) as executor:
-        assert_same_bits(run(STUDY, executor=executor), undisturbed)
-        assert_same_bits(run(STUDY, executor=executor, store=tmp_path), undisturbed)
+        assert_same_bits(run(STUDY, executor=executor).dataset, undisturbed)
+        assert_same_bits(run(STUDY, executor=executor, store=tmp_path).dataset, undisturbed)
     assert not list(tmp_path.rglob("*.partial"))
 
 
@@ -57,9 +57,9 @@ def test_what_a_worker_was_computing_when_it_died_is_computed_again(scheduler, t
 
         with monkeypatch.context() as patched:
             patched.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(kill_one))
-            result = run(study, executor=executor, store=tmp_path)
+            result = run(study, executor=executor, store=tmp_path).dataset
         assert not workers
-    assert_same_bits(result, run(study))
+    assert_same_bits(result, run(study).dataset)
     assert_same_bits(store.read(tmp_path), result)
 
 

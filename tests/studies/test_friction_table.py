@@ -19,7 +19,7 @@ SOLVED = 1e-4  # sums of two solutions to 1e-6 that begin differently
 
 @pytest.fixture(scope="module")
 def dataset():
-    return run(table_study(**SMALL))
+    return run(table_study(**SMALL)).dataset
 
 
 @pytest.fixture(scope="module")

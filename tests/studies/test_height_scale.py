@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from stiction import joined_spectrum, pair, read_result, self_affine, write_surface
+from stiction import joined_spectrum, open_result, pair, self_affine, write_surface
 from stiction.studies import height_scale
 from stiction.studies.at_load import at_load
 from stiction.studies.budget import with_uncertainty
@@ -292,7 +292,7 @@ def test_finished_factors_are_kept_when_computing_is_interrupted(bodies, tmp_pat
     assert list(stored_factors(found.source, "both")) == [0.5, 1.0]
     compute_factors(found.source, [0.5, 2, 4], announce=lines.append)
     assert lines[2:] == ["heights times 2 (1 of 2)", "heights times 4 (2 of 2)"]
-    assert read_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
+    assert open_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
 
 
 def test_factors_follow_another_friction_and_are_dropped_with_another_pair(bodies, tmp_path):

@@ -7,7 +7,7 @@ import numpy as np
 import pandas
 import pytest
 import xarray
-from stiction import Profile, Study, approach_at_load, contacts, half_space, read_result, self_affine
+from stiction import Profile, Study, approach_at_load, contacts, half_space, open_result, self_affine
 from stiction.studies.executors import threads
 from stiction.studies.intervals import of_sample
 from stiction.studies.members import bodies_of
@@ -146,7 +146,7 @@ def test_asperities_have_a_mark_for_each_contact(tmp_path):
 def test_figures_and_the_page_show_what_slips_first(study, onset, tmp_path):
     fill(study, tmp_path)
     export(onset, tmp_path / FILE)
-    result = read_result(tmp_path)
+    result = open_result(tmp_path)
     assert {"onset", "slip"} <= set(result.figures())
     figure = result.figure("slip")
     whole, closer = (axes.images[-1].get_array() for axes in figure.axes[:2])
@@ -157,7 +157,7 @@ def test_figures_and_the_page_show_what_slips_first(study, onset, tmp_path):
         assert words in page
     assert page.count('<div class="figure"><svg role="img"') == 3  # and single positions
     export(onset.drop_vars(["slip", "lower_height"]), tmp_path / FILE, replace=True)
-    assert "slip" not in read_result(tmp_path).figures()
+    assert "slip" not in open_result(tmp_path).figures()
     assert "What slips first" not in report_page(open_stored(tmp_path))
 
 

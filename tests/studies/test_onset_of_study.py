@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from stiction import Study, contacts, pair_of, press, read_result, run
+from stiction import Study, contacts, open_result, pair_of, press, run
 from stiction.mechanics.quantities import ONSET
 from stiction.studies.at_load import at_load
 from stiction.studies.study import StudyError
@@ -31,7 +31,7 @@ def study():
 
 @pytest.fixture(scope="module")
 def result(study):
-    return run(study)
+    return run(study).dataset
 
 
 def test_each_pair_has_what_its_curve_says(study, result):
@@ -54,7 +54,7 @@ def test_each_pair_has_what_its_curve_says(study, result):
 
 def test_the_sums_are_those_of_a_study_without_it(study, result):
     """They come by another way, pair by pair in place of whole families."""
-    plain = run(study.with_changes({"contact.onset": None, "figures.draw": ["area"]}))
+    plain = run(study.with_changes({"contact.onset": None, "figures.draw": ["area"]})).dataset
     assert not set(ONSET) & set(plain.data_vars)
     for name in plain.data_vars:
         np.testing.assert_allclose(result[name], plain[name], rtol=1e-11, err_msg=name)
@@ -62,7 +62,7 @@ def test_the_sums_are_those_of_a_study_without_it(study, result):
 
 def test_areas_are_pushed_along_the_first_direction():
     study = Study.named("presliding").with_changes(AREAS | {"contact.onset": {"mu0": 0.4}})
-    found = run(study)
+    found = run(study).dataset
     assert found["displacement_at_sliding"].dims == ("fractal_dimension", "amplitude", "repetition", "approach")
     upper, lower = pair_of(study, 1, fractal_dimension=1.2, amplitude=0.02)
     curve = press(upper, lower, [0.02])
@@ -92,7 +92,7 @@ def test_at_a_load_pairs_weigh_as_they_carry(result):
 def test_without_adhesion_they_creep_in_proportion_to_their_deepest_contact():
     study = Study.named("presliding").with_changes(SMALL | {"contact.onset": {"mu0": 0.4, "poisson_ratio": 0.0}})
     twice = study.with_changes({"contact.onset": {"mu0": 0.8, "poisson_ratio": 0.0}})
-    one, two = run(study), run(twice)
+    one, two = run(study).dataset, run(twice).dataset
     np.testing.assert_allclose(two["displacement_at_sliding"], 2 * one["displacement_at_sliding"], rtol=1e-12)
     for name in ("fraction_slipped", "tangential_stiffness"):
         np.testing.assert_allclose(two[name], one[name], rtol=1e-9)
@@ -106,9 +106,9 @@ def test_without_adhesion_they_creep_in_proportion_to_their_deepest_contact():
 
 def test_table_figure_and_page_show_it(study, tmp_path):
     run(study, store=tmp_path / "result")
-    result = read_result(tmp_path / "result")
+    result = open_result(tmp_path / "result")
     creep = "creep before sliding at mu0 = 0.3, tau0 = 20 MPa (um)"
-    assert {creep, f"{creep}: lower", "tangential stiffness at rest (mN/um)"} <= set(result.table().columns)
+    assert {creep, f"{creep}: lower", "tangential stiffness at rest (mN/um)"} <= set(result.to_dataframe().columns)
     said = " ".join(quantities_text(at_load(result.source, [1e-3]).isel(fractal_dimension=0), study).split())
     assert "creep before sliding at μ0 = 0.3, τ0 = 20 MPa (nm)" in said
     assert "load that slips at half of sliding at μ0 =" in said

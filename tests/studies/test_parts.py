@@ -26,7 +26,7 @@ def test_parts_meet_in_one_folder(tmp_path, undisturbed, computed):
     there = store.open_stored(tmp_path).dataset()
     xarray.testing.assert_identical(there, undisturbed.isel(repetition=sorted(itertools.chain(*own.values()))))
     del computed[:]
-    assert_same_bits(run(TINY, store=tmp_path), undisturbed)
+    assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
     assert sorted(computed) == [8, 9, 10, 11, 20, 21]
     assert not list(tmp_path.rglob("*.partial"))
 

@@ -5,9 +5,9 @@ import pytest
 from stiction import Profile, approach_at_load, flipped, half_space, levelled, press
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import pressed
+from stiction.studies.layout import OF_MEMBERS, dataset_of, names_of, stacked, variables_of
 from stiction.studies.members import about, bodies_of
 from stiction.studies.pressed import cost_of_member, member_sums
-from stiction.studies.result import OF_MEMBERS, dataset_of, names_of, stacked, variables_of
 from support.measured_studies import study_of, write_maps, write_profiles
 
 ROUND_OFF = 1e-9

@@ -17,8 +17,8 @@ import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
 from stiction.studies import executors, members, pressed, runner
+from stiction.studies.layout import bytes_of_member
 from stiction.studies.pressed import cost_of_member
-from stiction.studies.result import bytes_of_member
 from stiction.studies.store import StoreError
 from stiction.studies.study import study_of
 from stiction.studies.values import StudyError
@@ -38,7 +38,7 @@ SMALL = TINY.with_changes(
 
 @pytest.fixture(scope="module")
 def result():
-    return run(SMALL)
+    return run(SMALL).dataset
 
 
 def test_every_sum_is_that_of_its_pair(result):
@@ -67,7 +67,7 @@ def test_the_choices_of_a_study_arrive(result):
         "contact.shear": "-x", "ensemble.seed": 2017,
     }  # fmt: skip
     for key, value in changes.items():
-        other = run(SMALL.with_changes({key: value, "ensemble.repetitions": 1}))
+        other = run(SMALL.with_changes({key: value, "ensemble.repetitions": 1})).dataset
         differs = [name for name in SUMS if not np.array_equal(other[name].values, result[name].values[:, :, :1])]
         assert differs, key
 
@@ -75,20 +75,20 @@ def test_the_choices_of_a_study_arrive(result):
 def test_any_executor_and_any_block_give_the_same_bits(result, monkeypatch):
     for workers in (1, 2):
         with ThreadPoolExecutor(workers) as pool:
-            assert_same_bits(run(SMALL, executor=pool), result)
+            assert_same_bits(run(SMALL, executor=pool).dataset, result)
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
-        assert_same_bits(run(SMALL, executor=pool), result)
+        assert_same_bits(run(SMALL, executor=pool).dataset, result)
     monkeypatch.setattr(runner, "MOST_SUBMITTED", 2)
     for size in (1, 2, 3, 100):
         monkeypatch.setattr(runner, "block_size", lambda study, size=size: size)
-        assert_same_bits(run(SMALL, executor=InlineExecutor()), result)
+        assert_same_bits(run(SMALL, executor=InlineExecutor()).dataset, result)
 
 
 def test_families_and_their_size_do_not_matter(result, monkeypatch):
     for rows in (1, 3):
         for module in (members, pressed):
             monkeypatch.setattr(module, "FAMILY_MEMORY", rows * 8 * SMALL.surfaces.points)
-        assert_same_bits(run(SMALL), result)
+        assert_same_bits(run(SMALL).dataset, result)
 
 
 @pytest.mark.parametrize("points", [500, 1000, 4000, 20_000])
@@ -132,9 +132,8 @@ def test_a_study_that_cannot_be_computed_is_a_value_error():
 def test_what_no_memory_holds_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "member_sums", lambda *_: pytest.fail("computed"))
     many = SMALL.with_changes({"ensemble.repetitions": 10_000_000})
-    for store in (None, tmp_path / "r"):
-        with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory"):
-            run(many, store=store)
+    with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory, more than 16: give it a store"):
+        run(many)
     fine = {"start": 1.0, "stop": 1.9, "count": 10_000}
     wide = SMALL.with_changes({"surfaces.fractal_dimension": fine, "contact.approach.count": 10_000})
     with pytest.raises(ValueError, match=r"a repetition would take \d+ GiB, more than 16: take fewer contact"):

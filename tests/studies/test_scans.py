@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from stiction import Profile, Study, Surface, pair, read_result, self_affine_surface
+from stiction import Profile, Study, Surface, open_result, pair, self_affine_surface
 from stiction.studies.intervals import of_scans, student_quantile
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.pair import Pair
@@ -107,7 +107,7 @@ def test_every_pair_of_scans_is_pressed_as_often_as_the_others() -> None:
     upper, lower = result.study.surfaces.scans_of(members)
     assert np.bincount(4 * upper + lower).tolist() == [2] * 8
     assert np.bincount(upper[:4]).tolist() == [2, 2], "balanced from the first members on"
-    assert read_result(result.path).interval == result.interval
+    assert open_result(result.path).interval == result.interval
     again = Study.from_toml(result.path / "study.toml")
     assert again.surfaces == result.study.surfaces
 

@@ -19,9 +19,8 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from stiction import _files, run
-from stiction.studies import result as results
-from stiction.studies import runner, store
+from stiction import Result, _files, run
+from stiction.studies import layout, runner, store
 from stiction.studies.runner import fill
 from stiction.studies.store import BLOCKS, STUDY, Block, ExportError, StoreError, export
 from support.generated_studies import TINY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
@@ -72,7 +71,7 @@ def assert_nothing_is_left(path):
 
 def test_gives_back_what_was_written(tmp_path, undisturbed):
     path = tmp_path / "deep" / "r"
-    assert_same_bits(run(TINY, store=path), undisturbed)
+    assert_same_bits(run(TINY, store=path).dataset, undisturbed)
     assert_same_bits(store.read(path), undisturbed)
     assert sorted(os.listdir(path)) == [BLOCKS, STUDY]
     assert [file[:15] for file in sorted(files(path))] == [f"{k:07d}-{min(k + 3, 21):07d}" for k in range(0, 22, 4)]
@@ -104,26 +103,26 @@ def test_a_block_is_a_result_by_itself(whole, undisturbed):
 def test_every_bit_is_kept(tmp_path, monkeypatch):
     """Zeros, signed or not, what has no answer, and the smallest numbers."""
     values = itertools.cycle([-0.0, np.nan, 0.0, 5e-324, 1e99])
-    shape = run(with_repetitions(1), executor=InlineExecutor())["contact_area"].values[:, :, 0].shape
+    shape = run(with_repetitions(1), executor=InlineExecutor()).dataset["contact_area"].values[:, :, 0].shape
     sums = {
         name: np.full(shape, 7 if name.endswith("_count") else 0.0 if name in ("contact_area", "normal_elastic") else x)
         for name, x in zip(TINY.sums(), values, strict=False)
     }
     monkeypatch.setattr(runner, "member_sums", lambda *_: sums)
-    result = run(with_repetitions(1), store=tmp_path)
+    result = run(with_repetitions(1), store=tmp_path).dataset
     for name in sums:
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
 
 def test_pieces_are_the_same_of_a_folder_and_of_a_dataset(whole, undisturbed, monkeypatch):
-    monkeypatch.setattr(results, "MOST_IN_PIECE", 9 * results.bytes_of_member(TINY))
+    monkeypatch.setattr(layout, "MOST_IN_PIECE", 9 * layout.bytes_of_member(TINY))
     block_of(whole, 4).unlink()
     there = undisturbed.isel(repetition=[*range(4), *range(8, 22)])
-    both = list(zip(store.pieces(store.open_stored(whole)), store.pieces(there), strict=True))
+    both = list(zip(Result(store.open_stored(whole)).pieces(), Result(there).pieces(), strict=True))
     assert [piece.sizes["repetition"] for piece, _ in both] == [8, 8, 2]
     for piece, other in both:
         assert_same_bits(piece, other)
-    (piece,) = store.pieces(undisturbed.isel(repetition=slice(2)), ["contact_area"])
+    (piece,) = Result(undisturbed.isel(repetition=slice(2))).pieces(["contact_area"])
     assert list(piece.data_vars) == ["contact_area"]
 
 
@@ -153,10 +152,10 @@ def test_what_no_memory_holds_is_said(whole, monkeypatch):
 
 def test_a_finished_one_is_read(whole, undisturbed, computed):
     before = files(whole)
-    assert_same_bits(run(TINY, store=whole), undisturbed)
+    assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
     assert files(whole) == before
     other = TINY.with_changes({"friction.mu0": [0.2], "figures.draw": ["area"]})
-    assert run(other, store=whole).attrs["study"] == other.to_toml()
+    assert run(other, store=whole).dataset.attrs["study"] == other.to_toml()
     assert store.info(whole).study == other
     assert computed == []
 
@@ -167,7 +166,7 @@ def test_what_is_missing_is_computed(whole, undisturbed, computed):
     before = files(whole)
     with pytest.warns(UserWarning, match="16 of 22"):
         assert_same_bits(store.read(whole), undisturbed.isel(repetition=[*range(4), *range(8, 20)]))
-    assert_same_bits(run(TINY, store=whole), undisturbed)
+    assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
     assert sorted(computed) == [4, 5, 6, 7, 20, 21]
     assert before.items() <= files(whole).items()
 
@@ -175,7 +174,7 @@ def test_what_is_missing_is_computed(whole, undisturbed, computed):
 def test_more_are_added_and_none_again(tmp_path, undisturbed, computed):
     seen = {}
     for total in (6, 7, 22):
-        result = run(with_repetitions(total), store=tmp_path)
+        result = run(with_repetitions(total), store=tmp_path).dataset
         assert_same_bits(result.assign_attrs(undisturbed.attrs), undisturbed.isel(repetition=slice(total)))
         assert seen.items() <= files(tmp_path).items()
         seen = files(tmp_path)
@@ -198,7 +197,7 @@ def test_files_may_overlap(whole, undisturbed, monkeypatch):
 
 def test_two_writers_do_no_harm(tmp_path, undisturbed):
     with ThreadPoolExecutor(4) as pool:
-        results = list(pool.map(lambda _: run(TINY, store=tmp_path / "r", executor=InlineExecutor()), range(4)))
+        results = list(pool.map(lambda _: run(TINY, store=tmp_path / "r", executor=InlineExecutor()).dataset, range(4)))
     for result in results:
         assert_same_bits(result, undisturbed)
     assert len(files(tmp_path / "r")) == 6
@@ -231,7 +230,7 @@ def test_a_study_file_that_was_edited_does_not_change_what_was_computed(whole):
 
 def test_another_version_is_read_but_not_continued(whole, undisturbed, monkeypatch):
     monkeypatch.setattr(store, "__version__", "9.9")
-    assert_same_bits(run(TINY, store=whole), undisturbed)
+    assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
     with pytest.raises(StoreError, match=r"was begun by stiction .* and this is 9\.9"):
         run(with_repetitions(23), store=whole)
 
@@ -247,11 +246,11 @@ def test_a_study_of_somebody_without_blocks_stays(tmp_path, undisturbed):
     (tmp_path / STUDY).write_text("# by hand\n" + TINY.to_toml())
     with pytest.raises(StoreError, match="holds another study"):
         run(TINY.with_changes({"ensemble.seed": 1}), store=tmp_path)
-    assert_same_bits(run(TINY, store=tmp_path), undisturbed)
+    assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
     assert (tmp_path / STUDY).read_text().startswith("# by hand")
     shutil.rmtree(tmp_path / BLOCKS)
     (tmp_path / STUDY).write_text(f"{store.MARK} 0.1.0.\n" + TINY.to_toml())
-    assert run(with_repetitions(1).with_changes({"ensemble.seed": 1}), store=tmp_path).sizes["repetition"] == 1
+    assert run(with_repetitions(1).with_changes({"ensemble.seed": 1}), store=tmp_path).dataset.sizes["repetition"] == 1
 
 
 # ---- Damaged --------------------------------------------------------------------------------------------------------
@@ -268,7 +267,7 @@ def test_a_flipped_bit_anywhere_is_found_and_the_block_named(whole, undisturbed,
         with pytest.raises(StoreError, match=f"{file.name}: is not what was written; to have repetitions 4 to 7"):
             store.read(whole)
     file.unlink()
-    assert_same_bits(run(TINY, store=whole), undisturbed)
+    assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
     assert computed == [4, 5, 6, 7]
 
 
@@ -306,7 +305,7 @@ def test_what_is_foreign_is_left_alone(whole, undisturbed):
     for name in names:
         (whole / BLOCKS / name).write_text("mine")
     (whole / "more").mkdir()
-    assert_same_bits(run(TINY, store=whole), undisturbed)
+    assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
     assert {*names} <= files(whole).keys()
 
 
@@ -431,7 +430,7 @@ def test_a_full_disk_loses_nothing(tmp_path, undisturbed, monkeypatch):
             assert f"{kept} of 22 repetitions are finished and kept" in str(full.value)
         assert_nothing_is_left(tmp_path)
     monkeypatch.undo()
-    assert_same_bits(run(TINY, store=tmp_path), undisturbed)
+    assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
 
 
 def test_a_folder_that_is_removed_underneath_is_not_made_again(tmp_path, monkeypatch):
@@ -455,7 +454,7 @@ def test_a_finished_folder_on_a_read_only_disk_is_read_and_no_other_is_begun(who
 
     monkeypatch.setattr(_files, "remove_stale_partials", refused)
     other = TINY.with_changes({"friction.mu0": [0.2]})
-    assert run(other, store=whole).attrs["study"] == other.to_toml()
+    assert run(other, store=whole).dataset.attrs["study"] == other.to_toml()
     assert computed == []
     for study, folder in ((with_repetitions(23), whole), (TINY, whole.with_name("new"))):
         with pytest.raises(StoreError, match="cannot be written: Read-only file system"):
@@ -499,7 +498,7 @@ def test_a_half_written_file_that_somebody_sweeps_is_written_again(tmp_path, und
     fill(with_repetitions(4), tmp_path)
     monkeypatch.setattr(Path, "replace", sweep)
     (tmp_path / STUDY).write_text(f"{store.MARK} 0.1.0.\n" + TINY.to_toml())
-    assert_same_bits(run(TINY, store=tmp_path), undisturbed)
+    assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
     assert swept
 
 
@@ -567,7 +566,7 @@ def test_killed_at_every_change_of_the_disk_it_goes_on(tmp_path, undisturbed):
     assert statuses[-1] == 0
     assert set(statuses[:-1]) == {-signal.SIGKILL}
     assert len(statuses) > 5
-    assert_same_bits(run(TINY, store=tmp_path / "r"), undisturbed)
+    assert_same_bits(run(TINY, store=tmp_path / "r").dataset, undisturbed)
     assert_nothing_is_left(tmp_path)
 
 
@@ -576,9 +575,9 @@ def test_killed_at_every_change_of_the_disk_it_goes_on(tmp_path, undisturbed):
 
 @pytest.mark.parametrize("kind", ["dataset", "folder"])
 def test_an_export_is_what_was_computed(whole, undisturbed, tmp_path, monkeypatch, kind):
-    monkeypatch.setattr(results, "MOST_IN_PIECE", 9 * results.bytes_of_member(TINY))
+    monkeypatch.setattr(layout, "MOST_IN_PIECE", 9 * layout.bytes_of_member(TINY))
     file = tmp_path / "r.nc"
-    export(undisturbed if kind == "dataset" else store.open_stored(whole), file)
+    export(undisturbed if kind == "dataset" else store.open_stored(whole).dataset(), file)
     assert_same_bits(store.read(file), undisturbed)
     assert_same_bits(xarray.load_dataset(file, engine="h5netcdf"), undisturbed)
     with pytest.raises(ExportError, match="exists already"):
@@ -673,5 +672,5 @@ def test_an_interruption_is_answered_soon_and_what_was_computed_is_kept(tmp_path
     kept = store.open_stored(tmp_path / "r")
     assert 8 <= kept.finished.size < 500  # and not all, however busy the machine is
     assert_nothing_is_left(tmp_path)
-    computed = run(with_repetitions(int(kept.finished[-1]) + 1))
+    computed = run(with_repetitions(int(kept.finished[-1]) + 1)).dataset
     assert_same_bits(kept.dataset().assign_attrs(computed.attrs), computed.isel(repetition=kept.finished))

@@ -400,7 +400,7 @@ class TestLoadsAskedFor:
     def test_every_load_asked_for_has_an_answer(self):
         few = {"surfaces.shape": [32, 32], "ensemble.repetitions": 4, "surfaces.fractal_dimension": [1.2, 1.5]}
         study = self.LISTED.with_changes(few | {"surfaces.amplitude": ["20 nm"], "contact.boundary": "periodic"})
-        data = run(study)
+        data = run(study).dataset
         assert data.sizes["load"] == 4
         at = friction_map(data, [float(load) for load in study.friction.load], mu0=[0.4], tau0=[0.01])
         assert set(at["status"].values.ravel().tolist()) == {"ok"}

@@ -5,8 +5,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 import xarray
 from stiction import Study
+from stiction.studies.layout import OF_MEMBERS, dataset_of, variables_of
 from stiction.studies.measured_surfaces import About
-from stiction.studies.result import OF_MEMBERS, dataset_of, variables_of
 
 # Takes about a second: several fractal dimensions, amplitudes, repetitions and approaches.
 SMALL = Study.named("quick").with_changes(

@@ -64,7 +64,7 @@ def maps_result(folder, cut_off='["0 um"]'):
     contact = 'load = ["0.05 mN", "0.1 mN", "0.5 mN"]\ndirection = [0, 90, 180, 270]'
     how = {"spacing": "0.1 um", "members": 4, "load": "0.1 mN", "contact": contact, "kind": "-maps"}
     study = study_of(folder, more=f"cut_off = {cut_off}", **how)
-    return run(study.with_changes(OF_RESULTS | {"friction.load": ["0.1 mN", "0.5 mN"]}))
+    return run(study.with_changes(OF_RESULTS | {"friction.load": ["0.1 mN", "0.5 mN"]})).dataset
 
 
 def lines_result(folder):
@@ -72,4 +72,4 @@ def lines_result(folder):
     write(folder, self_affine, "-lines", 4, rms=0.02, points=600, spacing=0.1)
     contact = 'load = ["1 uN", "10 uN", "100 uN"]'
     how = {"spacing": "0.1 um", "members": 12, "load": "10 uN", "contact": contact, "kind": "-lines"}
-    return run(study_of(folder, "lines", "asperities", **how).with_changes(OF_RESULTS))
+    return run(study_of(folder, "lines", "asperities", **how).with_changes(OF_RESULTS)).dataset

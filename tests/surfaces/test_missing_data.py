@@ -154,8 +154,8 @@ def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(whole
     area = [float(result.dataset["contact_area"].mean()) / result.nominal_area for result in (masked, full)]
     assert area[0] / area[1] == pytest.approx(1, abs=0.05)  # of the same pressure on less area
     doubt = "12 % of the points are interpolated, in holes larger than the contacts"
-    assert any(doubt in each.text for each in filled.doubts)
-    assert not any("interpolated" in each.text for each in masked.doubts)
+    assert any(doubt in each.text for each in filled.caveats)
+    assert not any("interpolated" in each.text for each in masked.caveats)
     for refused, why in (
         ({"mechanics": "asperities"}, "take whole scans"),
         ({"surrogates": 2}, "surrogates makes surfaces of a spectrum, which takes whole scans"),

@@ -6,14 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from stiction import Profile
+from stiction import Profile, Result
 from stiction.studies.at_load import at_load, reached_loads
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.maps import friction_map
 from stiction.studies.study import study_of
 from stiction.views import style
 from stiction.views.answer import answers, headlines
-from stiction.views.asked import at_asked_loads
 from stiction.views.figures import drawn
 from stiction.views.figures.contact import climbing, contact_figure, contacts_figure, touching_figure
 from stiction.views.figures.ensemble import FADE, _faded, _fading, area_figure, friction_figure
@@ -54,7 +53,7 @@ def test_measured_bodies_have_the_standard_set(maps, lines):
 def test_every_view_has_the_combined_interval_of_the_headline(maps):
     study = study_of(maps).with_changes({"surfaces.both_readings": True})
     result = maps.assign_attrs(study=study.to_toml())
-    at, figures = at_asked_loads(result), dict(figures_of(result))
+    at, figures = Result.of(result).at_study_loads, dict(figures_of(result))
     table = table_of(at, study)
     record = json.loads(record_text("at", at, study))
     shown = [value for value in record["values"] if value["name"] == "friction_combined"]

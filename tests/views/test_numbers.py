@@ -102,7 +102,7 @@ HALF_PLANES = {
 
 
 def test_every_rule_of_half_planes_is_that_of_the_library():
-    data = run(Study.named("quick").with_changes(HALF_PLANES))
+    data = run(Study.named("quick").with_changes(HALF_PLANES)).dataset
     numbers = PageNumbers(report_page(data))
     lowest, highest = numbers("() => facts.loads")
     loads = np.geomspace(lowest / 3, 3 * highest, 20).tolist()
@@ -222,7 +222,7 @@ def test_the_verdict_where_nothing_is_as_it_should_be_is_that_of_the_library(rea
 
 
 def test_the_verdict_of_a_page_of_half_planes_is_that_of_the_library():
-    data = run(Study.named("quick").with_changes(HALF_PLANES))
+    data = run(Study.named("quick").with_changes(HALF_PLANES)).dataset
     assert len(verdicts_held_to_the_library(data, [0.02, 0.3, 0.9], [(0.2, 0.0), (0.6, 0.3)])) > 1
 
 

@@ -9,13 +9,13 @@ from typing import Any
 
 from stiction.app.jobs import FAULTS, without_paths
 from stiction.studies.pair import Pair
-from stiction.studies.store import Stored
+from stiction.studies.result import Result, open_result
+from stiction.studies.runner import first_result
 from stiction.studies.study import Study
-from stiction.views.answer import answers, headlines
-from stiction.views.asked import at_asked_loads, over_and_onset
+from stiction.views.answer import headlines
+from stiction.views.files import result_csv
 from stiction.views.report import report_page
-from stiction.views.result import Result, first_result, read_result
-from stiction.views.rows import answer_record, csv_text, record_text
+from stiction.views.rows import answer_record, record_text
 
 _ARGUMENTS = {"upper": "upper_material", "lower": "lower_material", "adhesion": "work_of_adhesion"}
 """Arguments of `Pair` that are called otherwise than their options."""
@@ -46,29 +46,28 @@ def main() -> None:
             study = first_study([Path(each) for each in asked["first"][0]], asked["first"][1])
             result = None if study is None else first_result(study)
         else:
-            result = read_result(asked["folder"])
+            result = open_result(asked["folder"])
         print(json.dumps(None if result is None else _told(result, asked)))
     except FAULTS as error:
         sys.exit(f"stiction: {error or 'there is not enough memory for this'}")
 
 
 def _told(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
-    source, study, beside, command = result.source, result.study, result.beside, asked["command"]
-    at = at_asked_loads(source)
-    answer = answer_record(headlines(answers(at, study, beside=beside))[0])
-    texts = {"page.html": report_page(source, name=asked["name"])}
-    if isinstance(source, Stored) and command:
+    at, study, command = result.at_study_loads, result.study, asked["command"]
+    answer = answer_record(headlines(result.answers)[0])
+    texts = {"page.html": report_page(result, name=asked["name"])}
+    if result.path is not None and command:
+        about: Any = {"beside": result.input_caveats, "over": result.over_cut_offs, "onset": result.onset}
         texts |= {
-            "result.json": record_text(command, at, study, beside=beside, **over_and_onset(source)),
-            "result.csv": csv_text(at, study, beside=beside),
-            "study.toml": (source.path / "study.toml").read_text("utf-8"),
+            "result.json": record_text(command, at, study, **about),
+            "result.csv": result_csv(result),
+            "study.toml": (result.path / "study.toml").read_text("utf-8"),
         }
     files = Path(asked["files"])
     files.mkdir(parents=True)
     for name, text in texts.items():
         (files / name).write_text(without_paths(text, asked["root"]), "utf-8", "replace")
-    finished = source.finished if isinstance(source, Stored) else source["repetition"]
-    return {"answer": answer, "finished": int(finished.size), "total": study.ensemble.repetitions}
+    return {"answer": answer, "finished": int(result.members.size), "total": study.ensemble.repetitions}
 
 
 if __name__ == "__main__":

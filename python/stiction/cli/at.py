@@ -20,6 +20,7 @@ from stiction.mechanics.quantities import UNCERTAINTY
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.studies.result import Result
     from stiction.studies.store import Stored
 
 
@@ -79,10 +80,8 @@ def at(
     from stiction.studies.at_load import at_load
     from stiction.studies.budget import with_uncertainty
     from stiction.views import rows, text
-    from stiction.views.asked import in_memory
-    from stiction.views.inputs import doubts_of_study
 
-    stored = opened(directory)
+    result = opened(directory)
     rubbing = None if mu0 is None else parse_coefficients("mu0", mu0)
     strengths = None
     if tau0 is not None:
@@ -91,28 +90,29 @@ def at(
         refuse(context, "is for --scale-heights", "scaled", "compute", "workers")
     else:
         refuse(context, "does not apply to --scale-heights", "fractal_dimension", "hurst", "amplitude", "direction")
-        loads = _loads(stored, load, width)
-        _at_height_scale(stored, scale_heights, scaled, loads, rubbing, strengths, compute=compute, workers=workers,
-                         as_json=as_json)  # fmt: skip
+        loads = _loads(result, load, width)
+        assert result.stored is not None, "a directory is open"
+        _at_height_scale(
+            result.stored, scale_heights, scaled, loads, rubbing, strengths, compute=compute, workers=workers,
+            as_json=as_json,
+        )  # fmt: skip
         return
     length = None if amplitude is None else parse_quantity("amplitude", amplitude, "length")
-    found = with_uncertainty(
-        at_load(in_memory(stored), _loads(stored, load, width), mu0=rubbing, tau0=strengths), stored
-    )
+    found = with_uncertainty(at_load(result, _loads(result, load, width), mu0=rubbing, tau0=strengths), result)
     if hurst is not None:
-        if fractal_dimension is not None or getattr(stored.study.surfaces, "generator", "") != "self-affine":
+        if fractal_dimension is not None or getattr(result.study.surfaces, "generator", "") != "self-affine":
             raise ArgumentError("{hurst} is for self-affine surfaces, without --d, got {got}", got=f"{hurst:g}")
         fractal_dimension = 2 - hurst
     found = _cells(found, fractal_dimension, length)
     if direction is not None:
         found = _towards(found, direction)
-    beside = doubts_of_study(stored.study)
+    beside = result.input_caveats
     if as_json:
-        tell(rows.record_text("at", found, stored.study, beside=beside))
+        tell(rows.record_text("at", found, result.study, beside=beside))
     else:
-        if own := text.own_values_text(stored.study, mu0=mu0 is None, tau0=tau0 is None):
+        if own := text.own_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
             tell(own)
-        tell(text.result_text(found, stored.study, verbose=verbose, beside=beside))
+        tell(text.result_text(found, result.study, verbose=verbose, beside=beside))
 
 
 def _at_height_scale(
@@ -136,23 +136,23 @@ def _at_height_scale(
     tell((height_scale_record if as_json else height_scale_text)(at, stored.study))
 
 
-def _loads(stored: Stored, texts: list[str] | None, width: str | None) -> list[float]:
+def _loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
     """Return the loads of the options, or those of the study, in mN and in rising order; forces may be on a width."""
     strip = 1.0
     if width is not None:
-        if stored.study.surfaces.press != "lines":
+        if result.study.surfaces.press != "lines":
             raise ArgumentError("{width} is for two profiles, got {got}", got=repr(width))
         strip = THICKNESS / float(parse_quantity("width", width, "length"))
     if not texts:
-        if not stored.study.friction.load:
+        if not result.study.friction.load:
             raise ArgumentError("give {load}: this study does not ask for loads of its own")
-        return [float(load) for load in stored.study.friction.load]
+        return [float(load) for load in result.study.friction.load]
     loads = set()
     for each in texts:
         amount, per_area = parse_load("load", each)
         force = float(amount) * (1.0 if per_area else strip)
         if per_area:
-            coordinates = next(stored.pieces(["contact_count"])).coords
+            coordinates = result.head.coords
             if "nominal_area" not in coordinates:
                 raise ValueError(f"--load of a study must be a force, got {each!r}")
             force *= float(coordinates["nominal_area"])

@@ -60,10 +60,9 @@ def calibrate(
     from stiction.studies.known import ENDS, known
     from stiction.studies.tests_file import friction_tests
     from stiction.views.calibration import calibration_figure, calibration_record, calibration_text
-    from stiction.views.result import Result
     from stiction.views.style import save_picture
 
-    bodies: dict[str, Any] = {folder.resolve().name: Result(opened(folder)) for folder in pair or ()}
+    bodies: dict[str, Any] = {folder.resolve().name: opened(folder) for folder in pair or ()}
     if len(bodies) < len(pair or ()):
         raise ValueError("--pair must be folders of different names: by these the column pair calls them")
     if ball is not None:

@@ -27,7 +27,8 @@ from stiction.cli.options import (
 from stiction.cli.running import Part, Scheduler, Workers, check_folder, executor_of, fill_folder, part_of
 from stiction.studies.measured_surfaces import SHIFTS
 from stiction.studies.pair import LAW, Pair
-from stiction.studies.store import STUDY, Stored
+from stiction.studies.result import Result
+from stiction.studies.store import STUDY
 from stiction.studies.study import SEED, Study
 
 UpperFile = Annotated[str | None, typer.Argument(
@@ -181,9 +182,7 @@ def pair(
     """
     from stiction.cli.showing import said_by, show_answer, show_result, write_views
     from stiction.studies.members import about
-    from stiction.views.asked import at_asked_loads
     from stiction.views.files import VIEWS, check_files
-    from stiction.views.inputs import doubts_of_study
     from stiction.views.rows import record_text
 
     chosen, said = part_of(part), said_by(as_json)
@@ -203,15 +202,15 @@ def pair(
                     tell(f"{printable(scan.name)}: {scan.reading}")
     rests: list[Callable[[], None]] = []
 
-    def answered(stored: Stored) -> None:
+    def answered(result: Result) -> None:
         if as_json:
             return
         if rests:
-            tell(f"\nBy {stored.study.contact.mechanics}:\n")
-        rests.append(show_answer(stored, command="pair", verbose=verbose))
+            tell(f"\nBy {result.study.contact.mechanics}:\n")
+        rests.append(show_answer(result, command="pair", verbose=verbose))
 
     with executor_of(workers, scheduler) as executor:
-        results: list[Stored] = []
+        results: list[Result] = []
         if replace or not (output / STUDY).exists():
             announce_first(bodies.first_study, executor)
         for study in studies:
@@ -226,7 +225,7 @@ def pair(
         return
     if as_json:
         checks = [
-            json.loads(record_text("pair", at_asked_loads(each), each.study, beside=doubts_of_study(each.study)))
+            json.loads(record_text("pair", each.at_study_loads, each.study, beside=each.input_caveats))
             for each in results[1:]
         ]
         readings = [scan.reading for file in bodies.files for scan in file.scans]
@@ -238,7 +237,7 @@ def pair(
 
 def announce_first(study: Study | None, executor: Executor) -> None:
     """Have a worker tell whoever watches a terminal what asperities say, while the others solve the half-space."""
-    from stiction.views.result import first_text
+    from stiction.views.text import first_text
 
     def told(done: Future[str]) -> None:
         if not done.cancelled() and done.exception() is None:  # where nothing touches there is nothing to say

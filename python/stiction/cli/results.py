@@ -19,6 +19,7 @@ Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or
 @command("info", "stiction info figure6", "stiction info pair --verbose", "stiction info figure6 --json")
 def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) -> None:
     """Show what a result is, how far it has come, its friction at a few loads and how far to trust it."""
+    from stiction.studies.result import Result
     from stiction.studies.store import open_stored
     from stiction.studies.study import Study, differences
     from stiction.views.text import fitted
@@ -30,7 +31,7 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
             "study": study.to_toml(), "finished": finished, "repetitions": study.ensemble.repetitions,
             "bytes": stored.size, "versions": {"stiction": stored.version},
         }  # fmt: skip
-        show_result(stored, command="info", as_json=True, about=about)
+        show_result(Result(stored), command="info", as_json=True, about=about)
         return
     if not study.is_measured:
         changes = [f"{key} = {value}" for key, _, value in differences(Study(), study)]
@@ -43,7 +44,7 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
     tell(f"size         {stored.size / 2**20:.1f} MiB, by stiction {stored.version}")
     if finished:
         tell("")
-        show_result(stored, command="info", verbose=verbose)
+        show_result(Result(stored), command="info", verbose=verbose)
 
 
 @command("plot", "stiction plot figure6", "stiction plot pair --format pdf,svg --output figures")
@@ -56,13 +57,13 @@ def plot(
     from stiction.views.style import checked_formats
 
     wanted = checked_formats(split_values(formats))
-    stored = opened(directory)
+    result = opened(directory)
     where = directory if output is None else output
     try:
         where.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ValueError(f"{printable_path(where)}: cannot be written: {error.strerror or error}") from None
-    draw_result(stored, where, formats=wanted)
+    draw_result(result, where, formats=wanted)
 
 
 @command("report", "stiction report figure6", "stiction report pair -o mine.html")

@@ -15,7 +15,8 @@ from stiction.cli.application import announce, interrupted, say, tell
 from stiction.cli.options import option
 from stiction.studies.complete import complete
 from stiction.studies.executors import threads
-from stiction.studies.store import OtherStudyError, Stored, StoreError, open_stored
+from stiction.studies.result import Result
+from stiction.studies.store import OtherStudyError, StoreError, open_stored
 from stiction.studies.study import Study
 from stiction.studies.values import StudyError
 
@@ -79,7 +80,7 @@ def _advice(error: OtherStudyError, study: Study, *, replaceable: bool) -> str:
 
 def fill_folder(
     study: Study, directory: Path, executor: Executor, *, said: Callable[[str], None] = tell, **asked: Any
-) -> Stored:
+) -> Result:
     """`complete` with messages for a person at a terminal, `said` those of what was written; it may be interrupted."""
     check_folder(directory)
     try:

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any
 from stiction.cli.application import announce, say, show_warning, tell
 
 if TYPE_CHECKING:
-    from stiction.studies.store import Stored
+    from stiction.studies.result import Result
 
 
 DOUBTS = 5  # lines of them that `pair` says, so that number and verdict stay on a terminal of 24 lines
 
 
-def opened(directory: Path) -> Stored:
+def opened(directory: Path) -> Result:
     """The result in a directory, and a warning if it is not finished."""
+    from stiction.studies.result import Result
     from stiction.studies.store import StoreError, open_stored
 
     stored = open_stored(directory)
@@ -26,28 +27,26 @@ def opened(directory: Path) -> Stored:
         raise StoreError(f"{directory}: none of its {total} repetitions is finished yet")
     if stored.count < total:
         show_warning(f"{directory}: {stored.count} of {total} repetitions are finished; the result has only those")
-    return stored
+    return Result(stored)
 
 
-def show_result(stored: Stored, **asked: Any) -> None:
+def show_result(result: Result, **asked: Any) -> None:
     """Print what a result says at the loads of its study: all of `show_answer`."""
-    show_answer(stored, **asked)()
+    show_answer(result, **asked)()
 
 
 def show_answer(
-    stored: Stored, *, command: str, as_json: bool = False, verbose: bool = False, about: dict[str, Any] | None = None
+    result: Result, *, command: str, as_json: bool = False, verbose: bool = False, about: dict[str, Any] | None = None
 ) -> Callable[[], None]:
     """Print text, or JSON, but for what lies beside a result, which what is returned prints; JSON is one."""
     from stiction.studies.store import StoreError
     from stiction.views import rows, text
-    from stiction.views.asked import at_asked_loads, over_and_onset
-    from stiction.views.inputs import doubts_of_study
 
-    study = stored.study
-    beside = doubts_of_study(study)
+    study = result.study
+    beside = result.input_caveats
     try:
         with warnings.catch_warnings(action="ignore"):  # of tau0, which was told when the study was made
-            at = at_asked_loads(stored)
+            at = result.at_study_loads
     except StoreError:
         raise
     except ValueError as error:  # nothing touches
@@ -63,7 +62,7 @@ def show_answer(
         tell(said or text.overview_text(at, study))
 
     def rest() -> None:
-        besides = over_and_onset(stored)
+        besides = {"over": result.over_cut_offs, "onset": result.onset}
         if as_json:
             tell(rows.record_text(command, at, study, beside=beside, **besides, **(about or {})))
         elif study.is_measured and (more := text.beside_text(at, study, verbose=verbose, **besides)):
@@ -72,26 +71,28 @@ def show_answer(
     return rest
 
 
-def write_views(stored: Stored, *, said: Callable[[str], None]) -> None:
+def write_views(result: Result, *, said: Callable[[str], None]) -> None:
     """Write the page, the table and a figure of a measured pair into its folder, and say so in two lines."""
     from stiction.views.figures import drawn
     from stiction.views.files import TABLE, VIEWS, replace_text, result_csv
     from stiction.views.report import save_report
 
-    replace_text(stored.path / TABLE, result_csv(stored), VIEWS[TABLE])
+    folder = result.path
+    assert folder is not None, "the result of the command is stored"
+    replace_text(folder / TABLE, result_csv(result), VIEWS[TABLE])
     announce("drawing")
-    drawings = drawn(stored, stored.path, first=True)
-    page = stored.path / "report.html"
-    save_report(stored, page, name=stored.path.resolve().name)
+    drawings = drawn(result, folder, first=True)
+    page = folder / "report.html"
+    save_report(result, page, name=folder.resolve().name)
     said(f"wrote {page} (open it), {' and '.join([TABLE, *(drawing.name for drawing in drawings)])}")
 
 
-def draw_result(stored: Stored, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
+def draw_result(result: Result, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
     """Draw the figures of a result into a directory, and say which."""
     from stiction.views.figures import drawn
 
     announce("drawing")
-    for path in drawn(stored, directory, formats=formats):
+    for path in drawn(result, directory, formats=formats):
         tell(f"wrote {path}")
 
 

@@ -79,8 +79,8 @@ def table_command(
     )  # fmt: skip
     check_files(output, MARKS)
     with executor_of(workers, scheduler) as executor:
-        stored = fill_folder(study, output, executor)
-    table = friction_table(stored.dataset(), **materials)
+        result = fill_folder(study, output, executor)
+    table = friction_table(result, **materials)
     tell(friction_table_text(table))
     export(table, output / TABLE, replace=(output / TABLE).exists())
     for name, text in ((NUMBERS, friction_table_csv(table)), (LAWS, laws_csv(table))):

@@ -35,18 +35,8 @@ from stiction.mechanics.quantities import (
 from stiction.studies import intervals
 from stiction.studies.hardness import Areas
 from stiction.studies.intervals import Crossing
-from stiction.studies.maps import (
-    CELLS,
-    MOTIONS,
-    Result,
-    cells_of,
-    ensemble_map,
-    head_of,
-    material_of,
-    means,
-    study_of_result,
-)
-from stiction.studies.store import pieces
+from stiction.studies.maps import CELLS, MOTIONS, cells_of, ensemble_map, material_of, means
+from stiction.studies.result import Result
 from stiction.studies.study import Study, step_of, study_of
 
 if TYPE_CHECKING:
@@ -63,15 +53,14 @@ COMPLETE, ABOVE_NOMINAL = "complete", "above-nominal"
 
 
 def at_load(
-    result: Result, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
+    result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
     reading: Reading | None = None, of: Kind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Friction, true area and statistics of contacts at given loads, with 95 % intervals.
 
     Parameters
     ----------
-    result : xarray.Dataset or Stored
-        What `run` returns, or a stored result.
+    result : Result, or xarray.Dataset of member sums
     loads : (l,) array_like of float, mN
         Above 0.
     mu0 : (m,) array_like of float, optional
@@ -102,14 +91,15 @@ def at_load(
     ValueError
         If a load, mu0 or tau0 is outside its range, or there are no members of the kind.
     """
-    study = study_of_result(result)
+    result = Result.of(result)
+    study = result.study
     measured = study.is_measured
     reading = reading or ("elastic" if measured else "mean")
     check_choice("reading", reading, Reading)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     if not values.size or not (values > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
-    material = material_of(head_of(result), mu0, tau0)
+    material = material_of(result.head, mu0, tau0)
     areas = None
     if reading == "mean":
         point = _of_ensemble(result, values, *material)
@@ -140,10 +130,10 @@ def at_load(
 
 def is_unloaded(result: Result) -> bool:
     """Return whether all loads of a result's study are negligible beside the mean pull-off force."""
-    study = study_of_result(result)
+    study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
-    pull_off = [float(np.nanmean(piece["pull_off"].values)) for piece in pieces(result, ["pull_off"])]
+    pull_off = [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
     return float(study.friction.load[-1]) < NO_LOAD * max(pull_off)
 
 
@@ -180,7 +170,7 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
 
         return ensemble_map(result, loads, mu0, tau0, what, None if groups is None else put_together)
 
-    head = head_of(result)
+    head = result.head
     first = read("friction_coefficient")
     variables: dict[str, Any] = {"friction_coefficient": _with_statistic(first, "friction_coefficient")}
     # Area and stiffness of an ensemble at its mean load depend, a little, on what friction adds to the load.
@@ -205,7 +195,7 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
                 raise
             continue
         variables[what] = _with_statistic(found if every is None else found.isel(direction=0), what)
-    if study_of_result(result).contact.adheres:
+    if result.study.contact.adheres:
         held = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
         for name in ("pull_off", "share_of_pull_off_bounds", "friction_at_no_load"):
             own = held[name].transpose("repetition", ...)
@@ -213,8 +203,7 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
             one = {dim: 0 for dim in own.dims if dim == "sliding" and dim not in head.dims}
             variables[name] = xarray.Variable((*own.dims[1:], "statistic"), mean, own.attrs).isel(one)
     variables |= {name: about[name].variable for name in VALIDITY}
-    members = head.sizes["repetition"] if not hasattr(result, "finished") else result.finished.size
-    variables |= {"members": ((), members, {"units": "1", "long_name": "members"})}
+    variables |= {"members": ((), result.members.size, {"units": "1", "long_name": "members"})}
     dataset = xarray.Dataset(variables, first.coords, first.attrs).assign_coords(statistic=STATISTIC)
     return dataset.transpose(*cells_of(dataset), ...)
 
@@ -227,7 +216,7 @@ def _with_statistic(table: xarray.Dataset, name: str) -> xarray.Variable:
     return xarray.Variable((*first.dims, "statistic"), values, first.attrs)
 
 
-def reached_loads(result: Result, steps: int = 80) -> Floats:
+def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
     """Loads in equal ratios (mN), from what every cell carries at its first step to the most that any reaches."""
     elastic = means(result, ["normal_elastic"])["normal_elastic"]
     highest = float(elastic.max())
@@ -237,6 +226,19 @@ def reached_loads(result: Result, steps: int = 80) -> Floats:
     if not 1e-6 * highest < lowest < 0.5 * highest:
         lowest = 1e-6 * highest if lowest < highest / 2 else highest / 10
     return np.asarray(np.geomspace(lowest, highest, steps))
+
+
+DEFAULT_LOADS = 3  # loads at which a result is shown if its study does not ask for any
+
+
+def default_loads(result: Result) -> Floats:
+    """Return the loads (mN) of the study, or if it has none, a few that are reached; an error if nothing touches."""
+    friction = result.study.friction
+    if friction.load:
+        return np.array([float(load) for load in friction.load])
+    ends = np.log10(reached_loads(result, 2))
+    loads = 10 ** (ends[0] + (ends[1] - ends[0]) * np.linspace(0.2, 0.8, DEFAULT_LOADS))
+    return np.unique([float(f"{load:.0e}") for load in loads])
 
 
 # ---- Means over members ----------------------------------------------------------------------------------------------
@@ -361,7 +363,7 @@ Kind = Literal["shifts", "surrogates"]
 
 
 def member_values(
-    result: Result, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
+    result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
     reading: Reading = "elastic", of: Kind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """What each member has at given loads of its own, before any mean is taken.
@@ -381,10 +383,11 @@ def member_values(
     """
     if reading == "mean":
         raise ValueError("reading must be 'elastic' or 'normal': members have no mean load")
+    result = Result.of(result)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
-    material = material_of(head_of(result), mu0, tau0)
+    material = material_of(result.head, mu0, tau0)
     members = _members_before_growth(result, values, *material, reading, of)
-    study = study_of_result(result)
+    study = result.study
     if not study.contact.junction_growth:
         return members
     return _with_growth(members, result, _areas_of_members(members, result), of)
@@ -400,9 +403,10 @@ def _members_before_growth(
 # ---- Junction growth -------------------------------------------------------------------------------------------------
 
 
-def areas_of(at: xarray.Dataset, result: Result) -> Areas:
+def areas_of(at: xarray.Dataset, result: Result | xarray.Dataset) -> Areas:
     """Return how the true area follows hardness and E* at the loads of what `at_load` gives of a result."""
-    study, loads = study_of_result(result), at["load"].values
+    result = Result.of(result)
+    study, loads = result.study, at["load"].values
     area = at["contact_area"].sel(statistic="mean")
     ratio = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
     gradient = float(at["rms_gradient"].sel(statistic="mean").mean())
@@ -413,13 +417,13 @@ def _areas_of_members(members: xarray.Dataset, result: Result) -> Areas:
     """Return how the true area follows the hardness at the study's own E*, from `member_values`."""
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
     ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
-    study = study_of_result(result)
+    study = result.study
     return Areas.of(loads, ratio, float(gradient.mean()), np.zeros(loads.size), study, result)
 
 
 def growth_of_area(result: Result, loads: Floats) -> Floats:
     """Return d ln(A/F) / d ln F, the growth of the mean true area per load, at loads (mN)."""
-    steps = study_of_result(result).contact.steps()
+    steps = result.study.contact.steps()
     if steps.size > 1:
         zero = np.zeros(1)
         curve = _members_before_growth(result, steps, zero, zero, "elastic", None)["contact_area"]
@@ -447,7 +451,7 @@ def _with_growth(members: xarray.Dataset, result: Result, areas: Areas, of: Kind
     """Return `member_values` whose adhesive forces are those of the true area at the onset of sliding."""
     import xarray
 
-    study, mu0, tau0 = study_of_result(result), members["mu0"].values, members["tau0"].values
+    study, mu0, tau0 = result.study, members["mu0"].values, members["tau0"].values
     grown = {rule: area_growth(areas, study, rule, mu0, tau0) for rule in ("all", *members["sliding"].values.tolist())}
     factor = np.stack([grown[rule] for rule in members["sliding"].values.tolist()])
     with np.errstate(invalid="ignore"):
@@ -476,7 +480,7 @@ def _with_growth(members: xarray.Dataset, result: Result, areas: Areas, of: Kind
     return members.assign(changed)
 
 
-def six_at(result: Result, loads: Floats, *, of: Kind | None = None) -> xarray.Dataset:
+def six_at(result: Result | xarray.Dataset, loads: Floats, *, of: Kind | None = None) -> xarray.Dataset:
     """The six sums of each member at loads (mN) of its own, over cells, repetition, sliding, direction and load."""
     import xarray
 
@@ -489,7 +493,7 @@ def six_at(result: Result, loads: Floats, *, of: Kind | None = None) -> xarray.D
             {name: (dims, each) for name, each in zip(sums, values, strict=True)}, _motions_of(piece) | kept
         )
 
-    return _of_all(result, of, six)
+    return _of_all(Result.of(result), of, six)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -520,7 +524,7 @@ class PerLoad:
 def _of_all(result: Result, of: Kind | None, read: Callable[[xarray.Dataset], xarray.Dataset]) -> xarray.Dataset:
     import xarray
 
-    parts = [read(piece) for piece in pieces(result) if piece.sizes["repetition"]]
+    parts = [read(piece) for piece in result.pieces() if piece.sizes["repetition"]]
     whole = parts[0] if len(parts) == 1 else xarray.concat(
         parts, "repetition", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )  # fmt: skip

@@ -23,7 +23,7 @@ from stiction.studies.hardness import Areas, creep_of, growth_of, inputs_of, rel
 from stiction.studies.interfaces import HARDNESS, interface_of
 from stiction.studies.intervals import MOST_FREEDOM, OfScans, of_scans
 from stiction.studies.known import DRAWS, ENDS, Known, strata
-from stiction.studies.maps import Result, study_of_result
+from stiction.studies.result import Result
 
 if TYPE_CHECKING:
     import xarray
@@ -47,7 +47,7 @@ _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "co
 Strength = tuple[Floats, Floats, Floats | None]
 
 
-def with_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool = True) -> xarray.Dataset:
+def with_uncertainty(at: xarray.Dataset, result: Result | xarray.Dataset, *, budget: bool = True) -> xarray.Dataset:
     """Return what `at_load` gives of measured bodies, with combined intervals, predictions and the uncertainty budget.
 
     Added are `friction_known`, with the 95 % interval of all that is known; `friction_combined`, with the interval to
@@ -57,7 +57,8 @@ def with_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool = True)
     (those of `inputs_of`, positions and finer waves) `friction_if_known` and `width_if_known`, the interval that would
     remain if the input were known. Results of generated bodies are returned unchanged.
     """
-    study = study_of_result(result)
+    result = Result.of(result)
+    study = result.study
     if not study.is_measured or at.attrs.get("reading") != "elastic":
         return at
     # Areas over hardness are solved at the loads of the study; an interval must not depend on which others there are.

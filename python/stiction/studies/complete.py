@@ -20,6 +20,7 @@ from stiction.studies.onset import FILE as ONSET
 from stiction.studies.onset import TABLE, TABLE_MARK, backbone, onset_beside, onset_of_result
 from stiction.studies.pressed import cost_of_member, cost_of_solution
 from stiction.studies.resolution import FOLDER, resolution_study
+from stiction.studies.result import Result
 from stiction.studies.runner import fill, filled, prepared
 from stiction.studies.store import BLOCKS, SEAL, STUDY, Stored, StoreError, export, open_stored
 from stiction.studies.study import Study, computed_otherwise, differences, differences_text
@@ -39,8 +40,8 @@ def _nothing(_: str) -> None:
 def complete(
     study: Study, folder: Path, executor: Executor, *, part: tuple[int, int] | None = None, replace: bool = False,
     onset: int | None = None, progress: bool = False, said: Say = _nothing, say: Say = _nothing,
-    announce: Say = _nothing, answered: Callable[[Stored], Any] = lambda _: None,
-) -> Stored:  # fmt: skip
+    announce: Say = _nothing, answered: Callable[[Result], Any] = lambda _: None,
+) -> Result:  # fmt: skip
     """Compute what a folder lacks of a study, or of a part, and without a part of what is kept beside it.
 
     `replace` removes the result of another study, `onset` members have it computed (0 for none), `said`, `say` and
@@ -63,8 +64,9 @@ def complete(
     stored = filled(stored, part=part, executor=executor, progress=progress, say=ahead, late=say)
     if part is not None:
         said(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
-        return stored
-    if measured and hardness_beside(stored) is None and not is_unloaded(stored):
+        return Result(stored)
+    result = Result(stored)
+    if measured and hardness_beside(stored) is None and not is_unloaded(result):
         # A few members at other hardnesses and moduli, where these are ranges.
         seconds = count_solutions(stored.study) * cost_of_solution(stored.study) if stored.study.by_half_space else 0.0
         if seconds > LONG:
@@ -75,11 +77,11 @@ def complete(
     elif before == total:
         by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
         said(f"{folder} holds this study already{by}")
-    answered(stored)
+    answered(result)
     if measured and (before < total or not (stored.path / PICTURE).exists()):
-        _put_beside(stored, PICTURE, lambda: contact_picture(stored))
-    fill_beside(stored, executor, onset, progress=progress, announce=announce, say=say)
-    return stored
+        _put_beside(stored, PICTURE, lambda: contact_picture(result))
+    fill_beside(result, executor, onset, progress=progress, announce=announce, say=say)
+    return result
 
 
 def _put_beside(stored: Stored, name: str, make: Callable[[], Any]) -> None:
@@ -90,14 +92,15 @@ def _put_beside(stored: Stored, name: str, make: Callable[[], Any]) -> None:
 
 
 def fill_beside(
-    stored: Stored, executor: Executor, onset: int | None = None, *, progress: bool = False, announce: Say = _nothing,
+    result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False, announce: Say = _nothing,
     say: Say = _nothing,
 ) -> None:  # fmt: skip
     """Compute what is kept beside the result of a measured pair, and not there yet: cut-offs, and the onset."""
-    if not stored.study.is_measured:
+    stored = result.stored
+    if stored is None or not stored.study.is_measured:
         return
     try:
-        over = None if is_unloaded(stored) else resolution_study(stored.study)
+        over = None if is_unloaded(result) else resolution_study(stored.study)
         if over is not None:
             folder = stored.path / FOLDER
             there = open_stored(folder) if (folder / STUDY).exists() else None

@@ -17,10 +17,11 @@ from stiction.mechanics.quantities import attributes_of
 from stiction.studies.at_load import member_values
 from stiction.studies.contact_statistics import Table
 from stiction.studies.contact_tables import HalfSpace
-from stiction.studies.maps import Result, cells_of, study_of_result
+from stiction.studies.maps import cells_of
 from stiction.studies.measured_surfaces import Measured
 from stiction.studies.members import bodies_of, pair_of
 from stiction.studies.pressed import OneLoad
+from stiction.studies.result import Result
 from stiction.studies.store import Stored, read_beside
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
@@ -49,12 +50,12 @@ _OF_CONTACTS = {
 _UNITS = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}  # of the cells, as columns have them
 
 
-def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset | None:
+def contact_picture(result: Result | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
     """Heights, contacts and pressures of the member whose true area is nearest to the mean.
 
     Parameters
     ----------
-    result : xarray.Dataset or Stored
+    result : Result, or xarray.Dataset of member sums
         Of measured bodies; of all others there is no picture.
     load : float, mN, optional
         By default the first that its study asks for.
@@ -74,7 +75,8 @@ def contact_picture(result: Result, load: float | None = None) -> xarray.Dataset
     ValueError
         If the files that the study names are not there any more.
     """
-    study = study_of_result(result)
+    result = Result.of(result)
+    study = result.study
     if not isinstance(study.surfaces, Measured):
         return None
     load = float(study.friction.load[0]) if load is None else load
@@ -99,7 +101,7 @@ def coming_and_going(result: Result) -> xarray.Dataset | None:
     """Load, area (µm²) and approach of a member that adheres, pressed and drawn apart; None if not solved."""
     import xarray
 
-    study = study_of_result(result)
+    study = result.study
     contact = study.contact
     if not isinstance(contact, HalfSpace) or not contact.adheres:
         return None
@@ -209,7 +211,7 @@ def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int]
     """Every contact of some members at elastic loads (mN), solved once more: see `Result.contacts`."""
     import pandas
 
-    study = study_of_result(result)
+    study = result.study
     wanted = np.unique(np.atleast_1d(float_array("load", loads)))
     if not wanted.size or not (wanted > 0).all():
         raise ValueError(f"load must be above 0 mN, got {loads!r}")

@@ -14,6 +14,7 @@ from stiction.mechanics.friction import SIX, loads_of
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
 from stiction.studies.maps import material_of
+from stiction.studies.result import Result
 from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
@@ -100,13 +101,13 @@ def table_study(
 
 
 def friction_table(
-    dataset: xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
+    result: Result | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
     r"""Friction, true area and stiffness against pressure, and fitted laws, of a study by the half-space.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    result : Result, or xarray.Dataset of member sums
         What `run` returns of `table_study`, or of any study of surfaces with mechanics "half-space".
     mu0 : (m,) array_like of float, optional
     tau0 : (t,) array_like of float, GPa, optional
@@ -124,7 +125,7 @@ def friction_table(
     Raises
     ------
     ValueError
-        If the dataset is of approaches or of profiles, or mu0 or tau0 is negative.
+        If the result is of approaches or of profiles, or mu0 or tau0 is negative.
 
     Notes
     -----
@@ -146,9 +147,10 @@ def friction_table(
     """
     import xarray
 
+    dataset = Result.of(result).dataset
     study = study_of(dataset)
     if "load" not in dataset.dims or study.surfaces.kind != "surface":
-        raise ValueError("dataset must be of a study of surfaces by the half-space, with loads")
+        raise ValueError("result must be of a study of surfaces by the half-space, with loads")
     material = material_of(dataset, mu0, tau0)
     area = float(np.prod(study.surfaces.extents()))
     steps = dataset["load"].values / area

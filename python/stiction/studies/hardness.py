@@ -21,7 +21,6 @@ from stiction.mechanics.materials import Material, material, softer_material
 from stiction.mechanics.resolution import KAPPA
 from stiction.studies.contact_tables import HalfSpace
 from stiction.studies.known import Known, known, read_known
-from stiction.studies.maps import head_of
 from stiction.studies.members import bodies_of, points_of_member
 from stiction.studies.moduli import Moduli, hardness_of_material, moduli_of_material
 from stiction.studies.store import Stored, read_beside
@@ -31,7 +30,7 @@ from stiction.surfaces.pairing import SIDES
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.maps import Result
+    from stiction.studies.result import Result
 
 FILE = "hardness.nc"
 """In the folder of a result: true area of its first members at the nodes."""
@@ -295,11 +294,11 @@ class Areas:
         growth : (l,) array of float
             d ln(A/F) / d ln F.
         study : Study
-        result : xarray.Dataset or Stored
+        result : Result
         """
         own = None if study.contact.hardness is None else float(study.contact.hardness)
-        pressures = loads / float(head_of(result)["nominal_area"])
-        solved = result.once(hardness_beside) if isinstance(result, Stored) else None
+        pressures = loads / float(result.head["nominal_area"])
+        solved = result.alongside(hardness_beside)
         # The value itself depends on the areas of junction growth: those of the nearest load that was solved.
         nearest = "nearest" if study.contact.junction_growth else None
         if solved is not None and (nearest or set(loads.tolist()) <= set(solved["load"].values.tolist())):

@@ -31,6 +31,7 @@ from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
 from stiction.studies.measured_surfaces import MIN_HEIGHT_FACTOR as MIN_FACTOR
 from stiction.studies.members import first_pair
 from stiction.studies.pressed import cost_of_member, cost_of_solution
+from stiction.studies.result import Result
 from stiction.studies.runner import fill
 from stiction.studies.store import STUDY, Stored, StoreError, export, open_stored
 from stiction.studies.study import Study, computed_otherwise
@@ -194,7 +195,7 @@ def stored_factors(result: Stored, scaled: Scaled) -> dict[float, Stored]:
 
 def _lacks_hardness(stored: Stored) -> bool:
     """Return whether a study has ranges of hardness or E*, and is not solved over them yet."""
-    wants = bool(bodies_wanted(stored.study)[0].size) and not is_unloaded(stored)
+    wants = bool(bodies_wanted(stored.study)[0].size) and not is_unloaded(Result(stored))
     return wants and hardness_beside(stored) is None
 
 
@@ -280,7 +281,7 @@ def at_height_scale(
     around = [places for each in factors.tolist() if (places := _neighbors(solved, each))]
     points = [
         with_uncertainty(at_load(each, loads, mu0=mu0, tau0=tau0), each, budget=False).isel(cut_off=0)
-        for each in there.values()
+        for each in map(Result, there.values())
     ]
     first = points[list(there).index(1.0)]
     variables: dict[str, Any] = {}

@@ -20,13 +20,12 @@ from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
 from stiction.studies.executors import given_or_threads
-from stiction.studies.store import Stored, pieces
-from stiction.studies.study import Study, step_of, study_of
+from stiction.studies.result import Result
+from stiction.studies.study import step_of, study_of
 
 if TYPE_CHECKING:
     import xarray
 
-Result: TypeAlias = "xarray.Dataset | Stored"
 Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 AT_ONCE = 2**20  # numbers of curves of a cell that are in memory at a time, however many mu0 and tau0
 CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of results that come before their members
@@ -43,14 +42,14 @@ def _needed(what: str) -> tuple[str, ...]:
 
 
 def friction_map(
-    dataset: Result, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
+    result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
     """Friction coefficient of the ensemble, mean(F_T) / mean(F_N), at given normal loads.
 
     Parameters
     ----------
-    dataset : xarray.Dataset or Stored
-        What `run` returns, or a stored result, of which one block is in memory at a time.
+    result : Result, or xarray.Dataset of member sums
+        One piece of a stored result is in memory at a time.
     loads : (l,) array_like of float, mN
         Above 0.
     mu0 : (m,) array_like of float, optional
@@ -75,11 +74,11 @@ def friction_map(
     >>> friction_map(run(Study.named("quick").with_changes(small)), [1e-3], mu0=0.4)["friction_coefficient"].dims
     ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
     """
-    return ensemble_map(dataset, loads, mu0, tau0, "friction_coefficient")
+    return ensemble_map(Result.of(result), loads, mu0, tau0, "friction_coefficient")
 
 
 def area_map(
-    dataset: Result, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
+    result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
     """Mean true contact area of the ensemble (µm²) at given normal loads; otherwise as `friction_map`.
 
@@ -90,11 +89,11 @@ def area_map(
     >>> area_map(run(Study.named("quick").with_changes(small)), [1e-3])["contact_area"].dims
     ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
     """
-    return ensemble_map(dataset, loads, mu0, tau0, "contact_area")
+    return ensemble_map(Result.of(result), loads, mu0, tau0, "contact_area")
 
 
 def stiffness_map(
-    dataset: Result, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
+    result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
     """Normal stiffness of the ensemble, d mean(F_N) / dδ (mN/µm), at given normal loads; otherwise as `friction_map`.
 
@@ -114,24 +113,15 @@ def stiffness_map(
     >>> stiffness_map(run(Study.named("quick").with_changes(small)), [1e-3])["normal_stiffness"].dims
     ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
     """
-    head = head_of(dataset)
+    result = Result.of(result)
+    head = result.head
     step = step_of(head)
     if head.sizes.get(step, 0) < 3:
         kind = "approaches" if step == "approach" else "loads"
         raise ValueError(f"a stiffness needs at least 3 {kind}, got {head.sizes.get(step, 0)}")
-    if step == "load" and any(piece["approach"].isnull().any() for piece in pieces(dataset, ["approach"])):
+    if step == "load" and any(piece["approach"].isnull().any() for piece in result.pieces(["approach"])):
         raise ValueError("a free half-plane has no approach, so there is no stiffness of it")
-    return ensemble_map(dataset, loads, mu0, tau0, "normal_stiffness")
-
-
-def head_of(result: Result) -> xarray.Dataset:
-    """A dataset that has the coordinates and attributes of a result."""
-    return next(result.pieces()) if isinstance(result, Stored) else result
-
-
-def study_of_result(result: Result) -> Study:
-    """The study that a result is of."""
-    return result.study if isinstance(result, Stored) else study_of(result)
+    return ensemble_map(result, loads, mu0, tau0, "normal_stiffness")
 
 
 def cells_of(dataset: xarray.Dataset) -> list[str]:
@@ -144,15 +134,16 @@ def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[An
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
-def means(result: Result, names: Iterable[str] | None = None) -> xarray.Dataset:
+def means(result: Result | xarray.Dataset, names: Iterable[str] | None = None) -> xarray.Dataset:
     """Means over the members of some variables of a result, or of all that are over members."""
     import xarray
 
+    result = Result.of(result)
     total: dict[str, xarray.Variable] = {}
     count = 0
-    head = head_of(result)
+    head = result.head
     kept = [str(name) for name in (head.data_vars if names is None else names) if "repetition" in head[name].dims]
-    for piece in pieces(result, kept):
+    for piece in result.pieces(kept):
         count += piece.sizes["repetition"]
         for name in kept:
             dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
@@ -167,7 +158,7 @@ def solved_pieces(
     result: Result, names: Iterable[str] | None = None, change: Change | None = None
 ) -> Iterator[xarray.Dataset]:
     """Pieces of a result without the members of which a load has no solution."""
-    for piece in pieces(result, names):
+    for piece in result.pieces(names):
         elastic = piece["normal_elastic"]
         known = np.isfinite(repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"]))
         known = known.reshape(-1, known.shape[-1]).all(axis=0)
@@ -185,7 +176,7 @@ def ensemble_map(
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
-    dataset = head_of(result)
+    dataset = result.head
     material = material_of(dataset, mu0, tau0)
     missing = [name for name in ("repetition", step_of(dataset)) if not dataset.sizes.get(name)]
     missing += [name for name in CELLS if name in dataset.dims and not dataset.sizes[name]]

@@ -43,6 +43,7 @@ from stiction.studies.contact_statistics import (
     pressed_on_steepest,
 )
 from stiction.studies.contact_tables import Asperities, Contact, HalfSpace
+from stiction.studies.layout import Arrays, names_of, variables_of
 from stiction.studies.members import (
     FAMILY_MEMORY,
     bodies_of,
@@ -53,7 +54,6 @@ from stiction.studies.members import (
     scaled_surface,
     unscaled_surface,
 )
-from stiction.studies.result import Arrays, names_of, variables_of
 from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile

@@ -14,6 +14,7 @@ from stiction._units import exact_text
 from stiction.mechanics import brackets
 from stiction.studies.at_load import at_load
 from stiction.studies.members import about, bodies_of
+from stiction.studies.result import Result
 from stiction.studies.store import STUDY, Stored, StoreError, open_stored
 from stiction.studies.study import Study, computed_otherwise
 from stiction.surfaces.hurst import HurstEstimate
@@ -67,7 +68,7 @@ def resolution_at(result: Stored) -> xarray.Dataset | None:
         return None
     loads = [float(load) for load in study.friction.load]
     if study.surfaces.cells()["cut_off"].size > 1:
-        return at_load(result, loads)
+        return at_load(Result(result), loads)
     folder = Path(result.path) / FOLDER
     if not (folder / STUDY).exists():
         return None
@@ -78,7 +79,9 @@ def resolution_at(result: Stored) -> xarray.Dataset | None:
         return None
     if not beside.finished.size or wanted is None or computed_otherwise(beside.study, wanted):
         return None
-    return at_load(beside, loads, mu0=list(study.friction.mu0), tau0=[float(each) for each in study.friction.tau0])
+    return at_load(
+        Result(beside), loads, mu0=list(study.friction.mu0), tau0=[float(each) for each in study.friction.tau0]
+    )
 
 
 # ---- Without pressing anything ---------------------------------------------------------------------------------------

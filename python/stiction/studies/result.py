@@ -1,241 +1,485 @@
-"""What a result looks like: an xarray dataset with units, names and the study it is of.
-
-A result holds sums over contacts of every member of its study, at every step, sliding rule and direction. Its
-dimensions are the cells of the study (fractal dimension and amplitude of generated bodies, the cut-off of measured
-ones), the members (`repetition`), the motions of which there is a list, and the step (approach or load).
-"""
+"""The result of a study: every number that was computed, in memory or in a directory, and what follows from them."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import number
-from stiction._core import __version__
-from stiction.mechanics.friction import STATUSES
-from stiction.mechanics.quantities import DISTRIBUTIONS, GAP, QUANTITIES, STATISTICS, attributes_of
-from stiction.studies.contact_statistics import QUANTILES
-from stiction.studies.measured_surfaces import About
-from stiction.studies.study import Study
+from stiction._checks import check_bool
+from stiction._repr import figure_html, preformatted_html, render_png
+from stiction._units import loads_to_core_units, to_core_units
+from stiction.studies.layout import piece_of
+from stiction.studies.store import Stored, open_stored
+from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
+    from matplotlib.figure import Figure
 
-TITLE = "stiction study"  # of every result
-MOST_IN_PIECE = 2**26  # bytes of a result that are in memory at a time, where it is read piece by piece
+    from stiction.views.answer import Answer, Doubt
 
-OF_MEMBERS: dict[str, np.dtype[Any]] = {
-    "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
-}  # fmt: skip
-"""Coordinates along `repetition` that say what a member of measured bodies is, with their kind."""
+DIMENSIONS = 4  # fractal dimensions of an overview if the study has a range of them
 
-Arrays = dict[str, NDArray[Any]]
+_Read = TypeVar("_Read")
 
 
-@dataclass(frozen=True)
-class Array:
-    """An array of a result before there is any: its dimensions and their sizes, its kind, units and names."""
-
-    dims: tuple[str, ...]
-    shape: tuple[int, ...]
-    dtype: np.dtype[Any]
-    attributes: dict[str, Any]
-
-    @property
-    def size(self) -> int:
-        """Bytes."""
-        return self.dtype.itemsize * math.prod(self.shape)
-
-
-def coordinates_of(
-    study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
-) -> dict[str, tuple[Array, NDArray[Any]]]:
-    """The coordinates of a result, or of some of its repetitions, with their values, in the order of its dimensions."""
-    values: dict[str, NDArray[Any]] = {
-        **study.surfaces.cells(),
-        "repetition": np.arange(study.ensemble.repetitions) if repetitions is None else np.array(repetitions, np.int64),
-        **{name: np.array(each) for name, each in study.motions().items()},
-        study.step: study.contact.steps(),
-    }
-    if study.is_measured:
-        values["fraction_below"] = np.array(QUANTILES)
-    more: dict[str, dict[str, str]] = {"load": {"long_name": "normal load of the elastic contact, without friction"}}
-    if not study.is_measured:
-        surfaces: Any = study.surfaces
-        more["fractal_dimension"] = {"convention": surfaces.convention}
-        more["amplitude"] = {"measure": surfaces.amplitude_measure}
-    return {
-        name: (Array((name,), each.shape, each.dtype, attributes_of(name) | more.get(name, {})), each)
-        for name, each in values.items()
-    }
-
-
-def variables_of(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None) -> dict[str, Array]:
-    """The variables of a result, or of some of its repetitions."""
-    sizes = {name: each.size for name, (_, each) in coordinates_of(study, repetitions).items()}
-    found = {}
-    for name in names_of(study):
-        dims = _dims(study, name)
-        dtype = np.dtype(QUANTITIES[name].dtype)
-        attributes: dict[str, Any] = dict(attributes_of(name))
-        if name == "status":
-            attributes |= {"flag_values": np.arange(len(STATUSES)), "flag_meanings": " ".join(STATUSES)}
-        found[name] = Array(dims, tuple(sizes[dim] for dim in dims), dtype, attributes)
-    return found
-
-
-def bytes_of_member(study: Study) -> int:
-    """Bytes of the numbers of one member."""
-    return sum(each.size for each in variables_of(study, [0]).values())
-
-
-def piece_of(size: int) -> int:
-    """How many members of so many bytes are in memory at a time, a power of two."""
-    return 1 << max(0, (MOST_IN_PIECE // max(1, size)).bit_length() - 1)
-
-
-def names_of(study: Study) -> tuple[str, ...]:
-    """Names of the variables of a result: the study's sums, and of measured bodies the statistics of contacts."""
-    if not study.is_measured:
-        return study.sums()
-    return tuple(dict.fromkeys((*study.sums(), *STATISTICS, *DISTRIBUTIONS, *GAP)))
-
-
-def _dims(study: Study, name: str) -> tuple[str, ...]:
-    """Return the dimensions of a stored variable; of one sliding rule or direction there is no dimension."""
-    dims = {"step": study.step, "fraction_below": "fraction_below"} | {motion: motion for motion in study.motions()}
-    return (*study.surfaces.cells(), "repetition", *(dims[each] for each in QUANTITIES[name].along if each in dims))
-
-
-def stacked(study: Study, members: Sequence[Arrays]) -> Arrays:
-    """Arrays of several members as those of a result: one more axis, behind the cells."""
-    axis = len(study.surfaces.cells())
-    return {
-        name: np.stack([each[name] for each in members], axis=0 if name in OF_MEMBERS else axis) for name in members[0]
-    }
-
-
-def dataset_of(
-    study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
-    about: About | None = None,
-) -> xarray.Dataset:  # fmt: skip
-    """The dataset of some repetitions, from arrays as `stacked` makes them, of the shapes that the study says."""
-    import xarray
-
-    variables = variables_of(study, repetitions)
-    for name, each in variables.items():
-        if name not in arrays or arrays[name].shape != each.shape:
-            raise ValueError(f"{name} of the result is not what its study says: {each.shape} wanted")
-    coordinates: dict[str, Any] = {
-        name: xarray.Variable(each.dims, values, each.attributes)
-        for name, (each, values) in coordinates_of(study, repetitions).items()
-    }
-    about = about or About()
-    if study.is_measured:
-        coordinates |= {
-            name: xarray.Variable(("repetition",), np.asarray(arrays[name], dtype), attributes_of(name))
-            for name, dtype in OF_MEMBERS.items()
-        }
-        modulus = float(study.contact.effective_modulus)
-        for name, value in (("nominal_area", about.nominal_area), ("effective_modulus", modulus)):
-            coordinates[name] = xarray.Variable((), value, attributes_of(name))
-    return xarray.Dataset(
-        {name: xarray.Variable(each.dims, arrays[name], each.attributes) for name, each in variables.items()},
-        coordinates,
-        {"title": TITLE, "study": study.to_toml(), "stiction_version": __version__} | about.attributes,
-    )
-
-
-# ---- Without units ---------------------------------------------------------------------------------------------------
-
-_SCALES = {
-    "mN": (1, 2, "(E* L²)"),
-    "mN/um": (1, 1, "(E* L)"),
-    "mN/GPa": (0, 2, "L²"),
-    "GPa": (1, 0, "E*"),
-    "um^2": (0, 2, "L²"),
-    "um": (0, 1, "L"),
-}
-"""Powers of E* and L that a quantity of each unit is divided by, and how that is written."""
-
-
-def nondimensional(
-    result: xarray.Dataset, *, length: float | None = None, effective_modulus: float | None = None
-) -> xarray.Dataset:
-    """Loads as F/(E* L²), shear strengths as tau0/E*, areas as A/L², and so on: everything that has a unit, without.
+class Result:
+    """The result of a study of generated or measured surfaces: `run`, `pair` and `open_result` return it.
 
     Parameters
     ----------
-    result : xarray.Dataset
-        Of `run`, `friction_map`, `area_map`, `stiffness_map`, `traverse` or `traverse_mean`.
-    length : float, µm, optional
-        L; by default the length scale of the result's study, or the longest wavelength of self-affine surfaces. A
-        traverse has none, so it must be given.
-    effective_modulus : float, GPa, optional
-        E*; by default that of the result.
+    source : xarray.Dataset or Stored
+        Sums of all members in memory, or an open directory.
+
+    Examples
+    --------
+    >>> from stiction import Study, run
+    >>> result = run(Study.named("quick").with_changes({"ensemble.repetitions": 2, "surfaces.points": 3000}))
+    >>> sorted(result.dataset.sizes)
+    ['amplitude', 'approach', 'fractal_dimension', 'repetition']
+    """
+
+    def __init__(self, source: xarray.Dataset | Stored) -> None:
+        self.source = source
+        self._alongside: dict[Callable[[Stored], Any], Any] = {}
+
+    @classmethod
+    def of(cls, result: Result | xarray.Dataset | Stored) -> Result:
+        """Return a result unchanged, and that of a dataset of member sums or of an open directory."""
+        return result if isinstance(result, Result) else cls(result)
+
+    # ---- What was computed -------------------------------------------------------------------------------------------
+
+    @property
+    def stored(self) -> Stored | None:
+        """The directory of the result; None in memory."""
+        return self.source if isinstance(self.source, Stored) else None
+
+    @cached_property
+    def study(self) -> Study:
+        """The study that was computed."""
+        return self.source.study if isinstance(self.source, Stored) else study_of(self.source)
+
+    @property
+    def path(self) -> Path | None:
+        """The directory of the result; None in memory."""
+        return None if self.stored is None else self.stored.path
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:
+        """Every sum of every member, in memory; a `StoreError` if that takes more than 2 GiB."""
+        return self.source.dataset() if isinstance(self.source, Stored) else self.source
+
+    @cached_property
+    def head(self) -> xarray.Dataset:
+        """A dataset with the coordinates and attributes of the result, and the values of its first members."""
+        return next(self.source.pieces()) if isinstance(self.source, Stored) else self.source
+
+    @cached_property
+    def members(self) -> NDArray[np.intp]:
+        """Numbers of the members that are finished."""
+        if isinstance(self.source, Stored):
+            return self.source.finished
+        return np.asarray(self.source["repetition"].values, dtype=np.intp)
+
+    @property
+    def version(self) -> str:
+        """Version of stiction that computed the result."""
+        if isinstance(self.source, Stored):
+            return self.source.version
+        return str(self.source.attrs.get("stiction_version", "unknown"))
+
+    def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
+        """Return the result, or some of its variables, in pieces of members, one of which is in memory at a time.
+
+        The study alone decides the pieces, so that sums over them have the same bits.
+        """
+        if isinstance(self.source, Stored):
+            yield from self.source.pieces(names)
+            return
+        count = self.source.sizes["repetition"]
+        step = piece_of(sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count))
+        some = self.source if names is None else self.source[list(names)]
+        for first in range(0, count, step):
+            yield some.isel(repetition=slice(first, first + step))
+
+    def alongside(self, read: Callable[[Stored], _Read | None]) -> _Read | None:
+        """Return what a function reads from the directory of the result, and keep it; None in memory.
+
+        A result that is still being completed may lack it now and have it later: None is not kept.
+        """
+        if self.stored is None:
+            return None
+        if read not in self._alongside:
+            found = read(self.stored)
+            if found is None:
+                return None
+            self._alongside[read] = found
+        return self._alongside[read]  # type: ignore[no-any-return]
+
+    @property
+    def onset(self) -> xarray.Dataset | None:
+        """The onset of sliding of a measured pair at the first load, mu0 and tau0 of its study, if it is stored."""
+        from stiction.studies.onset import onset_beside
+
+        return self.alongside(onset_beside)
+
+    @property
+    def over_cut_offs(self) -> xarray.Dataset | None:
+        """What `at` returns over cut-offs, of the study of a few members that is stored alongside, if there is one."""
+        from stiction.studies.resolution import resolution_at
+
+        return self.alongside(resolution_at)
+
+    @property
+    def contact_picture(self) -> xarray.Dataset | None:
+        """Heights, contacts and pressures of a typical member, if they are stored."""
+        from stiction.studies.contact_picture import picture_beside
+
+        return self.alongside(picture_beside)
+
+    @cached_property
+    def coming_and_going(self) -> xarray.Dataset | None:
+        """Load, area and approach of a typical member that adheres, pressed and drawn apart; solved once more."""
+        from stiction.studies.contact_picture import coming_and_going
+
+        return coming_and_going(self)
+
+    @cached_property
+    def input_caveats(self) -> tuple[Doubt, ...]:
+        """Caveats about the bodies themselves, whatever the load; their files are opened once."""
+        from stiction.views.inputs import doubts_of_study
+
+        return doubts_of_study(self.study)
+
+    # ---- At a load ---------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def default_loads(self) -> NDArray[np.float64]:
+        """Loads (mN) of the study, or if it has none, a few that are reached; a `ValueError` if nothing touches."""
+        from stiction.studies.at_load import default_loads
+
+        return default_loads(self)
+
+    @cached_property
+    def at_study_loads(self) -> xarray.Dataset:
+        """Values and intervals at the loads, mu0 and tau0 of the study, with the uncertainty budget.
+
+        Of a study over a range of fractal dimensions there are `DIMENSIONS` of them.
+        """
+        from stiction.studies.at_load import at_load
+        from stiction.studies.budget import with_uncertainty
+
+        at = at_load(self, self.default_loads)
+        if self.study.is_measured:
+            return with_uncertainty(at, self)
+        surfaces: Any = self.study.surfaces
+        if isinstance(surfaces.fractal_dimension, tuple):
+            return at
+        # A range is a curve, of which a few values are shown; a list has the values that were asked for.
+        number = at.sizes["fractal_dimension"]
+        shown = np.unique(np.linspace(0, number - 1, min(DIMENSIONS, number)).round().astype(int))
+        return at.isel(fractal_dimension=shown)
+
+    def at(
+        self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
+        reading: Any = None, height_scale: str | ArrayLike | None = None,
+        scaled: Literal["both", "upper", "lower"] = "both", compute: bool = False,
+    ) -> xarray.Dataset:  # fmt: skip
+        """Return what `at_load` gives at other loads and materials; nothing is computed again.
+
+        Of measured bodies at elastic loads, `friction_combined` has the combined 95 % interval, and other coefficients
+        have the sampling interval of the mean over positions.
+
+        With `height_scale` it is friction, true area and stiffness over factors of the heights, as another finish would
+        change them. Each factor that is not stored alongside the result, or between others that are, is one more
+        solution of the pair, which `compute` allows.
+
+        Parameters
+        ----------
+        load : str or array_like of float, mN, optional
+            Such as "10 mN", or of measured bodies "10 MPa" on the nominal area; those of the study by default.
+        mu0 : array_like of float, optional
+        tau0 : str or array_like of float, GPa, optional
+            Such as "50 MPa".
+        reading : {"mean", "elastic", "normal"}, optional
+            Which load is meant.
+        height_scale : float, array_like or str, optional
+            Factors of the heights from 0.01 to 100, such as 0.5, "0.5,1,2" or "0.25..4".
+        scaled : {"both", "upper", "lower"}
+            Surfaces whose heights are scaled.
+        compute : bool
+            Whether factors that are missing are computed.
+
+        Raises
+        ------
+        ValueError
+            If an argument is outside its range, or a factor of the heights is not computed: the error names the time
+            that it takes.
+
+        Examples
+        --------
+        >>> from stiction import pair, self_affine_surface
+        >>> a, b = (
+        ...     self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, side=side)
+        ...     for side in ("upper", "lower")
+        ... )
+        >>> result = pair(a, b, load="10 MPa", effective_modulus="80 GPa", hardness="2 GPa", mu0=0.2, shifts=2)
+        >>> at = result.at(height_scale=[0.5, 1, 2], compute=True)
+        >>> gradient = at["rms_gradient"].sel(statistic="mean").values
+        >>> (gradient / gradient[1]).round(6).tolist()
+        [0.5, 1.0, 2.0]
+        """
+        from stiction.studies.at_load import at_load
+        from stiction.studies.budget import with_uncertainty
+
+        if height_scale is not None:
+            return self._at_height_scale(height_scale, load, mu0, tau0, reading, scaled, compute)
+        loads = self.default_loads if load is None else self._loads_of(load)
+        strengths = to_core_units("tau0", tau0, "pressure")
+        at = at_load(self, loads, mu0=mu0, tau0=strengths, reading=reading)
+        return with_uncertainty(at, self, budget=False)
+
+    def _at_height_scale(
+        self, factors: Any, load: Any, mu0: Any, tau0: Any, reading: Any, scaled: Any, compute: bool
+    ) -> xarray.Dataset:
+        from stiction.studies.height_scale import at_height_scale, checked_factors, compute_factors
+
+        check_bool("compute", compute)
+        if reading not in (None, "elastic"):
+            raise ValueError(f"reading must be 'elastic' with height_scale, got {reading!r}")
+        if self.stored is None:
+            raise ValueError("height_scale needs a stored result: one of `pair`, or of `open_result`")
+        factors = checked_factors(factors)
+        loads = self.default_loads if load is None else self._loads_of(load)
+        strengths = to_core_units("tau0", tau0, "pressure")
+        if compute:
+            compute_factors(self.stored, factors, scaled)
+        return at_height_scale(self.stored, factors, loads, mu0=mu0, tau0=strengths, scaled=scaled)
+
+    @property
+    def nominal_area(self) -> float | None:
+        """What is pressed of each member of measured bodies, µm²; None of generated ones."""
+        return float(self.head["nominal_area"]) if self.study.is_measured else None
+
+    def _loads_of(self, load: Any) -> Any:
+        """Loads in mN; of measured bodies text may be a pressure on the nominal area."""
+        area = self.nominal_area
+        return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
+
+    def contacts(
+        self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
+    ) -> pandas.DataFrame:
+        """Every contact of a typical member, or of those that are named: a row for each. They are solved once more.
+
+        Parameters
+        ----------
+        load : str or array_like of float, mN, optional
+            Elastic normal loads, as for `at`; the first one of the study by default.
+        members : int or sequence of int, optional
+            By default, at each load, the one whose true area is nearest to the median.
+
+        Returns
+        -------
+        pandas.DataFrame
+            member, the cell (fractal_dimension and amplitude_um of generated bodies, cut_off_um of measured ones) and
+            load_mN; of the contact its middle x_um and y_um, force_mN (normal load), area_um2 (on the ground plan),
+            mean_pressure_GPa, its mean slopes slope_x and slope_y, and whether it is at_edge of the grid. y and its
+            slope are 0 of profiles.
+
+        Raises
+        ------
+        ValueError
+            If there is no such member, nothing touches, or the files of the study are not there any more.
+        """
+        from stiction.studies.contact_picture import contact_frame
+
+        loads = self.default_loads[:1] if load is None else self._loads_of(load)
+        return contact_frame(self, loads, members)
+
+    # ---- What may be quoted ------------------------------------------------------------------------------------------
+
+    @cached_property
+    def answers(self) -> list[Answer]:
+        """What may be quoted at each load, mu0 and tau0 that the study asks for."""
+        from stiction.views.answer import answers
+
+        return answers(self.at_study_loads, self.study, beside=self.input_caveats)
+
+    @property
+    def _first(self) -> Answer:
+        from stiction.views.answer import headlines
+
+        return headlines(self.answers)[0]
+
+    @property
+    def value(self) -> float:
+        """The coefficient of static friction to quote first; NaN where there is none."""
+        return self._first.value
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The ends of its 95 % interval, of everything that is known: inputs, positions and finer waves."""
+        return self._first.lower, self._first.upper
+
+    @property
+    def of_positions(self) -> tuple[float, float]:
+        """The ends of the 95 % interval of the mean over positions alone, at the middle of all inputs."""
+        return self._first.rules[0].positions
+
+    @property
+    def next_test(self) -> tuple[float, float]:
+        """Between which ends one more test lies with 95 %, in one direction, at one position."""
+        return self._first.rules[0].next_test
+
+    @property
+    def budget(self) -> pandas.DataFrame:
+        """What would be left of the interval if an input were known: a row each, the most important first.
+
+        Columns input, lower, upper, width (the mean over what the input may be) and share (of the width that goes).
+        """
+        import pandas
+
+        one = self._first
+        whole = one.upper - one.lower
+        rows = [(left.words, left.lower, left.upper, left.width, 1 - left.width / whole) for left in one.budget]
+        return pandas.DataFrame(rows, columns=["input", "lower", "upper", "width", "share"])
+
+    @property
+    def verdict(self) -> str:
+        """One of "Quote it", "Quote with care" and "Do not quote"."""
+        return self._first.verdict
+
+    @property
+    def assessment(self) -> str:
+        """The same as `verdict`."""
+        return self.verdict
+
+    @property
+    def caveats(self) -> tuple[Doubt, ...]:
+        """Why it is to be quoted with care or not at all, and what to do about it."""
+        return self._first.doubts
+
+    @property
+    def sentence(self) -> str:
+        """The answer in one sentence, with everything that it depends on."""
+        return self._first.sentence
+
+    # ---- Tables, figures and reports ---------------------------------------------------------------------------------
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the table of the CSV file: a row for each load, mu0, tau0, rule and motion, with its caveats."""
+        from stiction.views.rows import table_of
+
+        return table_of(self.at_study_loads, self.study, beside=self.input_caveats)
+
+    def figures(self) -> list[str]:
+        """Names that `figure` takes."""
+        return [name for name, _ in self._drawings()]
+
+    def figure(self, name: str) -> Figure:
+        """One of the figures, as matplotlib draws it.
+
+        Parameters
+        ----------
+        name : str
+            One of `figures()`: of measured bodies such as "friction", "compass", "contacts", "positions", "sizes".
+
+        Raises
+        ------
+        ValueError
+            If there is none of that name.
+        """
+        import matplotlib as mpl
+
+        from stiction.views.style import STYLE
+
+        drawings = dict(self._drawings())
+        if name not in drawings:
+            raise ValueError(f"name must be one of {', '.join(map(repr, drawings))}, got {name!r}")
+        with mpl.rc_context(STYLE):
+            figure: Figure = drawings[name]()
+        vars(figure)["_repr_png_"] = partial(render_png, figure)  # so that a notebook shows it without pyplot
+        return figure
+
+    def _drawings(self) -> Sequence[tuple[str, Any]]:
+        from stiction.views.figures.standard import figures_of
+
+        return list(figures_of(self))
+
+    def save_report(self, path: str | Path) -> Path:
+        """Write the interactive HTML report of the result and return its path."""
+        from stiction.views.report import save_report
+
+        save_report(self, Path(path), name=self.path.resolve().name if self.path else "result")
+        return Path(path)
+
+    def export(self, path: str | Path) -> None:
+        """Write the result to a new file: ``.nc`` has every number, ``.csv`` the table of `to_dataframe`.
+
+        Raises
+        ------
+        ValueError
+            If the file exists or cannot be written, or its name has another ending.
+        """
+        from stiction.views.files import write_result
+
+        write_result(self, Path(path))
+
+    # ---- How it shows itself -----------------------------------------------------------------------------------------
+
+    def __repr__(self) -> str:
+        """Show what the terminal shows."""
+        try:
+            return self._text().rstrip()
+        except ValueError as error:  # nothing touches, or nothing is finished
+            return f"no answer: {error}"
+
+    def _text(self) -> str:
+        from stiction.views import text
+
+        at = self.at_study_loads
+        if not self.study.is_measured:
+            return text.overview_text(at, self.study)
+        return text.result_text(at, self.study, beside=self.input_caveats, over=self.over_cut_offs, onset=self.onset)
+
+    def _repr_html_(self) -> str:
+        """Show the answer as the terminal does, with a picture."""
+        names = self.figures()
+        name = next((each for each in ("contacts", "friction", *names) if each in names), None)
+        return f"<div>{preformatted_html(repr(self))}{figure_html(self.figure(name)) if name else ''}</div>"
+
+
+def open_result(directory: str | Path) -> Result:
+    """Open the result that `run`, `pair` or a command wrote into a directory, or the finished part of it.
+
+    Parameters
+    ----------
+    directory : path
 
     Returns
     -------
-    xarray.Dataset
-        The same values divided by powers of E* and L, which their `long_name` says; units are "1".
+    Result
 
     Raises
     ------
     ValueError
-        If length or modulus are not above 0, are needed and not given, or something has an unknown unit.
-
-    Notes
-    -----
-    With spheres (not with cylinders, whose width is a length of its own) loads, areas and friction of surfaces that are
-    scaled by a factor in all lengths are the same numbers: the coefficient depends on tau0/E* alone.
+        If there is no result, or it is damaged.
 
     Examples
     --------
-    >>> from stiction import Study, friction_map, nondimensional, run
-    >>> study = Study.named("quick").with_changes({"ensemble.repetitions": 1, "surfaces.points": 4000})
-    >>> friction = nondimensional(friction_map(run(study), [0.001]))  # mN, with E* = 10 GPa and L = 1 µm
-    >>> float(friction["load"][0]), friction["load"].attrs["long_name"]
-    (0.0001, 'normal load / (E* L²)')
+    >>> import tempfile
+    >>> from stiction import Study, open_result, run
+    >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    >>> folder = tempfile.mkdtemp()
+    >>> _ = run(Study.named("quick").with_changes(small), store=folder)
+    >>> dict(open_result(folder).dataset.sizes)["repetition"]
+    2
     """
-    import xarray
-
-    if "study" in result.attrs:
-        from stiction.studies.generated_surfaces import Generated
-        from stiction.studies.study import study_of
-
-        study = study_of(result)
-        if length is None and isinstance(study.surfaces, Generated):
-            length = study.surfaces.longest()
-        own_modulus: Any = float(study.contact.effective_modulus)
-    else:
-        own_modulus = float(result["effective_modulus"]) if "effective_modulus" in result.coords else None
-    effective_modulus = own_modulus if effective_modulus is None else effective_modulus
-    if length is None:
-        raise ValueError("length must be given: the result has no length scale of its own")
-    if effective_modulus is None:
-        raise ValueError("effective_modulus must be given: the result has none")
-    length = number("length", length, unit="µm", above=0)
-    modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
-
-    def scaled(name: str, variable: xarray.Variable) -> xarray.Variable:
-        units = variable.attrs.get("units", "1")
-        if units in ("1", "degree"):
-            return variable
-        if units not in _SCALES:
-            raise ValueError(f"{name} has the unit {units!r}, which no result has")
-        of_modulus, of_length, by = _SCALES[units]
-        attributes = {**variable.attrs, "units": "1", "long_name": f"{variable.attrs.get('long_name', name)} / {by}"}
-        return xarray.Variable(variable.dims, variable.values / (modulus**of_modulus * length**of_length), attributes)
-
-    return xarray.Dataset(
-        {str(name): scaled(str(name), each.variable) for name, each in result.data_vars.items()},
-        {str(name): scaled(str(name), each.variable) for name, each in result.coords.items()},
-        # Without the study, whose numbers have units.
-        {name: value for name, value in result.attrs.items() if name != "study"}
-        | {"length_um": length, "effective_modulus_GPa": modulus},
-    )
+    return Result(open_stored(Path(directory)))

@@ -21,10 +21,11 @@ from stiction._core import __version__
 from stiction._files import new_partial_name
 from stiction._text import format_bytes, format_duration, printable_path
 from stiction.studies.executors import BROKEN, given_or_threads, progress_bar, sharing
+from stiction.studies.layout import OF_MEMBERS, Arrays, bytes_of_member, dataset_of, stacked
 from stiction.studies.members import about, points_of_member
 from stiction.studies.pressed import cost_of_member, member_sums
-from stiction.studies.result import OF_MEMBERS, Arrays, bytes_of_member, dataset_of, stacked
-from stiction.studies.store import BLOCKS, MOST_MEMORY, Stored, StoreError, begin, put
+from stiction.studies.result import Result
+from stiction.studies.store import BLOCKS, Stored, StoreError, begin, put
 from stiction.studies.study import Study
 from stiction.studies.values import StudyError
 
@@ -56,7 +57,7 @@ def block_size(study: Study) -> int:
 
 def run(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
-) -> xarray.Dataset:
+) -> Result:
     """Run a study.
 
     Parameters
@@ -73,37 +74,37 @@ def run(
 
     Returns
     -------
-    xarray.Dataset
-        The variables of `LoadCurve` over fractal_dimension, amplitude (µm), repetition and approach (µm), with their
-        units, the study's text and the version of stiction as attributes. Of surfaces those of `SurfaceLoadCurve`; by
-        the half-space those of `HalfSpaceCurve` over load (mN) in place of approach. A list of sliding rules or of
-        directions is one more dimension, sliding or direction (degrees), of what depends on it. Of measured bodies the
-        cut-off (µm) stands in place of fractal_dimension and amplitude, and there are statistics of the contacts.
+    Result
+        Its `dataset` has the variables of `LoadCurve` over fractal_dimension, amplitude (µm), repetition and approach
+        (µm), with their units, the study's text and the version of stiction as attributes. Of surfaces those of
+        `SurfaceLoadCurve`; by the half-space those of `HalfSpaceCurve` over load (mN) in place of approach. A list of
+        sliding rules or of directions is one more dimension, sliding or direction (degrees), of what depends on it. Of
+        measured bodies the cut-off (µm) stands in place of fractal_dimension and amplitude, and there are statistics of
+        the contacts.
 
     Raises
     ------
     ValueError
-        If the study cannot be computed, its result takes more than 16 GiB of memory, or 2 GiB if it is stored, or the
-        store cannot be written, is another study's, is damaged, or lacks repetitions and was begun by another version
+        If the study cannot be computed, its result takes more than 16 GiB of memory without a store, or the store
+        cannot be written, is another study's, is damaged, or lacks repetitions and was begun by another version
         of stiction.
 
     Examples
     --------
     >>> from stiction import Study, run
     >>> small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
-    >>> run(Study.named("quick").with_changes(small))["contact_area"].dims
+    >>> run(Study.named("quick").with_changes(small)).dataset["contact_area"].dims
     ('fractal_dimension', 'amplitude', 'repetition', 'approach')
     """
     size = study.ensemble.repetitions * bytes_of_member(study)
-    if size > (most := MOST_IN_MEMORY if store is None else MOST_MEMORY):
-        advice = "give it a store" if store is None else "stiction.studies.runner.fill computes it without reading it"
+    if store is None and size > MOST_IN_MEMORY:
         raise StudyError(
-            f"the result would take {size / 2**30:.0f} GiB of memory, more than {most / 2**30:.0f}: {advice}, or take "
-            "fewer ensemble.repetitions"
+            f"the result would take {size / 2**30:.0f} GiB of memory, more than {MOST_IN_MEMORY / 2**30:.0f}: give it "
+            "a store, or take fewer ensemble.repetitions"
         )
     if store is None:
-        return _in_memory(study.with_known_files(), executor, progress)
-    return filled(prepared(study, store), executor=executor, progress=progress).dataset()
+        return Result(_in_memory(study.with_known_files(), executor, progress))
+    return Result(filled(prepared(study, store), executor=executor, progress=progress))
 
 
 def fill(
@@ -365,3 +366,18 @@ def arrays_task(version: str, study: Study, members: range) -> Arrays:
             "install the same version everywhere"
         )
     return stacked(study, [member_sums(study, member) for member in members])
+
+
+# ---- The first members ----------------------------------------------------------------------------------------------
+
+FIRST_MEMBERS = 4  # members of the first result
+
+
+def first_result(study: Study) -> Result:
+    """Return the result of the first members of a study of asperities; a `ValueError` if they cannot be pressed.
+
+    It takes less than a second, while the half-space is being solved.
+    """
+    members = range(min(FIRST_MEMBERS, study.ensemble.repetitions))
+    arrays = stacked(study, [member_sums(study, member) for member in members])
+    return Result(dataset_of(study, members, arrays, about(study)))

@@ -17,12 +17,12 @@ import re
 import threading
 import warnings
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,9 +31,7 @@ import stiction._files as _files
 from stiction._core import __version__
 from stiction._files import NotReadableError, describe_os_error, new_file, read_content, replaced_file
 from stiction._text import printable, printable_path
-from stiction.studies.measured_surfaces import About
-from stiction.studies.members import about
-from stiction.studies.result import (
+from stiction.studies.layout import (
     OF_MEMBERS,
     TITLE,
     Arrays,
@@ -43,6 +41,8 @@ from stiction.studies.result import (
     piece_of,
     variables_of,
 )
+from stiction.studies.measured_surfaces import About
+from stiction.studies.members import about
 from stiction.studies.study import (
     LONGEST_FILE,
     Difference,
@@ -64,7 +64,6 @@ MOST_MEMORY = 2**31  # bytes of a result that is read into memory at once
 MOST_BESIDE = 2**26  # bytes of a file that lies beside a result
 _NAME = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 _ATTEMPTS = 3
-_Read = TypeVar("_Read")
 
 
 class StoreError(ValueError):
@@ -139,16 +138,6 @@ class Stored:
         """Bytes of the result in memory."""
         return self.count * bytes_of_member(self.study)
 
-    def once(self, read: Callable[[Stored], _Read]) -> _Read:
-        """What a function reads of the result and its folder, read once, whoever asks."""
-        if read not in self._kept:
-            self._kept[read] = read(self)
-        return self._kept[read]  # type: ignore[no-any-return]
-
-    @cached_property
-    def _kept(self) -> dict[Callable[[Stored], Any], Any]:
-        return {}
-
     def again(self) -> Stored:
         """The same folder with the blocks that it holds now."""
         return Stored(self.path, self.study, _listed(self.path))
@@ -166,13 +155,13 @@ class Stored:
         if self.nbytes > MOST_MEMORY:
             raise StoreError(
                 f"{printable_path(self.path)}: the result takes {self.nbytes / 2**30:.1f} GiB of memory, more than "
-                f"{MOST_MEMORY / 2**30:.0f}; stiction.studies.store.pieces reads it piece by piece, and "
+                f"{MOST_MEMORY / 2**30:.0f}; Result.pieces reads it piece by piece, and "
                 f"xarray.open_mfdataset opens {printable_path(self.path / BLOCKS)}"
             )
         return self._piece.copy(deep=True) if self._step >= self.count else self._some(0, self.count)
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Read the result piece by piece, in order, so that one piece is in memory at a time; see `pieces`."""
+        """Read the result piece by piece, in order, so that one piece is in memory at a time; see `Result.pieces`."""
         wanted, count = None if names is None else list(names), self.count
         for first in range(0, count, self._step):
             piece = self._piece if self._step >= count else self._some(first, min(first + self._step, count))
@@ -254,7 +243,7 @@ def read(path: str | Path) -> xarray.Dataset:
     Returns
     -------
     xarray.Dataset
-        What `run` returned.
+        The dataset of the result that `run` returned.
 
     Raises
     ------
@@ -332,18 +321,6 @@ def info(path: str | Path) -> StoreInfo:
     """
     stored = open_stored(path)
     return StoreInfo(stored.study, stored.count, stored.size, {"stiction": printable(stored.version)})
-
-
-def pieces(result: xarray.Dataset | Stored, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """A result, or some of its variables, in pieces that the study alone decides, so that sums have the same bits."""
-    if isinstance(result, Stored):
-        yield from result.pieces(names)
-        return
-    count = result.sizes["repetition"]
-    step = piece_of(sum(each.nbytes for each in result.data_vars.values()) // max(1, count))
-    some = result if names is None else result[list(names)]
-    for first in range(0, count, step):
-        yield some.isel(repetition=slice(first, first + step))
 
 
 def _listed(path: Path) -> tuple[Block, ...]:
@@ -619,13 +596,12 @@ class ExportError(ValueError):
     """A file that cannot be written."""
 
 
-def export(result: xarray.Dataset | Stored, path: str | Path, *, replace: bool = False) -> None:
-    """Write a result to a netCDF file, with every variable, coordinate and attribute; its numbers keep every bit.
+def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) -> None:
+    """Write a dataset to a netCDF file, with every variable, coordinate and attribute; its numbers keep every bit.
 
     Parameters
     ----------
-    result : xarray.Dataset or Stored
-        What `run` returns, or a folder that it was written to.
+    dataset : xarray.Dataset
     path : path
         Must not exist yet. It appears when it is whole.
     replace : bool
@@ -635,11 +611,8 @@ def export(result: xarray.Dataset | Stored, path: str | Path, *, replace: bool =
     ------
     ExportError
         If it exists or cannot be written.
-    StoreError
-        If a stored result takes more than 2 GiB of memory.
     """
     path = Path(path)
-    dataset = result.dataset() if isinstance(result, Stored) else result
     with replaced_file(path, SEAL, ExportError) if replace else new_file(path, ExportError) as partial:
         whole = io.BytesIO()  # because HDF5 may crash where a disk is full
         write(dataset, whole)

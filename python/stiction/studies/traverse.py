@@ -181,7 +181,7 @@ def traverse(
     by_normal = load == "normal" and mechanics == "asperities"
     steps = np.unique(np.outer(wanted, AROUND)) if by_normal else wanted
     study = given_study(positions.surfaces, table, steps, repetitions=int(np.prod(list(positions.sizes.values()))))
-    result = run(study, executor=executor, progress=progress).isel(cut_off=0, drop=True)
+    result = run(study, executor=executor, progress=progress).dataset.isel(cut_off=0, drop=True)
     result = result.transpose("direction", "repetition", "sliding", "load", ...)
     found = _read(result, model.sliding, wanted, [np.atleast_1d(each) for each in material], by_normal=by_normal)
     return _dataset(positions, wanted, material, found).assign_attrs(
@@ -589,7 +589,7 @@ def pressed_maps(
     pairs = getattr(members, "pairs", None)
     if isinstance(pairs, MapPairs) and len({pairs.origins(index) for index in range(count)}) < count:
         raise ValueError(f"shifts must be fewer on maps of {pairs.upper.heights.shape} points, got {shifts!r}")
-    result = run(study, executor=executor, progress=progress).isel(cut_off=0, drop=True)
+    result = run(study, executor=executor, progress=progress).dataset.isel(cut_off=0, drop=True)
     # Relative positions first.
     sums = result.isel(repetition=np.r_[made : made + count, :made], sliding=[1, 0]).drop_vars(["repetition", "line"])
     facts = {name: sums.attrs[name] for name in ("shape", "spacing_um", "upper", "lower", "stiction_version")}

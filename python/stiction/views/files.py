@@ -4,19 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from stiction._files import check_replaceable, new_file, replaced_file
 from stiction._text import printable_path
+from stiction.studies.result import Result
 from stiction.studies.store import export
-from stiction.views.asked import at_asked_loads
-from stiction.views.inputs import doubts_of_study
 from stiction.views.report.page import MARK
-from stiction.views.rows import csv_text
+from stiction.views.spreadsheet import csv_of_frame
 from stiction.views.style import MARKS
-
-if TYPE_CHECKING:
-    from stiction.studies.store import Stored
 
 TABLE = "result.csv"
 VIEWS = {TABLE: b"coefficient of static friction: lower", "report.html": MARK.encode(), "friction.png": MARKS[".png"]}
@@ -41,19 +36,19 @@ def new_text(path: Path, text: str) -> None:
         partial.write_text(text, encoding="utf-8")
 
 
-def result_csv(stored: Stored) -> str:
+def result_csv(result: Result) -> str:
     """Return the values of a result at the loads of its study as CSV."""
-    return csv_text(at_asked_loads(stored), stored.study, beside=doubts_of_study(stored.study))
+    return csv_of_frame(result.to_dataframe())
 
 
-WRITERS: dict[str, tuple[str, Callable[[Stored, Path], None]]] = {
-    ".nc": ("the whole result", export),
-    ".csv": ("a table", lambda stored, path: new_text(path, result_csv(stored))),
+WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
+    ".nc": ("the whole result", lambda result, path: export(result.dataset, path)),
+    ".csv": ("a table", lambda result, path: new_text(path, result_csv(result))),
 }
 """What writes a result to a file that does not exist yet, and what the file then holds, by the ending of its name."""
 
 
-def write_result(stored: Stored, path: Path) -> None:
+def write_result(result: Result, path: Path) -> None:
     """Write a result to a new file, in the format that its name says.
 
     Raises a `ValueError` if the file exists, cannot be written, or its name has no ending of `WRITERS`.
@@ -61,4 +56,4 @@ def write_result(stored: Stored, path: Path) -> None:
     if path.suffix.lower() not in WRITERS:
         endings = " or ".join(f"{ending} ({what})" for ending, (what, _) in WRITERS.items())
         raise ValueError(f"{printable_path(path)}: its name must end in {endings}")
-    WRITERS[path.suffix.lower()][1](stored, path)
+    WRITERS[path.suffix.lower()][1](result, path)

@@ -8,8 +8,7 @@ import numpy as np
 
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.height_scale import FOLDER, Scaled, stored_factors
-from stiction.studies.maps import study_of_result
-from stiction.studies.store import Stored
+from stiction.studies.result import Result
 from stiction.views import rows
 from stiction.views.digits import percent, prefix, quoted, significant, with_unit
 from stiction.views.point import (
@@ -37,14 +36,14 @@ CAVEAT = (
 )
 
 
-def scales_beside(result: xarray.Dataset | Stored) -> dict[Scaled, list[float]]:
+def scales_beside(result: Result) -> dict[Scaled, list[float]]:
     """Return the factors that are stored alongside a result, by the surfaces that are scaled, if there are any."""
-    study = study_of_result(result)
-    if not isinstance(result, Stored) or not study.is_measured or not (result.path / FOLDER).is_dir():
+    stored, study = result.stored, result.study
+    if stored is None or not study.is_measured or not (stored.path / FOLDER).is_dir():
         return {}
-    if result.count < study.ensemble.repetitions:
+    if stored.count < study.ensemble.repetitions:
         return {}
-    found: dict[Scaled, list[float]] = {scaled: list(stored_factors(result, scaled)) for scaled in SCALED}
+    found: dict[Scaled, list[float]] = {scaled: list(stored_factors(stored, scaled)) for scaled in SCALED}
     return {scaled: factors for scaled, factors in found.items() if len(factors) > 1}
 
 

@@ -20,7 +20,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
-    from stiction.views.result import Result
+    from stiction.studies.result import Result
 
 Body = str | Path | Profile | Surface | JoinedSpectrum | Sequence[Any] | Any
 Quantity = str | float  # a text with a unit, such as "10 MPa", or a number in the library's units (µm, mN, GPa)
@@ -147,7 +147,7 @@ def pair(
     Returns
     -------
     Result
-        The same that `read_result` returns of the directory.
+        The same that `open_result` returns of the directory.
 
     Raises
     ------
@@ -167,8 +167,6 @@ def pair(
     """
     from stiction.studies.complete import complete
     from stiction.studies.executors import given_or_threads
-    from stiction.views.inputs import doubts_of_study
-    from stiction.views.result import Result
 
     given = locals()
     if onset is not None:
@@ -191,8 +189,7 @@ def pair(
     try:
         study = pair_study(**asked)
         with given_or_threads(executor) as workers:
-            stored = complete(study, folder, workers, replace=replace, onset=onset, progress=progress)
+            return complete(study, folder, workers, replace=replace, onset=onset, progress=progress)
     except ValueError as error:
         said = error.with_names(lambda name: _NAMES.get(name, name)) if isinstance(error, ArgumentError) else str(error)
         raise ValueError("; ".join(said.splitlines())) from None
-    return Result(stored, doubts_of_study(stored.study))

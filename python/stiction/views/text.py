@@ -16,6 +16,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.quantities import HELD, PER_AREA, QUANTITIES, shown_in
 from stiction.studies.budget import FINER, LOWER_PIECE, POSITIONS, UPPER_PIECE
 from stiction.studies.resolution import seen
+from stiction.studies.runner import first_result
 from stiction.views.answer import ORIGIN, Answer, Doubt, answers, headlines, slopes_text
 from stiction.views.digits import duration, from_to, prefix, quoted, significant, with_interval, with_unit
 from stiction.views.doubts import OF_ASPERITIES, VERDICTS, WIDE_INTERVAL, doubted
@@ -512,6 +513,12 @@ def history_text(at: xarray.Dataset, study: Study) -> str:
         model += [str(getattr(study.contact, name)) for name in ("law", "detection", "curvature")]
     steps["model"] = ", ".join(model)
     return "\n".join(fitted(f"{name:<9}{words}", hang=" " * 9) for name, words in steps.items())
+
+
+def first_text(study: Study) -> str:
+    """Return the coefficient of the first members of a study of asperities in a line; an error if nothing touches."""
+    one = first_result(study).answers[0]
+    return f"at first, by asperities: μ_s = {quoted(one.value)} {RULES[one.rules[0].rule]}"
 
 
 # ---- Overview --------------------------------------------------------------------------------------------------------

@@ -15,15 +15,12 @@ from matplotlib.figure import Figure
 
 from stiction.studies.at_load import at_load, member_values
 from stiction.studies.budget import with_uncertainty
-from stiction.studies.contact_picture import coming_and_going, picture_beside
 from stiction.studies.height_scale import Scaled, at_height_scale
-from stiction.studies.maps import study_of_result
 from stiction.studies.members import bodies_of
-from stiction.studies.store import Stored
+from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
-from stiction.views.answer import Answer, answers, headlines
-from stiction.views.asked import at_asked_loads, in_memory, once, over_and_onset
+from stiction.views.answer import headlines
 from stiction.views.figures.budget import budget_figure, waiting_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.distributions import FEWEST_DIRECTIONS, compass_figure, positions_figure, sizes_figure
@@ -32,13 +29,12 @@ from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, load_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
 from stiction.views.height_scale import scales_beside
-from stiction.views.inputs import doubts_of_study
 from stiction.views.resolution import limits
 from stiction.views.style import STYLE, checked_formats, save_picture
 
 
 def drawn(
-    result: xarray.Dataset | Stored, directory: str | Path, *, formats: Sequence[str] = ("png",),
+    result: Result | xarray.Dataset, directory: str | Path, *, formats: Sequence[str] = ("png",),
     picture: xarray.Dataset | None = None, first: bool = False,
 ) -> list[Path]:  # fmt: skip
     """Draw the figures of a result into a directory and return their paths.
@@ -52,7 +48,7 @@ def drawn(
 
     Parameters
     ----------
-    result : xarray.Dataset or Stored
+    result : Result, or xarray.Dataset of member sums
     directory : path
     formats : sequence of {"png", "pdf", "svg"}
         Each figure is written as each of these.
@@ -68,7 +64,7 @@ def drawn(
     """
     endings = checked_formats(formats)
     paths: list[Path] = []
-    for name, draw in figures_of(result, picture_of(result) if picture is None else picture):
+    for name, draw in figures_of(result, picture):
         if first and paths and not any((Path(directory) / f"{name}.{ending}").exists() for ending in endings):
             continue
         with mpl.rc_context(STYLE):
@@ -80,21 +76,14 @@ def drawn(
 
 
 def figures_of(
-    result: xarray.Dataset | Stored, picture: xarray.Dataset | None = None
+    result: Result | xarray.Dataset, picture: xarray.Dataset | None = None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     """The name of each figure of a result, without its ending, and what draws it."""
-    study = study_of_result(result)
-    yield from _of_measured(result, study, picture) if study.is_measured else _of_generated(whole(result), study)
-
-
-def whole(result: Any) -> xarray.Dataset:
-    """A result in memory."""
-    return result.dataset() if hasattr(result, "dataset") else result  # type: ignore[no-any-return]
-
-
-def picture_of(result: xarray.Dataset | Stored) -> xarray.Dataset | None:
-    """The picture of contacts beside a stored result, if there is one."""
-    return result.once(picture_beside) if isinstance(result, Stored) else None
+    result = Result.of(result)
+    if not result.study.is_measured:
+        yield from _of_generated(result.dataset, result.study)
+        return
+    yield from _of_measured(result, result.study, result.contact_picture if picture is None else picture)
 
 
 def title_of(study: Study) -> str:
@@ -133,15 +122,14 @@ def _of_generated(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, 
 
 
 def _of_measured(
-    result: xarray.Dataset | Stored, study: Study, picture: xarray.Dataset | None
+    result: Result, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     asked = [float(load) for load in study.friction.load]
     loads = np.unique([*study.contact.steps(), *asked])
-    points = with_uncertainty(at_load(in_memory(result), loads), result, budget=False)
+    points = with_uncertainty(at_load(result, loads), result, budget=False)
     uncut, title, hardness = points.isel(cut_off=0), words_of(study), study.contact.hardness
     first = asked[0]
-    kept = over_and_onset(result)
-    over, onset = points if points.sizes["cut_off"] > 1 else kept.get("over"), kept.get("onset")
+    over, onset = points if points.sizes["cut_off"] > 1 else result.over_cut_offs, result.onset
     for number, (m, t) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
         of = "" if number == 1 else f"-{number}"
         own = uncut.isel(mu0=m, tau0=t)
@@ -160,14 +148,14 @@ def _of_measured(
             yield of_scaled + of, partial(drawn_height_scale, result, scaled, place, title=title)
     if study.is_areal:
         yield "closure", partial(closure_figure, uncut.sel(load=slice(max(asked))), title=title)
-    yield "budget", lambda: budget_figure(_headline(result, study), title=title)
+    yield "budget", lambda: budget_figure(headlines(result.answers)[0], title=title)
     if study.friction.wait:
-        yield "waiting", lambda: waiting_figure(_headline(result, study), title=title)
+        yield "waiting", lambda: waiting_figure(headlines(result.answers)[0], title=title)
     if onset is not None:
         yield "onset", partial(onset_figure, onset, title=title)
         if has_slip_map(onset):
             yield "slip", partial(slip_figure, onset, title=title)
-    if study.contact.adheres and (ways := once(result, coming_and_going)) is not None:
+    if study.contact.adheres and (ways := result.coming_and_going) is not None:
         yield "adhesion", partial(adhesion_figure, ways, title=title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
         at = uncut.isel(mu0=0, tau0=0).sel(load=asked, method="nearest")
@@ -179,24 +167,21 @@ def _of_measured(
         yield from _of_profiles(result, study, uncut.isel(mu0=0, tau0=0).sel(load=first, method="nearest"), first)
 
 
-def _headline(result: Any, study: Study) -> Answer:
-    return headlines(answers(at_asked_loads(result), study, beside=doubts_of_study(study)))[0]
-
-
 def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
     return cut_off_figure(at, title=title, limits=limits(at, study))
 
 
-def drawn_height_scale(result: Any, scaled: Scaled, place: tuple[int, ...] = (0, 0), *, title: str) -> Figure:
+def drawn_height_scale(result: Result, scaled: Scaled, place: tuple[int, ...] = (0, 0), *, title: str) -> Figure:
     """Draw a result over the stored factors of its heights, at its first load and one place of mu0 and tau0."""
-    friction = study_of_result(result).friction
+    friction = result.study.friction
     mu0, tau0 = [friction.mu0[place[0]]], [float(friction.tau0[place[1]])]
     factors, load = scales_beside(result)[scaled], [float(friction.load[0])]
-    at = at_height_scale(result, factors, load, mu0=mu0, tau0=tau0, scaled=scaled)
+    assert result.stored is not None, "factors are stored alongside"
+    at = at_height_scale(result.stored, factors, load, mu0=mu0, tau0=tau0, scaled=scaled)
     return height_scale_figure(at.isel(load=0, mu0=0, tau0=0), title=title)
 
 
-def drawn_positions(result: Any, at: xarray.Dataset, *, title: str) -> Figure:
+def drawn_positions(result: Result, at: xarray.Dataset, *, title: str) -> Figure:
     """Friction of each member of a result, of which this is one point of `at_load`."""
     material: dict[str, Any] = {name: [float(at[name])] for name in ("mu0", "tau0")}
     members = member_values(result, [float(at["load"])], **material)
@@ -204,17 +189,17 @@ def drawn_positions(result: Any, at: xarray.Dataset, *, title: str) -> Figure:
     return positions_figure(values.transpose("repetition", "direction", ...), at, title=title)
 
 
-def _sizes(result: Any, at: xarray.Dataset, **options: Any) -> Figure:
-    return sizes_figure(whole(result)[["patch_area", "pressure"]].isel(cut_off=0), at, **options)
+def _sizes(result: Result, at: xarray.Dataset, **options: Any) -> Figure:
+    return sizes_figure(result.dataset[["patch_area", "pressure"]].isel(cut_off=0), at, **options)
 
 
 def _of_profiles(
-    result: Any, study: Study, at: xarray.Dataset, load: float
+    result: Result, study: Study, at: xarray.Dataset, load: float
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     """The first pair of lines that carries a load, of whose mean this is the point, if one does."""
     contact: Any = study.contact
     wavelength = float(study.surfaces.cells()["cut_off"][0])
-    dataset = whole(result).isel(cut_off=0).sel(load=load, method="nearest")
+    dataset = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
     carrying = np.flatnonzero(np.isfinite(dataset["approach"].values) & (dataset["contact_count"].values > 0))
     if not carrying.size:
         return

@@ -16,8 +16,8 @@ from stiction._checks import Floats
 from stiction.mechanics.friction import RATIOS, SIX
 from stiction.mechanics.quantities import AREAL_VALIDITY, AT_HARDNESS, DIRECTED, ONSET, QUANTITIES, VALIDITY
 from stiction.studies.at_load import reached_loads
-from stiction.studies.maps import MOTIONS, head_of, solved_pieces
-from stiction.studies.store import Stored
+from stiction.studies.maps import MOTIONS, solved_pieces
+from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
 from stiction.views.digits import with_unit
 from stiction.views.doubts import HALF, LIMITS_OF_CONTACTS, checks_of_ensemble
@@ -39,13 +39,13 @@ PAGE_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = RATIOS | {name: (name, ())
 """Numerator of each figure of a page, and sums that are its denominator."""
 
 
-def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) -> PageResult:
+def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
     """What a page says of a result of generated bodies, called by a name, or by that of its study where this is empty.
 
     Raises a `ReportError` if it is too large for a page or has no members.
     """
-    step, head = study.step, head_of(result)
-    there = len(result.finished) if isinstance(result, Stored) else int(result.sizes["repetition"])
+    step, head = study.step, result.head
+    there = result.members.size
     rules, angles = motions_of(study)
     motions = len(rules) * len(angles)
     values = motions * math.prod(head.sizes[dim] for dim in (*CELLS, step))
@@ -73,7 +73,7 @@ def page_of_generated(result: xarray.Dataset | Stored, study: Study, name: str) 
 
 
 def _sums_of(
-    result: xarray.Dataset | Stored, step: str, motions: int, *, has_sums: bool
+    result: Result, step: str, motions: int, *, has_sums: bool
 ) -> tuple[NDArray[Any], NDArray[Any], dict[str, Any], int]:
     """Means over the members that are solved at every step, sums of each, names of the variables, number of members.
 
@@ -126,9 +126,7 @@ def _of_piece(data: xarray.Dataset, steps: Floats, motions: int) -> tuple[NDArra
     return np.stack(averages), np.stack(sums), facts
 
 
-def _pictures(
-    result: xarray.Dataset | Stored, study: Study, head: xarray.Dataset, means: dict[str, NDArray[Any]]
-) -> str:
+def _pictures(result: Result, study: Study, head: xarray.Dataset, means: dict[str, NDArray[Any]]) -> str:
     """Two of the profiles in contact, and how pairs begin to slide if the study asks for it."""
     if not (touching := means["contact_count"].any(axis=(0, 1))).any():
         return ""
@@ -137,13 +135,11 @@ def _pictures(
         steps = head["approach"].values[touching]
         panels.append(profiles_panel(study, float(steps[steps.size // 2])))
     if set(ONSET) & set(study.sums()):
-        panels.append(dimension_panel(result.dataset() if isinstance(result, Stored) else result))
+        panels.append(dimension_panel(result.dataset))
     return "".join(panels)
 
 
-def _facts_of(
-    head: xarray.Dataset, means: dict[str, NDArray[Any]], study: Study, result: xarray.Dataset | Stored
-) -> dict[str, Any]:
+def _facts_of(head: xarray.Dataset, means: dict[str, NDArray[Any]], study: Study, result: Result) -> dict[str, Any]:
     surfaces: Any = study.surfaces
     counts: NDArray[np.bool_] = means["contact_count"] > 0  # (dimension, amplitude, step)
     rules, angles = motions_of(study)
@@ -182,7 +178,7 @@ def _validity(means: dict[str, NDArray[Any]]) -> dict[str, dict[str, Any]]:
     return figures
 
 
-def _loads(result: xarray.Dataset | Stored) -> list[float]:
+def _loads(result: Result) -> list[float]:
     """Lowest and highest load of the map, mN, in three digits; none where none is carried."""
     try:
         return [float(f"{load:.3g}") for load in reached_loads(result, 2)]

@@ -18,19 +18,15 @@ from stiction.mechanics.hardness import EXPONENT, POWER
 from stiction.mechanics.quantities import DIRECTED, QUANTITIES, shown_in
 from stiction.studies.at_load import areas_of, at_load
 from stiction.studies.budget import with_uncertainty
-from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.maps import MOTIONS
 from stiction.studies.measured_surfaces import MeasuredFile
-from stiction.studies.onset import onset_beside
 from stiction.studies.resolution import seen
-from stiction.studies.store import Stored
+from stiction.studies.result import Result
 from stiction.studies.study import Study
-from stiction.views.answer import answers, slopes_text
-from stiction.views.asked import at_asked_loads, in_memory, once
+from stiction.views.answer import slopes_text
 from stiction.views.digits import with_unit
 from stiction.views.doubts import limit_of
-from stiction.views.figures.standard import picture_of, title_of, words_of
-from stiction.views.inputs import doubts_of_study
+from stiction.views.figures.standard import title_of, words_of
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import materials_text, over_text, rules_of, way_text
 from stiction.views.point import points as points_of
@@ -63,15 +59,13 @@ EVERY_BYTE = 8  # of a double
 _UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # names of units that have no prefixes
 
 
-def page_of_measured(
-    result: xarray.Dataset | Stored, study: Study, name: str, picture: xarray.Dataset | None
-) -> PageResult:
+def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
     """What a page says of a result of measured bodies, called by a name, or by those of its files where this is empty.
 
     A picture is what `contact_picture` returns, that beside a stored result by default. Raises a `ReportError` if the
     result is too large.
     """
-    dataset = result.dataset() if isinstance(result, Stored) else result
+    dataset = result.dataset
     step = study.step
     sums = _sums(dataset, step)
     if sums.size > MOST_VALUES:
@@ -85,9 +79,9 @@ def page_of_measured(
         "perRepetition": {"plain": ["normal_elastic"], "directed": _DIRECTED},
     }  # fmt: skip
     numbers = {"means": packed([], EVERY_BYTE), "sums": packed(sums, EVERY_BYTE)}
-    picture = picture_of(result) if picture is None else picture
+    picture = result.contact_picture if picture is None else picture
     members = int(facts["repetitions"])
-    onset = result.once(onset_beside) if isinstance(result, Stored) else None
+    onset = result.onset
     beside = [waves_text(found)] if (found := seen(study)) is not None else []
     beside += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
     said = "".join(f"<p>{escaped(line)}</p>" for line in (*beside, *_held(result, study)))
@@ -100,7 +94,7 @@ def page_of_measured(
         pictures=(positions_panel(result, facts["asked"][0], words_of(study)) if members > 1 else "")
         + ("" if onset is None else onset_panels(onset, words_of(study)))
         + height_scale_panels(result, words_of(study))
-        + adhesion_panel(once(result, coming_and_going), words_of(study)),
+        + adhesion_panel(result.coming_and_going, words_of(study)),
     )  # fmt: skip
 
 
@@ -118,7 +112,7 @@ def _sums(dataset: xarray.Dataset, step: str) -> Floats:
     return np.stack(columns).astype(np.float64)
 
 
-def _facts_of(dataset: xarray.Dataset, result: xarray.Dataset | Stored, study: Study) -> dict[str, Any]:
+def _facts_of(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str, Any]:
     surfaces: Any = study.surfaces
     of_friction: Any = study.friction
     loads = dataset[study.step].values.tolist()
@@ -140,7 +134,7 @@ def _facts_of(dataset: xarray.Dataset, result: xarray.Dataset | Stored, study: S
     }  # fmt: skip
 
 
-def _growth(result: xarray.Dataset | Stored, study: Study) -> dict[str, Any] | None:
+def _growth(result: Result, study: Study) -> dict[str, Any] | None:
     """Return A/F over hardness for each rule and load, from which a page has junction growth; None without growth."""
     alpha = study.contact.junction_growth
     if not alpha:
@@ -157,11 +151,11 @@ def _growth(result: xarray.Dataset | Stored, study: Study) -> dict[str, Any] | N
     }  # fmt: skip
 
 
-def _held(result: xarray.Dataset | Stored, study: Study) -> list[str]:
+def _held(result: Result, study: Study) -> list[str]:
     """What holds bodies that adhere, at the first mu0 and tau0 by the rule to quote."""
     if not study.contact.adheres:
         return []
-    sticking = sticking_of(next(points_of(at_asked_loads(result))), rules_of(study)[0])
+    sticking = sticking_of(next(points_of(result.at_study_loads)), rules_of(study)[0])
     return [] if sticking is None else [sticking.text]
 
 
@@ -206,7 +200,7 @@ def _kinds(dataset: xarray.Dataset) -> list[dict[str, Any]]:
     return [kind for kind in kinds if kind["members"]]
 
 
-def _quantities(result: xarray.Dataset | Stored, facts: dict[str, Any]) -> list[dict[str, Any]]:
+def _quantities(result: Result, facts: dict[str, Any]) -> list[dict[str, Any]]:
     kinds: list[Any] = ["shifts", "surrogates"] if len(facts["kinds"]) > 1 else [None]
     tables = [at_load(result, facts["steps"], mu0=[0.0], tau0=[0.0], of=kind) for kind in kinds]
     found = []
@@ -222,8 +216,8 @@ def _quantities(result: xarray.Dataset | Stored, facts: dict[str, Any]) -> list[
     return found
 
 
-def _answers(result: xarray.Dataset | Stored, study: Study) -> list[dict[str, Any]]:
-    at = at_asked_loads(result)
+def _answers(result: Result, study: Study) -> list[dict[str, Any]]:
+    at = result.at_study_loads
     return [
         {
             "at": answer.at, "verdict": answer.verdict, "covered": answer.covered,
@@ -237,13 +231,13 @@ def _answers(result: xarray.Dataset | Stored, study: Study) -> list[dict[str, An
             "parts": None if answer.parts is None else listed(answer.parts),
             "most": " ".join(filter(None, (budget_text(answer), waited_text(answer)))) or None,
         }
-        for point, answer in zip(points_of(at), answers(at, study, beside=doubts_of_study(study)), strict=True)
+        for point, answer in zip(points_of(at), result.answers, strict=True)
     ]  # fmt: skip
 
 
-def _combined(result: xarray.Dataset | Stored, loads: Sequence[float]) -> list[dict[str, Any]]:
+def _combined(result: Result, loads: Sequence[float]) -> list[dict[str, Any]]:
     """Return the ends of the combined intervals over cut-off and load, at each mu0 and tau0 by each sliding rule."""
-    table = with_uncertainty(at_load(in_memory(result), loads), result, budget=False)["friction_combined"]
+    table = with_uncertainty(at_load(result, loads), result, budget=False)["friction_combined"]
     table = table.sel(statistic=["lower", "upper"]).transpose("sliding", "mu0", "tau0", "cut_off", "load", "statistic")
     return [
         {

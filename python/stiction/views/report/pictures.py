@@ -15,9 +15,8 @@ from matplotlib.figure import Figure
 
 from stiction.studies.contact_tables import Asperities
 from stiction.studies.members import pairs_of
-from stiction.studies.store import Stored
+from stiction.studies.result import Result
 from stiction.studies.study import Study
-from stiction.views.asked import at_asked_loads
 from stiction.views.digits import percent, with_unit
 from stiction.views.figures.contact import climbing, contact_figure, touching_figure
 from stiction.views.figures.loads import adhesion_figure
@@ -58,7 +57,7 @@ def adhesion_panel(ways: xarray.Dataset | None, title: str) -> str:
     )
 
 
-def height_scale_panels(result: xarray.Dataset | Stored, title: str) -> str:
+def height_scale_panels(result: Result, title: str) -> str:
     """Panels of a result over the factors of its heights that are stored alongside it, as markup; empty without them.
 
     They are of its first load, mu0 and tau0.
@@ -93,9 +92,9 @@ def touching_panel(picture: xarray.Dataset, direction: float) -> str:
     return _panel("Where they touch", seen, caption, lambda: touching_figure(picture, direction=direction))
 
 
-def positions_panel(result: xarray.Dataset | Stored, load: float, title: str) -> str:
+def positions_panel(result: Result, load: float, title: str) -> str:
     """A panel of friction in single positions at a load (mN), as markup."""
-    at = at_asked_loads(result).isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
+    at = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
     return _panel(
         "Single positions", "Friction coefficient of each pair in each direction.",
         "At the first load, μ0 and τ0 that were asked for, whatever the sliders say.",

@@ -17,8 +17,7 @@ from scipy.special import stdtrit
 
 from stiction.mechanics import friction
 from stiction.studies.intervals import AROUND, CONFIDENCE, FEWEST_NEIGHBOURS, FEWEST_OF_SAMPLE
-from stiction.studies.maps import study_of_result
-from stiction.studies.store import Stored
+from stiction.studies.result import Result
 from stiction.views.doubts import ADVICE, VERDICTS
 from stiction.views.figures.ensemble import COLOUR_QUANTILES, TICKS
 from stiction.views.point import RULES
@@ -59,13 +58,13 @@ FIRST = {True: ("friction", "compass"), False: ("over", "friction", "area", "sti
 
 
 def save_report(
-    result: xarray.Dataset | Stored, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
+    result: Result | xarray.Dataset, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> None:
     """Write the page of a result; an older report of that name is replaced when the new one is whole.
 
     Parameters
     ----------
-    result : xarray.Dataset or Stored
+    result : Result, or xarray.Dataset of member sums
     path : path
     name, picture
         As for `report_page`.
@@ -75,30 +74,28 @@ def save_report(
     ReportError
         As `report_page`, and if the path holds something that is no report or cannot be written.
     """
-    _page(result, name, picture).save(Path(path))
+    _page(Result.of(result), name, picture).save(Path(path))
 
 
-def report_page(result: xarray.Dataset | Stored, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
+def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
     """The page of a result as HTML, which needs nothing else.
 
     The name is what it is called on the page; a built-in study, and a pair of files, have names of their own. A picture
     is what `contact_picture` returns, that beside a stored result by default. Raises a `ReportError` if the result is
     none, is too large for a page or has no members.
     """
-    return _page(result, name, picture).html()
+    return _page(Result.of(result), name, picture).html()
 
 
-def _page(result: xarray.Dataset | Stored, name: str, picture: xarray.Dataset | None) -> Page:
-
+def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
     try:
-        study = study_of_result(result)
+        study = result.study
     except ValueError as error:
         raise ReportError(str(error)) from None
     made = (
         page_of_measured(result, study, name, picture)
         if study.is_measured else page_of_generated(result, study, name)
     )  # fmt: skip
-    version = result.version if isinstance(result, Stored) else result.attrs.get("stiction_version", "unknown")
     modulus = float(study.contact.effective_modulus)
     facts = {
         "confidence": CONFIDENCE, "student": _student(), "fewest": FEWEST_OF_SAMPLE,
@@ -123,7 +120,7 @@ def _page(result: xarray.Dataset | Stored, name: str, picture: xarray.Dataset | 
             panels="".join(plots[name] for name in shown),
             others="".join(text for name, text in plots.items() if name not in shown),
         ),
-        versions=f"Computed by stiction {version}",
+        versions=f"Computed by stiction {result.version}",
         scripts=scripts(facts | made.facts, made.numbers),
     )  # fmt: skip
 
