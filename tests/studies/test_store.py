@@ -674,3 +674,9 @@ def test_an_interruption_is_answered_soon_and_what_was_computed_is_kept(tmp_path
     assert_nothing_is_left(tmp_path)
     computed = run(with_repetitions(int(kept.finished[-1]) + 1)).dataset
     assert_same_bits(kept.dataset().assign_attrs(computed.attrs), computed.isel(repetition=kept.finished))
+
+
+def test_result_without_finished_members_is_a_store_error(tmp_path):
+    store.begin(tmp_path, TINY)
+    with pytest.raises(StoreError, match="none of its 22 repetitions is finished"):
+        Result(store.open_stored(tmp_path)).at_study_loads  # noqa: B018

@@ -78,8 +78,13 @@ class Result:
 
     @cached_property
     def head(self) -> xarray.Dataset:
-        """A dataset with the coordinates and attributes of the result, and the values of its first members."""
-        return next(self.source.pieces()) if isinstance(self.source, Stored) else self.source
+        """A dataset with the coordinates and attributes of the result, and the values of its first members.
+
+        Raises a `StoreError` if no member is finished.
+        """
+        if not isinstance(self.source, Stored):
+            return self.source
+        return next(self.source.pieces()) if self.source.count else self.source.dataset()  # which raises
 
     @cached_property
     def members(self) -> NDArray[np.intp]:
