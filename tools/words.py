@@ -113,8 +113,8 @@ def comments(files: Files) -> Iterator[Item]:
                     lines.append((token.start[0], whole, token.string.lstrip("#! ")))
         elif name.endswith((".cpp", ".hpp", ".js")):
             for number, line in enumerate(text.splitlines(), 1):
-                if match := re.match(r"\s*///? ?(.+)|[^\"']*[;{}] +// (.+)", line):
-                    lines.append((number, match[1] is not None, match[1] or match[2]))
+                if match := re.search(r"(?:^|[;{},]) *///? ?(.+)", line):
+                    lines.append((number, line.lstrip().startswith("//"), match[1]))
         joined: list[tuple[int, int, str]] = []
         for number, whole, comment in lines:
             if whole and joined and joined[-1][1] == number - 1:
