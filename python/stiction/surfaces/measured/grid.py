@@ -12,6 +12,8 @@ from stiction.surfaces.measured.raw import FormatError
 EXACT = 1e-3  # steps by which positions are off a grid that is meant to be exact
 OFF_GRID = 0.05  # steps by which a point may be off the grid, beyond its printed digits
 MAX_NODES = 4  # nodes of a grid for each point that is listed
+MIN_DIGITS = 2.0  # printed digits of a step of positions that are rounded
+SPREAD = 1.2  # printed digits over which positions that are rounded scatter about a grid, 1 but for its fitted step
 ROUNDED = 4.0  # ratio of gaps between positions, of which the larger are steps and the smaller roundings
 
 
@@ -45,7 +47,7 @@ def _axis(name: str, at: Floats, digits: Callable[[], Floats] | None) -> tuple[f
     """Return the step of a grid along an axis, and the number of the node of each point."""
     if not np.isfinite(at).all():
         raise FormatError(f"lists a point without {name}")
-    step = step_of(at)
+    step = _even_step(at, digits) or step_of(at)
     if step is None:
         raise FormatError(f"lists points of one {name}: they are a profile; choose its columns by columns (--columns)")
     nodes = np.round((at - at.min()) / step)
@@ -65,6 +67,18 @@ def _axis(name: str, at: Floats, digits: Callable[[], Floats] | None) -> tuple[f
             f"{off[worst] / step:.2g} steps of {step:g} off; interpolate them onto a grid, or export a matrix"
         )
     return step, nodes.astype(np.int64)
+
+
+def _even_step(at: Floats, digits: Callable[[], Floats] | None) -> float | None:
+    """Return the step of a grid of which every node is listed and rounded to printed digits, None if there is none."""
+    places = np.unique(at)
+    if digits is None or places.size < 3:
+        return None
+    nodes = np.arange(places.size)
+    step = float(np.polyfit(nodes, places, 1)[0])
+    digit = float(np.max(digits()))
+    is_even = step >= MIN_DIGITS * digit and np.ptp(places - step * nodes) <= SPREAD * digit
+    return step if is_even else None
 
 
 def step_of(at: Floats) -> float | None:
