@@ -35,8 +35,8 @@ def _read(text: Text) -> Table:
         raise FormatError("does not number its rows in the first column, as exports of this microscope do")
     unit = next((length_unit(match[1]) for line in text.head if (match := _Z.fullmatch(normal(line)))), None)
     return replace(
-        table, values=table.values[:, 1:], names=(), units=(unit,) * (table.values.shape[1] - 1), area=True,
-        digits=None, row_digits=None,
+        table, values=table.values[:, 1:], names=table.names[1:], units=(unit,) * (table.values.shape[1] - 1),
+        area=True, digits=None, row_digits=None,
         history=(*table.history, "the first column, which numbers the rows, left out"),
     )  # fmt: skip
 
