@@ -709,3 +709,80 @@ def test_counts_in_headers_must_be_whole_numbers(tmp_path, name, key, count):
     with pytest.raises(FormatError) as error:
         read_measurement(tmp_path / "a.txt", **options)
     assert "cannot convert" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "spacing"),
+    [
+        ("Pitch,0.25,um", 0.25), ("Pitch;0,25;µm", 0.25), ('"Pitch","0.25","um"', 0.25), ("Pitch\t0.00025\tmm", 0.25),
+        ("Pitch,0,25,um", None), ("Pitch,0.25,um,0.5", None), ("Pitch,0.25,Standard", None),
+    ],
+)  # fmt: skip
+def test_spacing_is_read_with_its_unit_in_a_cell_of_its_own(tmp_path, line, spacing):
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join([line, "Unit,um", *(f"{value:.4f}" for value in LINE)]), encoding="utf-8")
+    if spacing is None:
+        with pytest.raises(FormatError, match="spacing"):
+            read_measurement(path)
+    else:
+        profile = read(path)
+        assert profile.spacing == pytest.approx(spacing)
+        assert np.array_equal(profile.heights, LINE)
+
+
+def test_amplitudes_along_x_and_y_are_the_size_of_a_map(tmp_path):
+    path = tmp_path / "a.txt"
+    head = "WSxM file copyright UAM\nWSxM ASCII Matrix file\nX Amplitude: 4500 nm\nY Amplitude: 3.5 µm\n\n"
+    path.write_text(head + "\n".join(rows(HEIGHTS)), encoding="utf-8")
+    surface = read(path, unit="nm")
+    assert surface.spacing == pytest.approx((0.5, 0.5))
+    assert surface.heights == pytest.approx(1e-3 * HEIGHTS)
+
+
+@pytest.mark.parametrize("line", ["Stylus,Radius: 2.5 µm", "Tip radius (µm): 2.5", "Stylus radius;2,5 µm"])
+def test_tip_radius_of_a_header_is_in_the_history(tmp_path, line):
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join([line, "x (µm);z (µm)", *(f"{0.5 * at};{z}" for at, z in enumerate(LINE))]), "utf-8")
+    assert "its header gives a tip radius of 2.5 µm (--tip)" in read(path).history
+
+
+@pytest.mark.parametrize("step", [0.25, 0.333, 0.2, 1.26])
+def test_rounded_points_are_read_if_steps_are_two_digits_or_more(tmp_path, step):
+    path = tmp_path / "a.xyz"
+    order = np.random.default_rng(5).permutation(HEIGHTS.size)
+    y, x = (step * each.ravel()[order] for each in np.mgrid[:ROWS, :COLUMNS])
+    z = HEIGHTS.ravel()[order]
+    for digits_of_position, can_be_read in ((1, True), (0, step > 2)):
+        lines = (f"{a:.{digits_of_position}f} {b:.{digits_of_position}f} {c}" for a, b, c in zip(x, y, z, strict=True))
+        path.write_text("\n".join(lines))
+        if can_be_read:
+            surface = read(path, unit="um")
+            assert np.array_equal(surface.heights, HEIGHTS)
+            assert surface.spacing == pytest.approx((step, step), abs=0.1 / (ROWS - 1))
+        else:
+            with pytest.raises(FormatError):
+                read_measurement(path, unit="um")
+
+
+def test_points_off_a_grid_by_more_than_rounding_are_rejected(tmp_path):
+    path = tmp_path / "a.xyz"
+    places = np.array([0.0, 0.25, 0.5, 0.9, 1.0, 1.25, 1.5])
+    y, x = np.meshgrid(places, places, indexing="ij")
+    path.write_text("\n".join(f"{a:.2f} {b:.2f} 1.{at}" for at, (a, b) in enumerate(zip(x.flat, y.flat, strict=True))))
+    with pytest.raises(FormatError, match="on no grid"):
+        read_measurement(path, unit="um")
+
+
+def test_status_column_of_an_olympus_map_is_no_height(tmp_path):
+    path = tmp_path / "a.csv"
+    lines = olympus().splitlines()
+    first = next(at for at, line in enumerate(lines) if line.startswith("DataLine"))
+    lines[first] += ",Status"
+    alike = [*lines[: first + 1], *(f"{line},1" for line in lines[first + 1 :])]
+    path.write_text("\n".join(alike))
+    plain = tmp_path / "b.csv"
+    plain.write_text(olympus())
+    assert np.array_equal(read(path, missing="mask").heights, read(plain, missing="mask").heights)
+    path.write_text("\n".join([*alike[:-1], alike[-1][:-1] + "0"]))
+    with pytest.raises(FormatError, match="does not say which are missing points"):
+        read_measurement(path, missing="mask")

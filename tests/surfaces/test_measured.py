@@ -771,7 +771,8 @@ def test_a_stylus_profile(measured):
     profile = read_profile(path)
     assert len(profile) == 9600
     assert profile.spacing == pytest.approx(1499.8 / 9599, rel=1e-12)
-    assert profile.history[1] == "spacing 0.1562454 µm from its positions, where it says 0.156 µm"
+    assert profile.history[1] == "its header gives a tip radius of 2.5 µm (--tip)"
+    assert profile.history[2] == "spacing 0.1562454 µm from its positions, where it says 0.156 µm"
     assert np.std(levelled(profile, "line").heights) == pytest.approx(0.0942, abs=5e-5)
     assert read_profile(path, spacing="0.15625 um").extent == 1500.0
     assert "0.1562454 µm, but spacing says 0.156 um" in refusal(path, spacing="0.156 um")

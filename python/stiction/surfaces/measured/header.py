@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from stiction.surfaces.measured.raw import Declared, Stated, length_unit
+from stiction.surfaces.measured.raw import LENGTH_UNITS, Declared, Stated, length_unit
 from stiction.surfaces.measured.split import Dialect
 
 _T = TypeVar("_T")
@@ -17,19 +17,22 @@ COMMENT = "#%!/ "  # characters that begin a line of words in some programs
 _DIGITS = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})?"
 _SEPARATOR = r"\s*(?:[:=,;\t]|\s)\s*"
 _UNIT = r"[^\W\d_]{1,12}"
+_LENGTHS = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
+_IN_CELL = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTHS})[\s,;]*$)|\s*)"
+"""Space between a number and its unit, or the end of a cell if a unit of length fills the last one."""
 
 _STATED = re.compile(
     r"\W*(?:(?:measurement|x|lateral|horizontal|sampl\w*|point|data|scan)[\s_-]*)*"
     r"(spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch|dx|"
     r"Schrittweite|Punktabstand|Messpunktabstand|Abstand)\s*(?:[\[(]([^\])]{1,12})[\])])?\s*[:=,;\t ]\s*"
-    rf"({_DIGITS})\s*({_UNIT})?\s*(/|per\b)?",
+    rf"({_DIGITS}){_IN_CELL}({_UNIT})?\s*(/|per\b)?",
     re.IGNORECASE,
 )
 _AXIS_STATED = {
     axis: re.compile(
         rf"\W*(?:{axis}[\s_-]*(?:spacing|step(?:[ _-]?size)?|increment|interval|resolution|scale|pixel[ _-]?size|pitch|"
         rf"direction)|d{axis}|(?:spacing|step|pitch|pixel[ _-]?size)[\s_-]*(?:in |along )?{axis})"
-        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR}({_DIGITS})\s*[\"']?({_UNIT})?",
+        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR}({_DIGITS}){_IN_CELL}[\"']?({_UNIT})?",
         re.IGNORECASE,
     )
     for axis in "yx"
@@ -46,9 +49,9 @@ _SIZES = tuple(
     )
     for name in (
         "height|h[öo]he|hauteur|altezza|altura|výška|wysokość|высота|高さ|高度|높이|"
-        "y[ _-]?(?:length|size|range)|length y",
+        "y[ _-]?(?:length|size|range|amplitude)|length y",
         "width|breite|largeur|larghezza|anchura|ancho|largura|šířka|szerokość|ширина|幅|宽度|너비|폭|"
-        "x[ _-]?(?:length|size|range)|length x",
+        "x[ _-]?(?:length|size|range|amplitude)|length x",
     )
 )
 """Height and width above a matrix, as Gwyddion and others write them."""
@@ -77,6 +80,10 @@ _CODE = re.compile(
 _POINTS = re.compile(
     r"\W*(?:(?:number|no\.?|anzahl) (?:of |der )?(?:data[ _-]?)?(?:points|punkte)|num[ _-]?points|data[ _-]?size|"
     r"points|datenpunkte|messpunkte)" + _SEPARATOR + r"([0-9]{1,9})\W*",
+    re.IGNORECASE,
+)
+_TIP = re.compile(
+    rf"\W*(?:stylus|tip|probe)[\s,;:_-]*radius\s*(?:[\[(]({_UNIT})[\])])?{_SEPARATOR}({_DIGITS})\s*({_UNIT})?\W*",
     re.IGNORECASE,
 )
 _HISTORY = "# history: "
@@ -155,6 +162,7 @@ def declared(header: Sequence[str], *, below: Sequence[str] = ()) -> Declared:
         counts=tuple(_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if count),
         scale="" if factor_line else next(iter(scales), "").strip(),
         points=points,
+        tip_radius=_first(_TIP, lines, _bracketed),
         line=factor_line or unit_line,
     )
 
@@ -177,6 +185,8 @@ def _pair(both: Sequence[_T | None]) -> tuple[_T, _T] | None:
 def _spacing(match: re.Match[str]) -> Stated | None:
     """Return a spacing in words; a resolution is one if it is a length per sample."""
     if match[1].casefold() == "resolution" and not match[5]:
+        return None
+    if "," in match[3] and "," in match[0][match.end(3) - match.start() :]:  # cells between commas, or a decimal comma
         return None
     return _stated(match[3], match[4] or match[2])
 

@@ -129,6 +129,7 @@ class Declared:
     counts: tuple[float, ...] = ()  # whole numbers that are values of missing points, or count missing points
     scale: str = ""  # line with a factor or a range of heights, without evidence for either
     points: int | None = None  # of a profile
+    tip_radius: Stated | None = None  # of the stylus
     line: str = ""  # that declares the unit or the factor
 
 

@@ -133,7 +133,10 @@ def _raw(table: Table, heights: Floats, unit: str | None, **more: Any) -> Raw:
         size=declared.size, bare_spacing=declared.bare_spacing, source=table.source, caveats=caveats,
         stated_spacings=declared.spacings,
     )  # fmt: skip
-    return replace(raw, **more)
+    raw = replace(raw, **more)
+    if (tip := declared.tip_radius) is None:
+        return raw
+    return replace(raw, history=(*raw.history, f"its header gives a tip radius of {tip.length:g} {tip.unit} (--tip)"))
 
 
 def _common_unit(table: Table, units: Sequence[str | None]) -> str | None:
