@@ -5,7 +5,7 @@ import threading
 from stiction._caching import cached_property
 
 
-def test_threads_with_different_objects_do_not_wait_for_each_other():
+def test_cached_property_does_not_block_other_objects():
     begun, end = threading.Event(), threading.Event()
 
     class Slow:

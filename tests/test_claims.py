@@ -41,7 +41,7 @@ def resampled(result):
     return claims.Resampled(result, 0.1)
 
 
-def test_the_studies_are_those_that_the_claims_are_about():
+def test_studies_of_claims_match_the_paper():
     study = claims.claims_study()
     assert study.surfaces.fractal_dimensions().size == 50
     assert study.ensemble.repetitions == 100
@@ -52,7 +52,7 @@ def test_the_studies_are_those_that_the_claims_are_about():
         assert (variant == claims.variant_study("default")) == (not changes)
 
 
-def test_the_first_ensemble_is_that_of_the_maps(result, resampled):
+def test_resampled_ensemble_begins_with_that_of_the_maps(result, resampled):
     load = resampled.middle
     for what, tau0, expected in (
         ("friction", 0.0, friction_map(result, [load], mu0=[0.4], tau0=[0.0])["friction_coefficient"]),
@@ -67,7 +67,7 @@ def test_the_first_ensemble_is_that_of_the_maps(result, resampled):
             assert np.allclose(ours, wanted, rtol=1e-12, equal_nan=True)
 
 
-def test_resampled_intervals_are_as_wide_as_those_of_the_maps(result, resampled):
+def test_resampled_intervals_agree_with_those_of_the_maps(result, resampled):
     found = resampled.at("friction", resampled.middle)[1:]
     lower, upper = np.quantile(found, [0.025, 0.975], axis=0)
     theirs = friction_map(result, [resampled.middle], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
@@ -76,7 +76,7 @@ def test_resampled_intervals_are_as_wide_as_those_of_the_maps(result, resampled)
     assert ratio.max() < 1.5
 
 
-def test_loads_lie_between_those_that_every_dimension_reaches(result, resampled):
+def test_loads_are_reached_at_every_dimension(result, resampled):
     elastic = result["normal_elastic"].sel(amplitude=0.1).mean("repetition")
     assert float(elastic.isel(approach=0).max()) < resampled.light < resampled.middle < resampled.heavy
     assert resampled.heavy < float(elastic.max("approach").min())
@@ -91,7 +91,7 @@ def outcome(values, least, most):
     return Outcome.of(Part("1a", "a number", least, most, lambda _: np.asarray(values, dtype=float)), Fixed())
 
 
-def test_a_part_is_judged_by_its_interval():
+def test_verdict_of_part_follows_its_interval():
     values = np.concatenate([[1.0], np.linspace(0.5, 1.5, 400)])
     assert outcome(values, 0.0, math.inf).verdict == "true"
     assert outcome(values, 2.0, math.inf).verdict == "false"
@@ -103,7 +103,7 @@ def test_a_part_is_judged_by_its_interval():
     assert outcome([math.nan] * 401, 0.0, 1.0).verdict == "undefined"
 
 
-def test_a_claim_is_as_true_as_its_parts():
+def test_verdict_of_claim_follows_its_parts():
     def verdicts(*names):
         part = Part("4a", "", 0, 1, lambda _: np.zeros(1))
         return verdict_of(4, [Outcome(part, 0, 0, 0, name, ()) for name in names])
@@ -114,7 +114,7 @@ def test_a_claim_is_as_true_as_its_parts():
     assert verdicts("undefined", "true") == "undefined"
 
 
-def test_every_claim_has_parts_with_names_of_their_own():
+def test_claims_have_parts_with_unique_names():
     assert {part.claim for part in PARTS} == set(CLAIMS)
     assert len({part.name for part in PARTS}) == len(PARTS)
     assert all(part.least < part.most for part in PARTS)
@@ -185,12 +185,12 @@ WORLDS = {
 
 
 @pytest.mark.parametrize("name", WORLDS)
-def test_a_world_in_which_a_part_is_true_is_told_from_one_in_which_it_is_not(name):
+def test_verdict_is_true_in_true_worlds_and_false_in_false_worlds(name):
     found = [judged(name, made_up(**world)) for world in WORLDS[name]]
     assert [(outcome.verdict, outcome.left_out) for outcome in found] == [("true", ()), ("false", ())]
 
 
-def test_numbers_are_those_of_the_world():
+def test_numbers_of_parts_equal_those_of_the_world():
     def number(name, **world):
         return judged(name, made_up(**world)).value
 
@@ -204,11 +204,11 @@ def test_numbers_are_those_of_the_world():
     assert number("8d", **WORLDS["8d"][1]) > 0.25
 
 
-def test_every_part_has_its_worlds():
+def test_worlds_exist_for_every_part():
     assert list(WORLDS) == [part.name for part in PARTS]
 
 
-def test_bands_hold_the_extreme_that_resampled_extremes_miss():
+def test_bands_contain_extremes_that_percentiles_miss():
     # Nothing changes with D, but each D has its own noise: the least ratio of an ensemble falls with the noise.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
     result = made_up(**friction(lambda d, a, f: 0.2 * noise))
@@ -217,7 +217,7 @@ def test_bands_hold_the_extreme_that_resampled_extremes_miss():
     assert percentiles.upper - percentiles.value < 0.5 * (bands.upper - bands.value)
 
 
-def test_columns_are_judged_by_their_sliding_rule_and_mechanics():
+def test_columns_use_their_sliding_rule_and_mechanics():
     assert {column.of(2000).contact.mechanics for column in claims.COLUMNS.values()} == {"asperities", "half-space"}
     column = claims.COLUMNS["half-spaces"]
     study = column.of(100)
@@ -245,7 +245,7 @@ def test_columns_are_judged_by_their_sliding_rule_and_mechanics():
         judge(made_up(), sliding="all")
 
 
-def test_a_range_that_a_study_has_one_dimension_in_is_not_put():
+def test_part_is_undefined_if_its_range_has_one_dimension():
     result = made_up().sel(fractal_dimension=slice(1.0, 1.501))
     found = {outcome.part.name: outcome.verdict for outcome in judge(result)}
     assert {name for name, verdict in found.items() if verdict == "undefined"} == {"2b", "3b", "4b", "5", "7c"}
@@ -254,13 +254,13 @@ def test_a_range_that_a_study_has_one_dimension_in_is_not_put():
     assert judged("4c", result).verdict == "undefined"
 
 
-def test_bands_are_for_dimensions_at_which_profiles_do_not_lock():
+def test_bands_reject_self_locked_dimensions():
     assert judged("3b", made_up(), ruling="bands").verdict == "undefined"  # one D is left from 1.6 on
     with pytest.raises(ValueError, match="ruling"):
         judge(made_up(), ruling="means")
 
 
-def test_a_number_over_less_than_half_of_its_range_is_none():
+def test_part_is_undefined_over_less_than_half_of_its_range():
     # Friction locks where the normal load is negative: at all D above 1.45.
     world = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
     found = {outcome.part.name: outcome for outcome in judge(made_up(**world))}
@@ -269,7 +269,7 @@ def test_a_number_over_less_than_half_of_its_range_is_none():
     assert found["2a"].verdict != "undefined"
 
 
-def test_claims_need_enough_to_be_judged_on():
+def test_claims_reject_studies_with_too_few_values():
     for change, match in (
         ({"ensemble.repetitions": 19}, "20 ensemble.repetitions"),
         ({"contact.approach": ["1 nm", "2 nm"]}, "3 values of contact.approach"),
@@ -279,7 +279,7 @@ def test_claims_need_enough_to_be_judged_on():
             claims.check(SMALL.with_changes(change))
 
 
-def test_tables_have_every_part(result):
+def test_tables_contain_every_part(result):
     outcomes = judge(result)
     for text in (claims_markdown(outcomes), variants_markdown({"one": outcomes})):
         for part in PARTS:
@@ -288,12 +288,12 @@ def test_tables_have_every_part(result):
     assert {line.replace("\\|", "").count("|") for line in rows} == {6}
 
 
-def test_an_amplitude_that_is_not_there_is_refused(result):
+def test_judge_rejects_absent_amplitude(result):
     with pytest.raises(ValueError, match=r"no amplitude of 0\.3 µm"):
         judge(result, amplitude=0.3)
 
 
-def test_the_tables_of_the_documents_are_written_from_results_in_a_folder(tmp_path):
+def test_tables_are_written_from_stored_results(tmp_path):
     small = {"surfaces.points": 4000, "surfaces.extent": "2 um", "contact.approach.count": 6}
     claims.write_tables(tmp_path, tmp_path, changes=small | {"ensemble.repetitions": 20})
     kept = (tmp_path / "claims.md").read_text(encoding="utf-8")

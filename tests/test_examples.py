@@ -36,7 +36,7 @@ MODULES = [
 
 
 @pytest.mark.parametrize("name", MODULES)
-def test_docstring_examples(name):
+def test_docstring_examples_run(name):
     assert doctest.testmod(importlib.import_module(name)).failed == 0
 
 
@@ -56,7 +56,7 @@ def printed(tmp_path_factory):
 
 @pytest.mark.docs
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
-def test_example_scripts(path, printed):
+def test_example_scripts_run(path, printed):
     assert printed(path)
 
 
@@ -96,7 +96,7 @@ def named(pages):
 
 
 @named(PAGES)
-def test_every_block_of_a_page_is_run_by_something(page):
+def test_page_has_only_blocks_that_are_run(page):
     unknown = [block for block in blocks(page) if block.kind not in RUN_HERE | RUN_BY_THE_DOCS | NO_CODE]
     assert not unknown, f"nothing runs these blocks of {page.name}; make them python, sh or code cells"
     if any(block.kind in RUN_BY_THE_DOCS for block in blocks(page)):
@@ -192,7 +192,7 @@ def has_code(page):
 
 @pytest.mark.docs
 @named([page for page in PAGES if has_code(page) and page.name != "cluster.md"])
-def test_code_of_the_page(page, tmp_path, monkeypatch):
+def test_code_of_page_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("upper", "lower", "lapped"):  # files that the reader has
         side = "lower" if name == "lapped" else name
@@ -218,7 +218,7 @@ def test_code_of_the_page(page, tmp_path, monkeypatch):
 
 @pytest.mark.docs
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the documents are not here")
-def test_the_table_of_the_page_on_measured_surfaces_is_that_of_its_example(printed):
+def test_page_on_measured_surfaces_shows_output_of_its_example(printed):
     table = printed(ROOT / "examples/characterise_profile.py")
     shown = [block.text for block in blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
     # The command prints one line before the table: how it read the file.
@@ -226,7 +226,7 @@ def test_the_table_of_the_page_on_measured_surfaces_is_that_of_its_example(print
 
 
 @pytest.mark.skipif(not DEV.exists(), reason="./dev is not here")
-def test_commands_of_dev_are_those_of_its_usage():
+def test_dev_usage_lists_its_commands():
     commands = set(re.findall(r'^    "(\w+)": ', DEV.read_text(encoding="utf-8"), re.MULTILINE))
     assert commands == dev_commands()
 
@@ -248,7 +248,7 @@ SLURM_TASK = {"SLURM_CPUS_PER_TASK": "1", "SLURM_ARRAY_TASK_ID": "2", "SLURM_ARR
 @pytest.mark.docs
 @named([page for page in PAGES if page.name == "cluster.md"])
 @pytest.mark.filterwarnings("ignore")  # distributed leaves sockets and loops to the collector
-def test_code_of_the_page_on_clusters(page, tmp_path, monkeypatch):
+def test_code_of_page_on_clusters_runs(page, tmp_path, monkeypatch):
     """The scheduler that runs somewhere runs here; Slurm starts a job at once, on this machine."""
     distributed = pytest.importorskip("distributed")
     for name, script in (("sbatch", SBATCH), ("scancel", SCANCEL)):
@@ -282,7 +282,7 @@ def test_code_of_the_page_on_clusters(page, tmp_path, monkeypatch):
     assert computed == 3
 
 
-def test_every_public_name_is_in_the_reference():
+def test_reference_lists_every_public_name():
     pages = sorted((ROOT / "docs/reference").glob("api_*.md"))
     if not pages:
         pytest.skip("the documents are not here")
@@ -309,7 +309,7 @@ LARGEST_DIFFERENCE = 5.0
 
 @pytest.mark.docs
 @pytest.mark.parametrize("name", ["conventions", "conventions_areas"])
-def test_the_drawings_of_the_conventions_are_what_the_library_does_now(tmp_path, name):
+def test_drawings_of_conventions_match_the_library(tmp_path, name):
     if not (ROOT / "docs/images").exists():
         pytest.skip("the pictures are not here")
     drawing = script(name)
@@ -318,7 +318,7 @@ def test_the_drawings_of_the_conventions_are_what_the_library_does_now(tmp_path,
     assert difference is None, f"run docs/scripts/{name}.py and look at it: {difference}"
 
 
-def test_the_reference_has_every_key_option_and_study():
+def test_reference_lists_every_key_option_and_study():
     reference = script("reference")
     pages = reference.pages(ROOT / "docs")
     tables = [

@@ -15,7 +15,7 @@ EXPONENT = 0.15  # of a spectrum of 200 points
 FOUND = {"vd1": ((37, 116), (48, 122)), "vd2": ((25, 127), (50, 131))}  # MPa/mm at 1 to 2 and 5 to 10 MPa
 
 
-def test_the_largest_square_lies_in_the_disc_and_the_loading_comes_first(tmp_path):
+def test_largest_square_is_in_disc_and_loading_is_first(tmp_path):
     spacing = 2000.0
     heights = np.add.outer(np.arange(64.0), np.arange(64.0))
     np.savez(tmp_path / "a.npz", gap_um=heights, spacing_um=spacing)
@@ -29,7 +29,7 @@ def test_the_largest_square_lies_in_the_disc_and_the_loading_comes_first(tmp_pat
 
 
 @pytest.mark.parametrize("hurst", [0.5, 0.9])
-def test_added_waves_go_on_with_the_spectrum(hurst):
+def test_added_wavelengths_continue_the_spectrum(hurst):
     gap = self_affine_surface(1, hurst_exponent=hurst, rms=20.0, shape=(256, 256), spacing=250.0)
     found, density = SCRIPT["spectrum_of"](gap)
     assert found == pytest.approx(hurst, abs=EXPONENT)
@@ -40,7 +40,7 @@ def test_added_waves_go_on_with_the_spectrum(hurst):
 
 @pytest.mark.skipif(DATA is None, reason="STICTION_FRACTURES names no folder with the data, which have no licence")
 @pytest.mark.parametrize("name", list(FOUND))
-def test_the_frozen_settings_give_what_the_page_says(name):
+def test_fixed_settings_reproduce_documented_numbers(name):
     folder, steps = Path(DATA), np.array([1.0, 2.0, 5.0, 10.0])
     closure, _ = SCRIPT["computed"](SCRIPT["gap_of"](folder, name), steps)
     (load, stress), _ = SCRIPT["measured"](folder, name)

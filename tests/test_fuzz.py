@@ -8,13 +8,13 @@ from stiction import run
 from support import fuzzing
 
 
-def test_any_arrays_and_numbers_are_taken_or_refused_with_a_reason():
+def test_random_arrays_are_accepted_or_raise_value_error():
     outcomes = Counter(type(fuzzing.fuzz_arrays(np.random.default_rng([1, i]))) for i in range(2000))
     assert set(outcomes) == {type(None), ValueError}
     assert min(outcomes.values()) > 500  # neither kind is rare, or this would test little
 
 
-def test_any_study_file_runs_or_is_refused_in_one_message(tmp_path):
+def test_random_study_files_run_or_are_rejected_in_one_message(tmp_path):
     outcomes = Counter(fuzzing.fuzz_study_file(np.random.default_rng([2, i]), tmp_path) for i in range(30))
     assert outcomes[2] > 10
     assert outcomes[0] > 1
@@ -27,6 +27,6 @@ def pristine(tmp_path_factory):
     return folder
 
 
-def test_any_damage_to_a_store_is_noticed_or_harmless(tmp_path, pristine):
+def test_damage_to_a_store_is_detected_or_harmless(tmp_path, pristine):
     outcomes = Counter(fuzzing.fuzz_store(np.random.default_rng([3, i]), pristine, tmp_path) for i in range(12))
     assert outcomes[2] > 2

@@ -44,7 +44,7 @@ def imported(source):
 
 
 @pytest.mark.parametrize("room", ["", *ROOMS])
-def test_nothing_points_back(room):
+def test_layers_import_only_from_lower_layers(room):
     """What serves all rooms knows none."""
     paths = (PACKAGE / room).rglob("*.py") if room else PACKAGE.glob("_*.py")
     allowed = ROOMS[: ROOMS.index(room) + 1] if room else ()
@@ -63,30 +63,30 @@ def loaded_of_others(code):
     return {name for name in loaded - set(sys.stdlib_module_names) - {"stiction"} if not name.startswith("_")}
 
 
-def test_import_is_light():
+def test_import_loads_no_dependencies():
     assert loaded_of_others("import stiction") == set()
     assert loaded_of_others("from stiction import *") <= LOADED
 
 
-def test_a_command_can_be_interrupted_at_once():
+def test_package_imports_nothing_before_the_command():
     """Whatever the package imports by itself comes before the command that answers Ctrl-C without a traceback."""
     body = ast.parse(Path(stiction.__file__).read_text("utf-8")).body
     assert not [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
 
 
-def test_help_and_version_load_none_of_what_computes():
+def test_help_and_version_load_no_numeric_packages():
     for option in ("--help", "--version"):
         assert loaded_of_others(
             f"sys.argv[1:] = ['{option}']; from stiction.cli.application import start; start()"
         ) <= (LOADED_BY_HELP)
 
 
-def test_listing_studies_loads_no_tables_pictures_or_files():
+def test_studies_command_loads_no_tables_figures_or_readers():
     code = "sys.argv[1:] = ['studies']; from stiction.cli.application import start; start()"
     assert loaded_of_others(code) <= LOADED | LOADED_BY_HELP
 
 
-def test_each_public_name_is_taken_from_where_it_is_made():
+def test_public_names_are_imported_from_their_modules():
     """Not from where it is imported to: type checkers and Python read the same list."""
     tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
     for name, module in {name.asname: node.module for node in tree.body for name in node.names}.items():
@@ -95,12 +95,12 @@ def test_each_public_name_is_taken_from_where_it_is_made():
 
 
 @pytest.mark.parametrize("room", ["app", "cli"])
-def test_no_public_name_and_nothing_that_it_needs_is_of_a_command(room):
+def test_public_names_are_not_in_command_layers(room):
     tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
     assert [node.module for node in tree.body if node.module.startswith(f"stiction.{room}")] == []
 
 
-def test_help_lists_every_command_with_the_module_that_adds_it():
+def test_help_lists_every_command_with_its_module():
     group = typer.main.get_command(application.app)
     listed = {name: module for each in application.COMMANDS.values() for name, (module, _) in each.items()}
     assert group.list_commands(None) == list(listed)
@@ -112,7 +112,7 @@ def test_help_lists_every_command_with_the_module_that_adds_it():
 
 
 @pytest.mark.parametrize("folder", ["python", "tests", "benchmarks", "docs", "examples"])
-def test_docstrings_stand_alone(folder):
+def test_docstrings_do_not_begin_with_of(folder):
     """Each is read without the line above it."""
     paths = sorted((Path(__file__).parent.parent / folder).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

@@ -71,7 +71,7 @@ def examples_of(name):
     return doctest.DocTestParser().get_doctest(inspect.getdoc(value) or "", {}, name, None, None)
 
 
-def test_every_public_name_has_an_example_and_a_signature_that_names_every_parameter():
+def test_public_names_have_examples_and_full_signatures():
     for name in NAMES:
         if name not in ERRORS:
             assert examples_of(name).examples, name
@@ -79,7 +79,7 @@ def test_every_public_name_has_an_example_and_a_signature_that_names_every_param
             assert not kinds & {inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL}, name
 
 
-def test_signatures_are_those_that_are_taken(upper, lower):
+def test_signatures_match_accepted_arguments(upper, lower):
     for call, approach in ((press, [0.01]), (contacts, 0.01)):
         parameters = inspect.signature(call).parameters
         given = {key: each.default for key, each in parameters.items() if each.kind is each.KEYWORD_ONLY}
@@ -98,7 +98,7 @@ OF_A_UNIT = {
 """Names that mean one kind of quantity wherever they are a number or an array."""
 
 
-def test_numbers_with_a_unit_say_it():
+def test_docstrings_give_units_of_numbers():
     told = "\n".join(inspect.getdoc(getattr(stiction, name)) or "" for name in NAMES)
     for names, kind in re.findall(r"^ *([a-z]\w*(?:, \w+)*) : (.*)$", told, re.MULTILINE):
         for each in names.split(", "):
@@ -110,7 +110,7 @@ AS_WRITTEN = {"Ball", "ContactModel", "FrictionTest", "HertzCylinder", "HertzSph
 """Shown as the call that makes them, or with the sources of their values."""
 
 
-def test_no_class_shows_itself_as_python_makes_it():
+def test_public_classes_define_repr():
     for name in NAMES:
         if inspect.isclass(kind := getattr(stiction, name)):
             made = getattr(kind, "__dataclass_params__", None)
@@ -119,7 +119,7 @@ def test_no_class_shows_itself_as_python_makes_it():
             assert not generated or name in AS_WRITTEN, name
 
 
-def test_the_package_shows_what_is_public_alone():
+def test_dir_lists_public_names_only():
     assert set(dir(stiction)) >= set(stiction.__all__)
     assert [name for name in dir(stiction) if name not in stiction.__all__ and not name.startswith("__")] == []
 
@@ -148,7 +148,7 @@ def readable(upper, lower):
     yield from (stiction.material("brass"), stiction.ContactModel(), stiction.Study.named("quick"))
 
 
-def test_reprs_are_for_people(upper, lower, curve):
+def test_reprs_are_short_without_arrays(upper, lower, curve):
     for each in (*shown(upper, lower, curve), *readable(upper, lower)):
         text = repr(each)
         assert len(text) <= LONGEST_REPR
@@ -167,7 +167,7 @@ def test_reprs_have_units(upper, lower, curve):
     assert re.search(r"levelled +by a plane$", repr(surface_parameters(stiction.levelled(lower, "plane"))))
 
 
-def test_all_is_shown_as_pictures_or_tables(upper, lower, curve):
+def test_results_have_html_with_figure_or_table(upper, lower, curve):
     for each in shown(upper, lower, curve):
         shows = each._repr_html_()
         assert "<img" in shows or "<table" in shows
@@ -177,14 +177,14 @@ def test_all_is_shown_as_pictures_or_tables(upper, lower, curve):
             assert ax.get_xlabel() or not ax.get_xticks().size
 
 
-def test_a_curve_draws_friction(curve):
+def test_curve_plot_draws_friction(curve):
     ax = curve.plot(Figure().subplots(), mu0=[0.1, 0.3], tau0=0.05)
     drawn = np.array([line.get_ydata() for line in ax.get_lines()])
     np.testing.assert_array_equal(drawn, curve.friction_coefficient(mu0=[0.1, 0.3], tau0=0.05).reshape(-1, 2))
     assert ax.get_legend().get_texts()[0].get_text() == "μ0 = 0.1, τ0 = 50 MPa, 0°"
 
 
-def test_what_cannot_be_drawn_says_why():
+def test_plot_rejects_spectrum_of_zeros():
     nothing = power_spectrum(Profile(np.zeros(16), spacing=1.0))
     with pytest.raises(ValueError, match="0 everywhere, so there is nothing to draw"):
         nothing.plot(Figure().subplots())
@@ -194,7 +194,7 @@ def test_what_cannot_be_drawn_says_why():
 # ---- From and to other libraries -------------------------------------------------------------------------------------
 
 
-def test_a_body_goes_through_xarray_without_loss(lower):
+def test_surface_survives_xarray_round_trip(lower):
     turned = flipped(lower)
     for body in (turned, turned.row(3)):
         array = body.to_xarray()
@@ -230,7 +230,7 @@ def datasets(upper, lower, by_function, folder):
     return made
 
 
-def test_no_dimension_or_variable_is_called_like_a_method_of_xarray(upper, lower, where):
+def test_dataset_names_are_not_xarray_methods(upper, lower, where):
     kept = pair(where / "upper.npy", where / "lower.npy", directory=where / "kept", **ASKED | {"onset": 2, "mu0": 0.2})
     found = {
         str(name) for each in datasets(upper, lower, kept, where / "kept") for name in (*each.dims, *each.variables)
@@ -240,7 +240,7 @@ def test_no_dimension_or_variable_is_called_like_a_method_of_xarray(upper, lower
     assert (found | {*array.dims, array.name}) & TAKEN == KEPT
 
 
-def test_contacts_are_a_frame_of_their_own(by_function):
+def test_contacts_of_result_are_a_frame(by_function):
     found = by_function.contacts(["5 MPa", "10 MPa"], members=[0, 2])
     assert list(found.columns) == [
         "member", "cut_off_um", "load_mN", "x_um", "y_um", "force_mN", "area_um2", "mean_pressure_GPa", "slope_x",
@@ -255,7 +255,7 @@ def test_contacts_are_a_frame_of_their_own(by_function):
     np.testing.assert_array_equal(found["mean_pressure_GPa"], found["force_mN"] / found["area_um2"])
 
 
-def test_contacts_are_those_of_a_typical_member_unless_others_are_named(by_function):
+def test_contacts_default_to_typical_member(by_function):
     picture = contact_picture(by_function.source)
     found = by_function.contacts()
     assert set(found["member"]) == {picture.attrs["member"]}
@@ -267,7 +267,7 @@ def test_contacts_are_those_of_a_typical_member_unless_others_are_named(by_funct
         by_function.contacts("10 nm")
 
 
-def test_generated_bodies_have_contacts_too():
+def test_contacts_of_generated_result_equal_direct_call():
     small = {"ensemble.repetitions": 3, "surfaces.points": 3000, "surfaces.fractal_dimension": [1.1, 1.4]}
     study = stiction.Study.named("quick").with_changes(small)
     found = stiction.run(study).contacts(1e-3, members=[0, 1])
@@ -279,7 +279,7 @@ def test_generated_bodies_have_contacts_too():
     np.testing.assert_allclose(one["force_mN"].sum(), 1e-3, rtol=1e-9)
 
 
-def test_units_of_arrays_are_followed(lower):
+def test_surface_from_array_converts_units(lower):
     array = lower.to_xarray() * 1000
     array.attrs["units"] = "nm"
     back = Surface.from_(array.transpose("x", "y"))
@@ -287,7 +287,7 @@ def test_units_of_arrays_are_followed(lower):
     assert back.spacing == lower.spacing
 
 
-def test_topographies_are_taken(lower):
+def test_surface_from_topography_preserves_heights(lower):
     topography = pytest.importorskip("SurfaceTopography")
     rows, columns = lower.heights.shape
     sizes = columns * lower.spacing[1] * 1000, rows * lower.spacing[0] * 1000
@@ -308,13 +308,13 @@ class Surfalize:
         self.data, self.step_x, self.step_y = data, step_x, step_y
 
 
-def test_surfaces_of_surfalize_are_taken(lower):
+def test_surface_from_surfalize_preserves_heights(lower):
     back = Surface.from_(Surfalize(lower.heights, 0.2, 0.1))
     np.testing.assert_array_equal(back.heights, lower.heights)
     assert back.spacing == (0.1, 0.2)
 
 
-def test_what_is_no_body_is_refused(lower):
+def test_surface_from_rejects_other_objects(lower):
     array = lower.to_xarray()
     missing, uneven = array.copy(), array.copy()
     missing[0, 0] = np.nan
@@ -334,7 +334,7 @@ def test_what_is_no_body_is_refused(lower):
 # ---- Quantities, moduli, and bodies that are one and the same --------------------------------------------------------
 
 
-def test_text_with_a_unit_is_the_number(upper, lower):
+def test_text_with_unit_equals_number(upper, lower):
     np.testing.assert_array_equal(press(upper, lower, ["5 nm", "0.02 um"]).approach, [0.005, 0.02])
     area = float(np.prod(upper.extent))
     np.testing.assert_allclose(half_space(upper, lower, ["1 MPa", "3 mN"]).load, [0.001 * area, 3.0], rtol=1e-12)
@@ -357,7 +357,7 @@ def scan(lower, tmp_path_factory):
     return found
 
 
-def test_a_measured_body_needs_a_modulus(upper, scan):
+def test_measured_surface_requires_modulus(upper, scan):
     for call in (
         lambda: press(upper, scan, "10 nm"),
         lambda: contacts(upper, scan, "10 nm"),
@@ -375,7 +375,7 @@ def test_a_measured_body_needs_a_modulus(upper, scan):
     np.testing.assert_array_equal(with_model.normal_elastic, press(upper, generated, "10 nm").normal_elastic)
 
 
-def test_one_body_is_told(scan, lower):
+def test_press_warns_about_surface_on_itself(scan, lower):
     mirrored = Surface(0.3 - scan.heights, spacing=scan.spacing, history=(*scan.history, "turned over"))
     maps = {"mu0": 0.3, "effective_modulus": 10.0, "shifts": 2, "mechanics": "asperities"}
     for call, words in (
@@ -389,14 +389,14 @@ def test_one_body_is_told(scan, lower):
             call()
 
 
-def test_two_bodies_are_not_told(scan, upper, lower):
+def test_press_accepts_two_surfaces_without_warning(scan, upper, lower):
     with warnings.catch_warnings(action="error"):
         press(upper, lower, "5 nm")
         press(flipped(scan), upper, "5 nm", effective_modulus=10.0)
         pressed_maps(flipped(scan), scan, "1 mN", mu0=0.3, effective_modulus=10.0, shifts=2, mechanics="asperities")
 
 
-def test_what_was_told_is_so(lower):
+def test_mirrored_surface_has_no_elastic_tangential_load(lower):
     """Slopes of a body on its mirror image cancel: without a molecular coefficient nothing holds it."""
     mirrored = Surface(-lower.heights, spacing=lower.spacing)
     found = half_space(mirrored, lower, "1 mN", direction=[0, 90], sliding="all")
@@ -434,7 +434,7 @@ def by_function(where):
     return pair(where / "upper.npy", where / "lower.npy", mechanics="asperities", directory=where / "function", **ASKED)
 
 
-def test_the_function_is_the_command(by_command, by_function, where):
+def test_pair_function_equals_command(by_command, by_function, where):
     assert by_function.study == by_command.study
     xarray.testing.assert_identical(by_function.dataset, by_command.dataset)
     assert by_function.to_dataframe().equals(by_command.to_dataframe())
@@ -444,12 +444,12 @@ def test_the_function_is_the_command(by_command, by_function, where):
     assert (again.value, again.verdict) == (by_function.value, by_function.verdict)
 
 
-def test_the_command_reads_what_the_function_wrote(by_function, where):
+def test_at_command_reads_result_of_pair_function(by_function, where):
     done = check_stiction("at", "function", "--load", "10 MPa", cwd=where)
     assert f"{by_function.value:.2f}" in done.stdout
 
 
-def test_bodies_in_memory_are_files_and_numbers_are_in_core_units(by_function):
+def test_pair_of_arrays_equals_pair_of_files(by_function):
     """The same heights, and a history of one step less."""
     load = float(by_function.study.friction.load[0])
     asked = ASKED | {"load": load, "tau0": 0.05, "effective_modulus": 80.0}
@@ -459,7 +459,7 @@ def test_bodies_in_memory_are_files_and_numbers_are_in_core_units(by_function):
     assert result.value == by_function.value
 
 
-def test_a_result_says_its_answer(by_function, tmp_path):
+def test_result_has_value_and_table(by_function, tmp_path):
     first = by_function.answers[0]
     assert by_function.value == first.value
     assert by_function.interval == (first.lower, first.upper)
@@ -472,13 +472,13 @@ def test_a_result_says_its_answer(by_function, tmp_path):
     assert by_function.save_report(tmp_path / "page.html").stat().st_size > 1000
 
 
-def test_a_result_is_read_at_other_loads(by_function):
+def test_result_at_accepts_other_loads(by_function):
     at = by_function.at(["5 MPa", "2 mN"], mu0=0.25, tau0="20 MPa")
     np.testing.assert_allclose(at["load"], sorted([2.0, 0.005 * float(by_function.dataset["nominal_area"])]))
     assert (at["mu0"].item(), at["tau0"].item()) == (0.25, 0.02)
 
 
-def test_every_figure_is_drawn(by_function):
+def test_result_draws_every_figure(by_function):
     for name in by_function.figures():
         assert isinstance(figure := by_function.figure(name), Figure)
     assert figure._repr_png_().startswith(b"\x89PNG")
@@ -502,7 +502,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("changed", "words"), BAD)
-def test_bad_input_is_one_sentence(upper, lower, changed, words):
+def test_pair_rejects_bad_input_in_one_sentence(upper, lower, changed, words):
     given = {"first": upper, "second": lower} | ASKED | changed
     with pytest.raises(ValueError, match=words) as refused:
         pair(given.pop("first"), given.pop("second"), **given)
@@ -510,12 +510,12 @@ def test_bad_input_is_one_sentence(upper, lower, changed, words):
     assert "\n" not in str(refused.value)
 
 
-def test_a_body_that_is_turned_over_already_is_told(upper, lower):
+def test_pair_warns_about_flipped_surface(upper, lower):
     with pytest.warns(UserWarning, match="first was turned over, and pair turns the first body over itself"):
         pair(flipped(upper), lower, mechanics="asperities", **ASKED)
 
 
-def test_another_result_is_replaced_only_if_asked(by_function, where, tmp_path):
+def test_pair_replaces_other_result_only_on_request(by_function, where, tmp_path):
     folder = tmp_path / "result"
     asked = ASKED | {"mechanics": "asperities", "directory": folder}
     pair(where / "upper.npy", where / "lower.npy", **asked)
@@ -527,5 +527,5 @@ def test_another_result_is_replaced_only_if_asked(by_function, where, tmp_path):
     assert pair(where / "upper.npy", where / "lower.npy", **other, replace=True).study.contact.effective_modulus == 70
 
 
-def test_a_copy_shows_the_same(lower):
+def test_copy_has_equal_repr(lower):
     assert repr(copy.deepcopy(lower)) == repr(lower)

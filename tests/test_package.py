@@ -10,7 +10,7 @@ from support.threads import runs_other_threads
 ROOT = Path(__file__).parents[1]
 
 
-def test_the_version_stands_once():
+def test_version_is_the_same_in_all_files():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert stiction.__version__ == _core.__version__ == project["version"]
     release = project["version"].removesuffix(".dev0")
@@ -18,12 +18,12 @@ def test_the_version_stands_once():
     assert f"version: {release}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 
 
-def test_public_names_are_sorted_and_there():
+def test_public_names_are_sorted_and_exist():
     assert stiction.__all__ == sorted(stiction.__all__)
     assert all(hasattr(stiction, name) for name in stiction.__all__)
 
 
-def test_the_core_converts_nothing_silently():
+def test_core_rejects_arrays_of_other_types():
     heights = np.zeros(8)
     options = {"spacing": 1.0, "approaches": np.array([0.1]), "model": stiction.ContactModel().core()}
     _core.press(heights, heights, **options)
@@ -32,6 +32,6 @@ def test_the_core_converts_nothing_silently():
             _core.press(bad, heights, **options)
 
 
-def test_another_thread_makes_progress_during_a_long_call():
+def test_long_call_lets_other_threads_run():
     phases = stiction.random_phases(1)
     assert runs_other_threads(lambda: stiction.weierstrass_mandelbrot(phases, 1.5, points=100_000))

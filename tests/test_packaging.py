@@ -37,7 +37,7 @@ def text(name):
     return (ROOT / name).read_text(encoding="utf-8")
 
 
-def test_pythons_are_the_same_everywhere():
+def test_python_versions_agree_in_all_files():
     said = [re.search(r":: 3\.(\d+)$", each) for each in PYPROJECT["project"]["classifiers"]]
     minors = [int(each[1]) for each in said if each]
     assert PYPROJECT["project"]["requires-python"] == f">=3.{minors[0]}"
@@ -47,7 +47,7 @@ def test_pythons_are_the_same_everywhere():
     assert listed[1] == str([f"3.{minor}" for minor in minors]).replace("'", '"')
 
 
-def test_hooks_have_the_versions_of_lint():
+def test_hooks_have_versions_of_lint():
     pinned = dict(each.split("==") for each in PYPROJECT["dependency-groups"]["lint"])
     revisions = re.findall(
         r"repo: \S+/(?:mirrors-)?([\w-]+?)(?:-pre-commit)?\n    rev: v(\S+)", text(".pre-commit-config.yaml")
@@ -56,13 +56,13 @@ def test_hooks_have_the_versions_of_lint():
     assert all(pinned[name] == revision for name, revision in revisions)
 
 
-def test_the_conda_recipe_asks_for_what_the_package_does(release, monkeypatch):
+def test_conda_recipe_has_dependencies_of_package(release, monkeypatch):
     assert list(release.recipe_lacks()) == []
     monkeypatch.setitem(release.PROJECT, "dependencies", [*release.PROJECT["dependencies"], "numpy>=99"])
     assert list(release.recipe_lacks()) == ["- numpy >=99"]
 
 
-def test_the_promised_floor_of_glibc_is_the_one_that_is_held(release):
+def test_documented_glibc_version_is_checked(release):
     major, minor = sys.modules["prove"].NEWEST_GLIBC
     assert f"glibc {major}.{minor} or newer" in text("docs/howto/installing.md")
 
@@ -77,7 +77,7 @@ def test_the_promised_floor_of_glibc_is_the_one_that_is_held(release):
         ("linux_x86_64", False),
     ],
 )
-def test_a_wheel_that_needs_a_newer_glibc_is_refused(release, name, passes, capsys):
+def test_wheel_with_newer_glibc_is_rejected(release, name, passes, capsys):
     wheel = Path(f"stiction-0.1.0-cp311-cp311-{name}.whl")
     if passes:
         sys.modules["prove"].check_floor(wheel)
@@ -87,7 +87,7 @@ def test_a_wheel_that_needs_a_newer_glibc_is_refused(release, name, passes, caps
     assert name in capsys.readouterr().err
 
 
-def test_a_release_is_refused_by_name_of_what_is_open(release, tmp_path, monkeypatch):
+def test_release_checks_report_what_is_missing(release, tmp_path, monkeypatch):
     (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (unreleased)\n", encoding="utf-8")
     monkeypatch.setattr(release, "ROOT", tmp_path)
     monkeypatch.setattr(release, "RELEASE", "1.2.3")
@@ -100,7 +100,7 @@ def test_a_release_is_refused_by_name_of_what_is_open(release, tmp_path, monkeyp
     assert release.version_is_final() == "pyproject.toml says 1.2.3.dev0"
 
 
-def test_the_address_is_written_wherever_it_belongs(release, tmp_path, monkeypatch):
+def test_release_writes_address_of_repository(release, tmp_path, monkeypatch):
     monkeypatch.setattr(release, "ROOT", tmp_path)
     files = {
         "pyproject.toml": '[project]\nname = "a"\n\n[project.urls]\nPaper = "https://doi.org/1"\n\n[tool]\n',
@@ -130,7 +130,7 @@ STEPS = 1.0
 """Steps of the instrument's converter by which a height may differ: another processor rounds the last bit otherwise."""
 
 
-def test_the_sample_scans_are_what_their_script_writes(tmp_path, monkeypatch):
+def test_sample_scans_match_their_script(tmp_path, monkeypatch):
     make = module(SCANS / "make.py", monkeypatch)
     make.main(tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(

@@ -9,7 +9,7 @@ from stiction._files import NotReadableError, new_file, read_content, replaced_f
 from stiction._text import printable, printable_path
 
 
-def test_what_a_terminal_would_obey_is_spelt_out():
+def test_printable_escapes_control_characters():
     for text in ("\x1b[31m", "a\nb", "\r", "\x07", "\u202e", "\u2028", "\x9b2J", "\ud800", "\x00", "\u200b"):
         said = printable(f"one{text}two")
         assert said.isprintable()
@@ -18,13 +18,13 @@ def test_what_a_terminal_would_obey_is_spelt_out():
     assert printable("µm é 漢字 ⟨D⟩") == "µm é 漢字 ⟨D⟩"
 
 
-def test_what_is_long_is_cut():
+def test_printable_shortens_long_text():
     assert len(printable("x" * 10**6)) <= 80
     assert len(printable_path("/" + "y/" * 10**5)) <= 300
     assert printable("x" * 80) == "x" * 80
 
 
-def test_files_are_read_within_bounds(tmp_path):
+def test_read_content_limits_size_and_rejects_special_files(tmp_path):
     (tmp_path / "file").write_bytes(b"x" * 100)
     assert read_content(tmp_path / "file", 100) == b"x" * 100
     with pytest.raises(NotReadableError, match="longer than 99 bytes"):
@@ -39,7 +39,7 @@ def test_files_are_read_within_bounds(tmp_path):
 
 @pytest.mark.parametrize("writer", [new_file, lambda path, failure: replaced_file(path, b"mark", failure)])
 class TestWriting:
-    def test_what_is_written_in_between_cannot_be_foreseen(self, tmp_path, writer):
+    def test_writing_uses_unpredictable_temporary_names(self, tmp_path, writer):
         names = []
         for each in range(2):
             with writer(tmp_path / f"f{each}", ValueError) as partial:
@@ -50,7 +50,7 @@ class TestWriting:
         assert names[0] != names[1]
         assert sorted(os.listdir(tmp_path)) == ["f0", "f1"]
 
-    def test_nothing_planted_is_followed(self, tmp_path, writer, monkeypatch):
+    def test_writing_does_not_follow_links(self, tmp_path, writer, monkeypatch):
         name = _files.new_partial_name()
         monkeypatch.setattr(_files, "new_partial_name", lambda: name)
         (tmp_path / "target").write_text("mine")
@@ -59,7 +59,7 @@ class TestWriting:
             pass
         assert (tmp_path / "target").read_text() == "mine"
 
-    def test_directories_and_devices_are_left_alone(self, tmp_path, writer, monkeypatch):
+    def test_writing_rejects_directories_and_devices(self, tmp_path, writer, monkeypatch):
         monkeypatch.chdir(tmp_path)
         for place in (".", "/dev/null", "/dev/full", "/"):
             with (
@@ -69,14 +69,14 @@ class TestWriting:
                 pass
         assert os.listdir(tmp_path) == []
 
-    def test_rights_are_those_that_the_user_gives_new_files(self, tmp_path, writer):
+    def test_writing_uses_default_file_mode(self, tmp_path, writer):
         (tmp_path / "usual").write_text("")
         with writer(tmp_path / "f", ValueError) as partial:
             partial.write_bytes(b"mark")
         assert (tmp_path / "f").stat().st_mode == (tmp_path / "usual").stat().st_mode
 
 
-def test_of_two_writers_neither_writes_half(tmp_path):
+def test_writers_of_one_file_replace_it_whole(tmp_path):
     with replaced_file(tmp_path / "f", b"mark", ValueError) as one:
         one.write_bytes(b"mark one")
         with replaced_file(tmp_path / "f", b"mark", ValueError) as two:

@@ -157,7 +157,7 @@ def wait_for_page(driver):
     browser.wait(driver, lambda _: inside(driver, busy) == "false")
 
 
-def test_fields_take_ranges_and_scales_of_hardness_as_the_command_does(app, fresh, maps):
+def test_fields_accept_ranges_and_hardness_scales(app, fresh, maps):
     for side, scan in zip(("upper", "lower"), maps, strict=True):
         choose(fresh, side, scan)
     fill(fresh, HARD | {"mu0": "0.2±0.02", "tau0": "20..80", "hardness": "150 HV"})
@@ -188,7 +188,7 @@ def test_form_has_a_field_for_each_option_of_a_pair(fresh):
     assert [value for name, value in options if name == "accept"] == ["whole-numbers", ""]
 
 
-def test_caveat_about_a_file_is_settled_by_its_field(fresh, tmp_path):
+def test_caveat_of_file_is_accepted_by_its_field(fresh, tmp_path):
     heights = np.round(np.random.default_rng(0).standard_normal((32, 32)) * 20)
     heights[3, 4:20] = -9999
     np.savetxt(tmp_path / "map.txt", heights, fmt="%d")
@@ -204,7 +204,7 @@ def test_caveat_about_a_file_is_settled_by_its_field(fresh, tmp_path):
     until(lambda: seen(fresh, "upper"), lambda said: "Sq 19.4 µm" in said["hint"] and not said["wrong"])
 
 
-def test_table_of_several_columns_is_read_by_the_columns_field(fresh, tmp_path):
+def test_columns_field_selects_columns(fresh, tmp_path):
     rows = np.column_stack([0.5 * np.arange(64), 7.0 * np.ones(64), np.random.default_rng(0).standard_normal(64)])
     np.savetxt(tmp_path / "three.txt", rows)
     assert "columns" in choose(fresh, "upper", tmp_path / "three.txt")["wrong"]
@@ -216,7 +216,7 @@ def test_table_of_several_columns_is_read_by_the_columns_field(fresh, tmp_path):
     until(lambda: seen(fresh, "upper")["hint"], lambda hint: "64 points; Pq" in hint)
 
 
-def test_scan_that_is_being_read_is_not_called_missing(fresh):
+def test_scan_that_is_being_read_is_not_reported_missing(fresh):
     fresh.execute_script("arriving.lower = 1")
     fresh.find_element("css selector", "#pair .go").send_keys("\n")
     words = fresh.find_element("id", "pair-wrong").text
@@ -224,7 +224,7 @@ def test_scan_that_is_being_read_is_not_called_missing(fresh):
     assert "the lower scan is still being read" in words
 
 
-def test_two_metal_profiles_reach_a_number(fresh, tmp_path, monkeypatch, rough_pair):
+def test_metal_profiles_give_a_result(fresh, tmp_path, monkeypatch, rough_pair):
     for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=1500), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
         choose(fresh, side, tmp_path / f"{side}.csv")
@@ -237,7 +237,7 @@ def test_two_metal_profiles_reach_a_number(fresh, tmp_path, monkeypatch, rough_p
     assert 0.2 < shown[0]["all"][0] < 0.5
 
 
-def test_two_maps_are_dropped_and_pressed_and_all_follows(app, fresh, maps, monkeypatch):
+def test_maps_give_the_result_of_the_command_at_each_step(app, fresh, maps, monkeypatch):
     """Drop, answer, another mu0, share, reload: always what the command says."""
     roughness = json.loads(call_stiction("characterise", maps[0], "--json", cwd=app.folder).stdout)["values"]
     height = with_unit(next(each["value"] for each in roughness if each["name"] == "Sq"), "um")
@@ -295,7 +295,7 @@ def test_two_maps_are_dropped_and_pressed_and_all_follows(app, fresh, maps, monk
     check_stiction("run", "study.toml", "--part=1/2", "--output=again", cwd=maps[0].parent)
 
 
-def test_what_is_stopped_is_kept_and_goes_on_beside_another_window(fresh, tmp_path, app):
+def test_stopped_job_is_stored_and_resumes_with_another_window_open(fresh, tmp_path, app):
     for side, path in zip(("upper", "lower"), write_maps(tmp_path, 64), strict=True):
         choose(fresh, side, path)
     fill(fresh, HARD | {"shifts": "400"})
@@ -347,7 +347,7 @@ def is_ending(job):
     return "stopping" in job["words"] or job["state"] == "stopped"
 
 
-def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_path, monkeypatch):
+def test_errors_are_those_of_the_command_at_their_field(fresh, maps, tmp_path, monkeypatch):
     broken, plain = tmp_path / "broken.x3p", tmp_path / "plain.txt"
     broken.write_bytes(b"PK\3\4" + bytes(100))
     np.savetxt(plain, np.random.default_rng(0).standard_normal((24, 24)))
@@ -388,7 +388,7 @@ def test_faults_are_the_command_s_sentences_where_they_belong(fresh, maps, tmp_p
     assert answer(fresh) == same_as(fresh, tmp_path, monkeypatch)
 
 
-def test_a_first_answer_has_no_more_positions_than_are_asked_for(app, fresh):
+def test_first_result_has_at_most_the_requested_positions(app, fresh):
     """And sample surfaces can be saved, so that the line can be repeated; what is so far said of how many."""
     fresh.find_element("id", "demo").click()
     for side in ("upper", "lower"):
@@ -414,7 +414,7 @@ def test_a_first_answer_has_no_more_positions_than_are_asked_for(app, fresh):
     assert by in shown
 
 
-def test_what_another_server_of_this_computer_is_sent_opens_nothing(app, fresh):
+def test_cookie_sent_to_another_port_gives_no_access(app, fresh):
     """A browser sends cookies to every port: of those it has one secret, and not the other."""
     seen = []
 
@@ -445,7 +445,7 @@ def test_what_another_server_of_this_computer_is_sent_opens_nothing(app, fresh):
         assert app.ask(method, path, b"{}", X_Stiction_Key=None)[0] == 403
 
 
-def test_profiles_are_pressed_by_asperities_at_once(fresh, tmp_path, monkeypatch, rough_pair):
+def test_profiles_use_asperity_model_by_default(fresh, tmp_path, monkeypatch, rough_pair):
     for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=1500), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
         assert "Pq" in choose(fresh, side, tmp_path / f"{side}.csv")["hint"]
@@ -458,7 +458,7 @@ def test_profiles_are_pressed_by_asperities_at_once(fresh, tmp_path, monkeypatch
     assert answer(fresh) == same_as(fresh, tmp_path, monkeypatch)
 
 
-def test_generated_profiles_move_with_sliders_and_their_place_is_on_the_map(fresh):
+def test_sliders_change_generated_profiles_and_mark_the_map(fresh):
     fresh.find_element("css selector", "#made > summary").click()
     lines = "return document.getElementById('profile').src"
     before = until(lambda: fresh.execute_script(lines), bool)
@@ -471,7 +471,7 @@ def test_generated_profiles_move_with_sliders_and_their_place_is_on_the_map(fres
     assert inside(fresh, "return inside.getElementById('map-panel').hidden") is False
 
 
-def test_results_of_the_folder_are_listed_and_opened(fresh, app):
+def test_results_in_directory_are_listed_and_opened(fresh, app):
     few = {"ensemble.repetitions": 2, "surfaces.points": 3000}
     run(Study.named("quick").with_changes(few), store=app.folder / "mine")
     (app.folder / "broken").mkdir()
@@ -486,7 +486,7 @@ def test_results_of_the_folder_are_listed_and_opened(fresh, app):
     until(lambda: fresh.find_element("id", "page").is_displayed(), bool)
 
 
-def test_it_is_for_everybody(fresh, maps):
+def test_app_has_no_accessibility_violations(fresh, maps):
     """No finding of axe, without and with an answer, on a screen by day and a phone by night; nothing is cut off."""
     script = browser.axe()
 
@@ -512,14 +512,14 @@ def test_it_is_for_everybody(fresh, maps):
         size(fresh)
 
 
-def test_it_waits_as_long_as_a_window_asks_and_longer_for_the_first():
+def test_server_waits_longer_for_the_first_window():
     window = SimpleNamespace(asked=100.0, has_window=True)
     assert not is_left(window, 100.0 + ALONE)
     assert is_left(window, 100.5 + ALONE)
     assert not is_left(SimpleNamespace(asked=100.0, has_window=False), 100.5 + ALONE)
 
 
-def test_it_ends_when_its_last_window_is_closed(tmp_path, tmp_path_factory):
+def test_server_ends_after_its_last_window_is_closed(tmp_path, tmp_path_factory):
     """Here it asks whether anybody is there once somebody was, and that is the last that it hears."""
     code = "from stiction.app import run; from stiction.cli.application import say; run.ALONE = 1.5; "
     code += "run.run(say=say)"

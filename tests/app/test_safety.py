@@ -30,7 +30,7 @@ def app(tmp_path_factory):
         yield server
 
 
-def test_the_token_opens_once_and_the_cookie_is_no_page_s(app):
+def test_token_is_valid_once_and_cookie_is_protected(app):
     assert "HttpOnly" in app.cookie_line
     assert "samesite=strict" in app.cookie_line.lower()
     assert app.ask("GET", f"/?token={app.token}", cookie="")[0] == 403
@@ -41,33 +41,33 @@ def test_the_token_opens_once_and_the_cookie_is_no_page_s(app):
     ["/", "/app.js", "/jobs", "/results", "/jobs/1/page.html", "/scans/upper/upper.csv", "/?token=x", "/?token="],
 )
 @pytest.mark.parametrize("cookie", ["", "stiction-1=x", "stiction-{port}=wrong"])
-def test_without_the_cookie_nothing_is_said(app, path, cookie):
+def test_requests_without_cookie_are_rejected(app, path, cookie):
     status, _, body = app.ask("GET", path, cookie=cookie.format(port=app.port))
     assert status == 403
     assert len(body) < 200
 
 
 @pytest.mark.parametrize("host", ["evil.example", "localhost:{port}", "127.0.0.1", "127.0.0.1:1", "", None])
-def test_other_names_of_this_computer_are_no_names_of_the_server(app, host):
+def test_requests_with_other_host_names_are_rejected(app, host):
     """As pages have that let their name mean 127.0.0.1."""
     status, _, _ = app.ask("GET", "/", Host=host and host.format(port=app.port))
     assert status in (400, 421)
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1:{port}"])
-def test_pages_of_others_ask_for_nothing(app, origin):
+def test_requests_from_other_origins_are_rejected(app, origin):
     for method, path in (("GET", "/"), ("POST", "/demo"), ("POST", "/jobs"), ("PUT", "/scans?name=a.csv")):
         assert app.ask(method, path, b"{}", Origin=origin.format(port=app.port))[0] == 403
 
 
-def test_changes_need_an_origin_and_reading_no_other_site(app):
+def test_changes_require_origin_and_reading_same_site(app):
     assert app.ask("POST", "/demo", b"", Origin=None)[0] == 403
     assert app.ask("GET", "/", Sec_Fetch_Site="cross-site")[0] == 403
     assert app.ask("GET", "/", Sec_Fetch_Site="same-site")[0] == 403
     assert app.ask("GET", "/", Sec_Fetch_Site="same-origin")[0] == 200
 
 
-def test_the_page_may_load_its_own_alone(app):
+def test_content_security_policy_allows_own_resources_only(app):
     _, headers, _ = app.ask("GET", "/")
     assert "default-src 'none'" in headers["content-security-policy"]
     assert "unsafe" not in headers["content-security-policy"]
@@ -75,7 +75,7 @@ def test_the_page_may_load_its_own_alone(app):
     assert headers["x-content-type-options"] == "nosniff"
 
 
-def test_it_listens_on_this_computer_alone(app):
+def test_server_listens_on_loopback_only(app):
     with socket.socket() as client:
         client.settimeout(2)
         assert client.connect_ex(("127.0.0.1", int(app.port))) == 0
@@ -97,7 +97,7 @@ def _own_address():
 @pytest.mark.parametrize(
     "name", ["../../etc/x", "..%2f..%2fx.csv", "/etc/cron.d/x", "..", "", "a\\..\\b.csv", "\0x.csv", "x" * 5000, "-r"]
 )
-def test_names_are_no_paths(app, name):
+def test_names_of_scans_are_not_used_as_paths(app, name):
     before = {path for path in app.folder.rglob("*") if "files" not in path.parts}
     status, _, body = app.ask("PUT", f"/scans?name={quote(name)}", b"x (um),z (um)\n0,0\n1,1\n" + name.encode())
     assert status == 200
@@ -111,7 +111,7 @@ def test_names_are_no_paths(app, name):
     "path", ["/jobs/1/../../etc/passwd", "/jobs/999/page.html", "/jobs/x/page.html", "/app.py",
              "/app.%2e%2e%2fserver.py", "/scans/../lock", "/scans/999", "/results/../../x"]
 )  # fmt: skip
-def test_paths_are_no_files(app, path):
+def test_paths_outside_the_app_are_rejected(app, path):
     assert app.ask("GET", path)[0] in (403, 404)
 
 
@@ -134,13 +134,13 @@ def test_paths_are_no_files(app, path):
     ],
     ids=str,
 )
-def test_only_what_the_page_offers_is_begun(app, asked):
+def test_jobs_reject_commands_that_the_page_does_not_offer(app, asked):
     assert app.ask("POST", "/jobs", json.dumps(asked).encode())[0] in (400, 404)
     assert app.jobs() == []
 
 
 @pytest.mark.soak
-def test_three_gigabytes_are_refused_before_they_come(app):
+def test_oversized_upload_is_rejected_before_it_is_received(app):
     size = 3_000_000_000
     assert app.ask("PUT", "/scans?name=x.npy", b"", Content_Length=str(size))[0] == 413
     sent = 0
@@ -164,7 +164,7 @@ def test_three_gigabytes_are_refused_before_they_come(app):
     assert app.is_alive()
 
 
-def test_the_menu_has_what_begins_it_again_and_nothing_else_is_written(app):
+def test_menu_entry_starts_the_app(app):
     (app.folder / "applications").touch()
     assert app.ask("POST", "/menu", b"")[::2] == (400, b"applications cannot be written: File exists")
     (app.folder / "applications").unlink()
@@ -178,7 +178,7 @@ def test_the_menu_has_what_begins_it_again_and_nothing_else_is_written(app):
     assert "drop two scans" in subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def test_bodies_of_questions_are_short(app):
+def test_request_bodies_are_limited(app):
     assert app.ask("POST", "/jobs", b"", Content_Length=str(10**6))[0] == 413
     assert app.ask("POST", "/jobs", b"", Transfer_Encoding="chunked", Content_Length="2")[0] == 411
     assert app.ask("POST", "/jobs", b"[" * 2**16)[0] == 400
@@ -186,7 +186,7 @@ def test_bodies_of_questions_are_short(app):
 
 @pytest.mark.soak
 @pytest.mark.parametrize("name", ["bomb.x3p", "bomb.xlsx"])
-def test_an_archive_that_grows_is_a_sentence(app, name, tmp_path):
+def test_decompression_bomb_is_reported_in_a_sentence(app, name, tmp_path):
     path = tmp_path / name
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         inside = "main.xml" if name.endswith("x3p") else "xl/worksheets/sheet1.xml"
@@ -201,7 +201,7 @@ def test_an_archive_that_grows_is_a_sentence(app, name, tmp_path):
 
 
 @pytest.mark.soak
-def test_a_thousand_at_once_are_answered_or_refused(app):
+def test_simultaneous_requests_are_answered_or_rejected(app):
     def ask(_):
         try:
             return app.ask("GET", "/")[0]
@@ -216,7 +216,7 @@ def test_a_thousand_at_once_are_answered_or_refused(app):
     assert until(app.is_alive, bool)
 
 
-def test_the_folder_is_private_and_goes(tmp_path):
+def test_working_directory_is_private_and_removed(tmp_path):
     with served(tmp_path) as server:
         server.enter()
         (root,) = server.private()
@@ -228,7 +228,7 @@ def test_the_folder_is_private_and_goes(tmp_path):
 
 
 @pytest.mark.soak
-def test_scans_are_counted_while_they_come(app):
+def test_uploads_count_towards_the_limit_while_they_arrive(app):
     head = f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     (root,) = app.private()
     for _ in range(2):  # and no longer
@@ -242,7 +242,7 @@ def test_scans_are_counted_while_they_come(app):
 
 
 @pytest.mark.soak
-def test_a_scan_for_which_there_is_no_room_is_a_sentence(app):
+def test_upload_on_full_disk_is_reported_in_a_sentence(app):
     limits = resource.prlimit(app.process.pid, resource.RLIMIT_FSIZE)
     resource.prlimit(app.process.pid, resource.RLIMIT_FSIZE, (10**5, limits[1]))
     try:
@@ -253,7 +253,7 @@ def test_a_scan_for_which_there_is_no_room_is_a_sentence(app):
     assert list(app.private()[0].glob("*.partial")) == []
 
 
-def test_a_result_whose_name_is_no_text_hides_no_other(app):
+def test_results_with_undecodable_names_are_listed(app):
     for name in (b"fine", b"bad\xff"):
         folder = os.path.join(os.fsencode(app.folder), name)
         os.makedirs(os.path.join(folder, b"blocks"))
@@ -266,7 +266,7 @@ def test_a_result_whose_name_is_no_text_hides_no_other(app):
 
 
 @pytest.mark.soak
-def test_first_answers_that_are_stopped_keep_nobody_waiting(app, tmp_path):
+def test_stopped_first_results_do_not_block_requests(app, tmp_path):
     """Nothing that computes goes on meanwhile: they end without it."""
     upper, lower = (app.take(path) for path in write_maps(tmp_path))
     assert [app.ask("GET", f"/scans/{each}")[0] for each in (upper, lower)] == [200, 200]
@@ -286,7 +286,7 @@ def test_sketch_of_measured_surfaces_is_rejected(app):
     assert app.ask("GET", f"/profiles?set={changes}")[0] == 400
 
 
-def test_idle_connections_leave_files_for_the_owner(tmp_path):
+def test_idle_connections_leave_file_descriptors_for_the_owner(tmp_path):
     with served(tmp_path, "--keep") as server, ExitStack() as stack:
         server.enter()
         resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (256, 256))
@@ -299,7 +299,7 @@ def test_idle_connections_leave_files_for_the_owner(tmp_path):
         assert server.process.stderr.read() == ""
 
 
-def test_server_ends_without_traceback_while_requests_and_jobs_wait(tmp_path):
+def test_server_ends_without_traceback_during_requests_and_jobs(tmp_path):
     with served(tmp_path, "--keep") as server, server.held(0):
         server.enter()
         upper, lower = (server.take(path) for path in write_maps(tmp_path))
@@ -321,7 +321,7 @@ def test_server_ends_without_traceback_while_requests_and_jobs_wait(tmp_path):
         assert server.process.stderr.read() == ""
 
 
-def test_a_command_that_the_system_ends_is_said(tmp_path):
+def test_killed_command_is_reported(tmp_path):
     with served(tmp_path, "--keep") as server:
         server.enter()
         upper, lower = (server.take(path) for path in write_maps(tmp_path))

@@ -23,7 +23,7 @@ def shell(script, *arguments, cwd):
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=120)
 
 
-def test_whoever_stops_listening_does_not_stop_the_work(tmp_path):
+def test_run_continues_after_its_reader_closes_the_pipe(tmp_path):
     done = shell('"$@" | true', "run", "quick", *TINY, cwd=tmp_path)
     assert done.returncode == 0
     assert all(line.startswith("repetitions ") for line in done.stderr.splitlines())  # progress, of a busy machine
@@ -32,7 +32,7 @@ def test_whoever_stops_listening_does_not_stop_the_work(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_a_full_disk_and_letters_that_an_encoding_lacks(tmp_path):
+def test_commands_report_full_disk_and_replace_unencodable_letters(tmp_path):
     done = shell('"$@" > /dev/full', "studies", cwd=tmp_path)
     assert_rejected(done, "stiction: ", "No space left on device")
     done = subprocess.run(
@@ -54,7 +54,7 @@ def test_a_full_disk_and_letters_that_an_encoding_lacks(tmp_path):
     ],
     ids=lambda value: type(value).__name__,
 )
-def test_too_little_of_anything_is_one_message(tmp_path, monkeypatch, error, words):
+def test_exhausted_resource_is_reported_in_one_message(tmp_path, monkeypatch, error, words):
     def fail(*_, **__):
         raise error
 
@@ -62,7 +62,7 @@ def test_too_little_of_anything_is_one_message(tmp_path, monkeypatch, error, wor
     assert_rejected(call_stiction("run", "quick", *TINY, cwd=tmp_path), words)
 
 
-def test_an_interruption_while_libraries_are_loaded_is_no_traceback(monkeypatch):
+def test_interrupt_during_import_gives_no_traceback(monkeypatch):
     def interrupt():
         raise KeyboardInterrupt
 
@@ -74,7 +74,7 @@ def test_an_interruption_while_libraries_are_loaded_is_no_traceback(monkeypatch)
     assert ended == [130]
 
 
-def test_no_threads_are_one_message(tmp_path, monkeypatch):
+def test_failed_thread_start_is_reported_in_one_message(tmp_path, monkeypatch):
     """As a limit of processes makes it: before a store is begun."""
 
     def refuse(_):
@@ -96,7 +96,7 @@ def test_no_threads_are_one_message(tmp_path, monkeypatch):
     ],
     ids=str.strip,
 )
-def test_a_hostile_study_is_one_short_message(tmp_path, content, words):
+def test_hostile_study_is_rejected_in_short_lines(tmp_path, content, words):
     (tmp_path / "s.toml").write_text(content)
     done = call_stiction("run", "s.toml", cwd=tmp_path)
     assert_rejected(done, words)
@@ -105,7 +105,7 @@ def test_a_hostile_study_is_one_short_message(tmp_path, content, words):
     assert all(line.startswith("stiction: s.toml: ") for line in done.stderr.splitlines())
 
 
-def test_a_pipe_or_a_device_is_no_study_and_no_measurement(tmp_path):
+def test_pipes_and_devices_are_rejected_as_inputs(tmp_path):
     for name in ("fifo.toml", "fifo.csv"):
         os.mkfifo(tmp_path / name)  # which would be waited for
     for name in ("fifo.toml", "/dev/zero"):
@@ -115,7 +115,7 @@ def test_a_pipe_or_a_device_is_no_study_and_no_measurement(tmp_path):
         read_spectrum(tmp_path / "fifo.csv")
 
 
-def test_names_of_any_length_and_kind_are_shown_on_one_line(tmp_path):
+def test_names_of_any_kind_are_printed_on_one_line(tmp_path):
     for name in ("a\nstiction: all is well", "\x1b[31m", "a/b" * 1500, "x" * 5000):
         done = call_stiction("info", name, cwd=tmp_path)
         assert_rejected(done, "stiction: ")
@@ -124,7 +124,7 @@ def test_names_of_any_length_and_kind_are_shown_on_one_line(tmp_path):
         assert done.stderr.strip().isprintable()
 
 
-def test_pages_and_exports_of_any_name(tmp_path):
+def test_reports_and_exports_accept_long_names(tmp_path):
     check_stiction("run", "quick", *TINY, "-o", ".", cwd=tmp_path)
     long = "x" * 240
     for command, option, end in (("report", "--output=", ".html"), ("export", "", ".nc"), ("export", "", ".csv")):
@@ -139,7 +139,7 @@ def test_pages_and_exports_of_any_name(tmp_path):
         (("pair", "a.csv", "b.csv", "--mu0", 0.2, "--load", "1 mN", "--mechanics", "halfspace"), "half-space?"),
     ],
 )
-def test_command_names_the_nearest_of_an_unknown_word(arguments, hint, tmp_path):
+def test_command_suggests_nearest_known_word(arguments, hint, tmp_path):
     assert_rejected(call_stiction(*arguments, cwd=tmp_path), hint)
 
 
@@ -153,7 +153,7 @@ def test_command_with_closed_streams_computes_and_writes(tmp_path, closed):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits address space")
 @pytest.mark.parametrize("limit", [150_000, 450_000, 1_040_000])
-def test_too_little_address_space_is_one_message(tmp_path, limit):
+def test_low_address_space_is_reported_in_one_message(tmp_path, limit):
     done = shell(f'ulimit -v {limit}; "$@"', "run", "quick", *TINY, cwd=tmp_path)
     assert_rejected(done, "memory is limited to", "at least 1073 MB")
 
@@ -168,7 +168,7 @@ EMPTY = [
 
 
 @pytest.mark.parametrize(("arguments", "name"), EMPTY, ids=str)
-def test_empty_name_is_not_the_current_folder(tmp_path, arguments, name):
+def test_empty_name_is_rejected(tmp_path, arguments, name):
     (tmp_path / "scan.csv").write_text("0,1\n1,2\n")
     more = ["--effective-modulus", "1 GPa", "--load", "1 mN", "--mu0", "0.2"] if arguments[0] == "pair" else []
     assert_rejected(call_stiction(*arguments, *more, cwd=tmp_path), name, "empty")

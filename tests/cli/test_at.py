@@ -60,7 +60,7 @@ AT = {
 
 
 @pytest.mark.parametrize("name", AT)
-def test_at_is_what_the_library_says_at_any_mu0_and_tau0(folder, name):
+def test_at_equals_library_for_any_mu0_and_tau0(folder, name):
     arguments, loads, material = AT[name]
     record = json.loads(said("at", name, *arguments, "--json", cwd=folder))
     stored = open_stored(folder / name)
@@ -80,7 +80,7 @@ def test_at_is_what_the_library_says_at_any_mu0_and_tau0(folder, name):
     assert expected[0].verdict in text
 
 
-def test_at_takes_what_is_not_given_of_the_result_and_says_why_there_is_no_answer(folder):
+def test_at_uses_defaults_of_the_result_and_reports_status(folder):
     record = json.loads(said("at", "lines", "--load", "0.1 mN", "--json", cwd=folder))
     assert [(one["at"]["mu0"], one["at"]["tau0"]) for one in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
     text = said("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=folder)
@@ -91,7 +91,7 @@ def test_at_takes_what_is_not_given_of_the_result_and_says_why_there_is_no_answe
     assert "! no step of the result carries this load; give less load" in text
 
 
-def test_at_without_options_uses_loads_mu0_and_tau0_of_the_study(folder):
+def test_at_without_options_uses_conditions_of_the_study(folder):
     record = json.loads(said("at", "maps", "--json", cwd=folder))
     study = open_stored(folder / "maps").study
     asked = [(float(load), 0.3, float(tau0)) for load in study.friction.load for tau0 in study.friction.tau0]
@@ -102,7 +102,7 @@ def test_at_without_options_uses_loads_mu0_and_tau0_of_the_study(folder):
     assert {one["at"]["mu0"] for one in record["answers"]} == set(friction.mu0)
 
 
-def test_at_in_one_direction_is_not_the_mean_of_all(folder):
+def test_at_in_one_direction_uses_that_direction(folder):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
     one = json.loads(said(*arguments, "--direction", "30", "--json", cwd=folder))
     assert "the upper body moves at 30°" in said(*arguments, "--direction", "30", cwd=folder)
@@ -129,7 +129,7 @@ def test_at_in_one_direction_is_not_the_mean_of_all(folder):
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
     ],
 )
-def test_at_refuses_by_the_name_of_the_option(folder, arguments, words):
+def test_at_names_the_option_that_it_rejects(folder, arguments, words):
     assert_rejected(call_stiction("at", *arguments, cwd=folder), *words)
 
 
@@ -137,7 +137,7 @@ def test_at_refuses_by_the_name_of_the_option(folder, arguments, words):
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
-def test_info_of_every_result_has_one_schema_and_doubts(folder, name):
+def test_info_has_the_same_schema_for_every_result(folder, name):
     record = json.loads(said("info", name, "--json", cwd=folder))
     assert list(record)[:3] == ["schema", "stiction", "command"]
     assert (record["schema"], record["command"]) == (SCHEMA, "info")
@@ -158,7 +158,7 @@ def test_info_of_every_result_has_one_schema_and_doubts(folder, name):
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
 
 
-def test_scale_heights_computes_on_request_and_prints_a_table_or_json(folder, tmp_path):
+def test_scale_heights_computes_on_request_and_prints_table_or_json(folder, tmp_path):
     shutil.copytree(folder / "maps", tmp_path / "maps")
     arguments = ("at", "maps", "--scale-heights", "0.5,1,2", "--load", "10 MPa", "--mu0", "0.25")
     assert_rejected(
@@ -200,12 +200,12 @@ def test_scale_heights_computes_on_request_and_prints_a_table_or_json(folder, tm
         ("study", ("--scale-heights", "2", "--load", "1 uN", "--compute"), "needs two measured surfaces"),
     ],
 )  # fmt: skip
-def test_scale_heights_rejects_bad_input_in_a_sentence(folder, name, arguments, words):
+def test_scale_heights_rejects_bad_input(folder, name, arguments, words):
     assert_rejected(call_stiction("at", name, *arguments, cwd=folder), words)
 
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
-def test_export_writes_the_whole_result_or_a_table(folder, name, tmp_path):
+def test_export_writes_result_or_table(folder, name, tmp_path):
     said("export", name, str(tmp_path / "r.nc"), cwd=folder)
     with xarray.open_dataset(tmp_path / "r.nc", engine="h5netcdf") as exported:
         exported = exported.load()
@@ -225,7 +225,7 @@ def test_export_writes_the_whole_result_or_a_table(folder, name, tmp_path):
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("name", ["lines", "maps"])
-def test_a_pair_is_extended_by_running_its_folder(folder, name, tmp_path):
+def test_run_extends_result_in_its_directory(folder, name, tmp_path):
     shutil.copytree(folder / name, tmp_path / name)
     total = open_stored(tmp_path / name).study.ensemble.repetitions
     said("run", str(tmp_path / name), "--set", f"ensemble.repetitions={total + 2}", cwd=folder)
@@ -233,7 +233,7 @@ def test_a_pair_is_extended_by_running_its_folder(folder, name, tmp_path):
     assert_rejected(call_stiction("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=folder), "mu0")
 
 
-def test_plot_draws_where_and_as_it_is_told(folder, tmp_path, monkeypatch):
+def test_plot_uses_output_directory_and_formats(folder, tmp_path, monkeypatch):
     wanted = []
 
     def drawn(_, where, *, formats):

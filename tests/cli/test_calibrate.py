@@ -46,7 +46,7 @@ def pressed(tmp_path_factory):
     return where
 
 
-def test_a_ball_gives_both_and_keeps_them(tmp_path):
+def test_calibrate_with_ball_identifies_and_stores_both_parameters(tmp_path):
     table(tmp_path / "forces.csv", ball_rows())
     done = check_stiction("calibrate", "forces.csv", *BALL, "-o", "film", cwd=tmp_path)
     first, *rest = done.stdout.splitlines()
@@ -60,7 +60,7 @@ def test_a_ball_gives_both_and_keeps_them(tmp_path):
     assert (tmp_path / "film.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_two_finishes_tell_them_apart_and_one_does_not(pressed):
+def test_calibrate_separates_parameters_with_two_finishes_only(pressed):
     given = ["forces.csv", "--pair", "ground", "--pair", "lapped/", "--sliding", "all", "--json"]
     record = json.loads(check_stiction("calibrate", *given, cwd=pressed, without_figures=True).stdout)
     assert (record["kind"], record["separated"]) == ("interface", True)
@@ -72,7 +72,7 @@ def test_two_finishes_tell_them_apart_and_one_does_not(pressed):
     assert "a smooth ball below yield" in one.stdout
 
 
-def test_a_ball_beyond_yield_is_told(tmp_path):
+def test_calibrate_warns_about_ball_beyond_yield(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
     done = check_stiction("calibrate", *options, cwd=tmp_path)
     assert "may be beyond yield" in done.stderr
@@ -102,7 +102,7 @@ def test_a_ball_beyond_yield_is_told(tmp_path):
         ("load (mN),coefficient", ("0,5", "0,25"), "decimal commas need semicolons"),
     ],
 )
-def test_a_table_that_says_something_else_is_refused(tmp_path, head, row, words):
+def test_calibrate_rejects_contradictory_table(tmp_path, head, row, words):
     table(tmp_path / "forces.csv", [row], head)
     assert_rejected(call_stiction("calibrate", "forces.csv", *BALL, cwd=tmp_path), "forces.csv", words)
 
@@ -123,12 +123,12 @@ def test_a_table_that_says_something_else_is_refused(tmp_path, head, row, words)
         (("forces.csv", "--pair", ".", "--upper", "steel"), "not a result"),
     ],
 )
-def test_arguments_that_do_not_go_together_are_refused(tmp_path, arguments, words):
+def test_calibrate_rejects_conflicting_arguments(tmp_path, arguments, words):
     table(tmp_path / "forces.csv", ball_rows())
     assert_rejected(call_stiction("calibrate", *arguments, cwd=tmp_path), words)
 
 
-def test_tests_that_held_are_bounds_and_other_separators_do(tmp_path):
+def test_calibrate_accepts_lower_bounds_and_semicolons(tmp_path):
     text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(f"{x};{y};{0.03 * y};1" for x, y, _ in ball_rows())
     (tmp_path / "forces.csv").write_text(f"{text}\n50;0.1;0.01;0\n", encoding="utf-8")
     done = check_stiction("calibrate", "forces.csv", *BALL, "--json", cwd=tmp_path)
@@ -136,7 +136,7 @@ def test_tests_that_held_are_bounds_and_other_separators_do(tmp_path):
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-16-le"])
-def test_tests_file_reads_semicolons_and_decimal_commas_in_any_encoding(tmp_path, encoding):
+def test_tests_file_accepts_semicolons_and_decimal_commas_in_any_encoding(tmp_path, encoding):
     rows = [f"{1e3 * load:g};{load * y:.6g};{0.03 * load * y:.6g}" for load, y, _ in ball_rows()]
     plain = ["load (uN);force (mN);uncertainty (mN)", *rows]
     commas = ["normal load [µN];friction force (mN);uncertainty in mN", *(row.replace(".", ",") for row in rows)]
@@ -161,7 +161,7 @@ def test_tests_file_numbers_lines_after_quoted_line_ends(tmp_path):
     ]
 
 
-def test_tests_file_uses_the_units_of_its_columns(tmp_path):
+def test_tests_file_uses_units_of_its_columns(tmp_path):
     (tmp_path / "a.csv").write_text("load (mN),coefficient (%),uncertainty (mN)\n2000,50,20\n")
     (tmp_path / "b.csv").write_text("load (N),friction force (N),uncertainty (%)\n2,1,2\n")
     for name in ("a.csv", "b.csv"):
@@ -177,7 +177,7 @@ def test_tests_file_uses_the_units_of_its_columns(tmp_path):
         ("--upper", "PMMA", "--lower", "glass"),
     ],
 )
-def test_calibrate_widens_tau0_by_ranges_of_the_moduli(tmp_path, ranges):
+def test_calibrate_widens_tau0_by_ranges_of_moduli(tmp_path, ranges):
     table(tmp_path / "forces.csv", ball_rows())
     common = ("calibrate", "forces.csv", "--ball", "5 mm", "--json", "--sliding", "all")
     done = check_stiction(*common, *ranges, cwd=tmp_path, without_figures=True)
@@ -189,7 +189,7 @@ def test_calibrate_widens_tau0_by_ranges_of_the_moduli(tmp_path, ranges):
         assert wide["lower"] < tau0 < wide["upper"]
 
 
-def test_a_folder_of_own_interfaces_is_listed(tmp_path):
+def test_interfaces_lists_directory_of_stored_interfaces(tmp_path):
     write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "film", {"operator": "A. B."})
     (tmp_path / "notes.txt").write_text("nothing")
     done = call_stiction("interfaces", ".", cwd=tmp_path)

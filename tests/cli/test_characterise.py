@@ -68,7 +68,7 @@ def words(text):
     return " ".join(text.split())
 
 
-def test_a_file_has_the_table_of_the_profile_in_memory(folder, profile):
+def test_characterise_file_equals_profile_in_memory(folder, profile):
     level = levelled(profile, "line")
     history, said, figure = characterise("scan.csv", cwd=folder)
     assert words(said) == table(characterisation_text(level))
@@ -80,7 +80,7 @@ def test_a_file_has_the_table_of_the_profile_in_memory(folder, profile):
     assert history == ["read from heights.npy", level.history[-1]]
 
 
-def test_units_trend_band_and_output_are_those_asked_for(folder, profile):
+def test_characterise_uses_unit_trend_band_and_output_options(folder, profile):
     in_nm = Profile(profile.heights / 1000, spacing=0.01)
     history, said, figure = characterise(
         "heights.npy", "--unit", "um,nm", "--spacing", "0.01um", "--level", "quadratic", "--band", "0.1 um, 5000nm",
@@ -94,7 +94,7 @@ def test_units_trend_band_and_output_are_those_asked_for(folder, profile):
     assert not any("levelled" in step for step in history)
 
 
-def test_missing_points_are_interpolated_if_that_is_asked_and_columns_are_chosen(folder, profile):
+def test_characterise_interpolates_missing_points_and_selects_columns(folder, profile):
     lines = (folder / "scan.csv").read_text(encoding="utf-8").splitlines()
     lines[100] = lines[100].split(",")[0] + ",nan"
     (folder / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
@@ -116,7 +116,7 @@ def test_missing_points_are_interpolated_if_that_is_asked_and_columns_are_chosen
     assert history[:2] == ["read from wide.csv", "columns 1 (x (um)), 2 (z (um))"]
 
 
-def test_a_surface_has_the_table_of_its_lines(folder, surface):
+def test_characterise_of_map_gives_roughness_of_its_lines(folder, surface):
     options = ["map.npy", "--unit", "um", "--spacing", "0.05 um,0.1 um"]
     history, said, figure = characterise(*options, cwd=folder)
     assert words(said) == table(characterisation_text(levelled(surface, "plane")))
@@ -132,7 +132,7 @@ def test_a_surface_has_the_table_of_its_lines(folder, surface):
         assert history == ["read from map.npy", f"{option[2:]} 7", "levelled by a line"]
 
 
-def test_a_figure_is_drawn_over_its_own_kind_but_over_no_other_picture(folder):
+def test_characterise_replaces_its_own_figure_only(folder):
     characterise("scan.csv", cwd=folder)
     before = (folder / "scan.png").stat().st_ino
     characterise("scan.csv", "--band", "0.1 um,1 um", cwd=folder)
@@ -143,7 +143,7 @@ def test_a_figure_is_drawn_over_its_own_kind_but_over_no_other_picture(folder):
     assert (folder / "scan.png").read_bytes() == photograph
 
 
-def test_a_page_says_how_it_was_made_and_not_where(folder):
+def test_characterise_report_has_command_without_directories(folder):
     options = ["--level", "quadratic", "--tip", "2 um"]
     done = call_stiction("characterise", folder / "scan.csv", *options, cwd=folder, without_figures=True)
     assert done.stdout.endswith("wrote scan.html\nwrote scan.png\n")
@@ -157,7 +157,7 @@ def test_a_page_says_how_it_was_made_and_not_where(folder):
     assert_rejected(done, "alone.html: exists already")
 
 
-def test_json_and_a_figure_do_not_exclude_each_other(folder):
+def test_characterise_writes_json_and_figure_together(folder):
     done = check_stiction("characterise", "scan.csv", "--json", "-o", "look.png", cwd=folder)
     assert done.stderr == "stiction: wrote look.html\nstiction: wrote look.png\n"
     assert imread(folder / "look.png").std() > 0.05
@@ -170,7 +170,7 @@ def test_json_and_a_figure_do_not_exclude_each_other(folder):
         assert value["at"] == {"file": "scan.csv"}
 
 
-def test_several_files_make_one_table(folder):
+def test_characterise_of_several_files_prints_one_table(folder):
     files = ["scan.csv", "map.npy"]
     options = ["--unit", "um", "--spacing", "10 nm"]
     done = check_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
@@ -217,7 +217,7 @@ def test_several_files_make_one_table(folder):
         (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),
     ],
 )
-def test_bad_input_is_one_message_and_status_2(folder, arguments, said):
+def test_characterise_rejects_bad_input(folder, arguments, said):
     (folder / "empty.csv").touch()
     done = call_stiction("characterise", *arguments, cwd=folder)
     assert_rejected(done, said)
@@ -225,14 +225,14 @@ def test_bad_input_is_one_message_and_status_2(folder, arguments, said):
     assert done.stderr.startswith("stiction: ")
 
 
-def test_a_stylus_profile(measured, tmp_path):
+def test_characterise_reads_stylus_profile(measured, tmp_path):
     history, said, _ = characterise(measured("dektak-1.csv"), cwd=tmp_path)
     assert history[1] == "spacing 0.1562454 µm from its positions, where it says 0.156 µm"
     assert "Pq                  94.24 nm\n" in said
     assert "points              9600, 156.2 nm apart, over 1.5 mm\n" in said
 
 
-def test_a_map_of_an_atomic_force_microscope(measured, tmp_path):
+def test_characterise_reads_map_of_atomic_force_microscope(measured, tmp_path):
     pytest.importorskip("SurfaceTopography")
     history, said, _ = characterise(measured("di-4.di"), cwd=tmp_path)
     assert history[1] == "channel 0 (ZSensor) of 0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
@@ -249,7 +249,7 @@ def test_a_map_of_an_atomic_force_microscope(measured, tmp_path):
 # ---- Scales ---------------------------------------------------------------------------------------------------------
 
 
-def test_short_waves_are_taken_off_and_a_tip_is_asked_of_the_curvature(folder, profile):
+def test_characterise_applies_cutoff_and_checks_tip(folder, profile):
     level = cut_off(levelled(profile, "line"), 0.5)
     history, said, _ = characterise("scan.csv", "--cutoff", "500 nm", "--tip", "1 um", cwd=folder)
     assert history[-1] == level.history[-1]
@@ -260,7 +260,7 @@ def test_short_waves_are_taken_off_and_a_tip_is_asked_of_the_curvature(folder, p
     assert_rejected(call_stiction("characterise", "scan.csv", "--cutoff", "20 um", cwd=folder), "--cutoff")
 
 
-def test_several_scans_are_one_spectrum(folder):
+def test_characterise_joins_spectra_of_several_scans(folder):
     surfaces = self_affine_surface(2, hurst_exponent=0.8, rms=0.05, shape=(256, 256), spacing=0.02)
     fine, coarse = surfaces.heights[:128, :128], surfaces.heights[::4, ::4]
     write_surface(Surface(coarse, spacing=0.08), folder / "coarse.npy")
@@ -284,7 +284,7 @@ def test_several_scans_are_one_spectrum(folder):
     np.testing.assert_allclose(record["spectrum"]["rms_gradient"], joined.roughness().gradient)
 
 
-def test_two_scans_of_one_place_give_their_mean_and_the_noise(tmp_path):
+def test_characterise_repeated_gives_mean_and_noise(tmp_path):
     place = self_affine(3, hurst_exponent=0.8, rms=0.1, points=3000, spacing=0.01, shortest_wavelength=0.2)
     random = np.random.default_rng(1)
     for name, first in (("a.csv", 0), ("b.csv", 25)):
@@ -318,7 +318,7 @@ def test_dry_run_shows_how_files_are_read(folder):
     assert (file["layout"], file["points"], file["caveats"]) == ("positions and heights", [3000], [])
 
 
-def test_codes_for_missing_points_are_doubted_until_they_are_declared(folder):
+def test_undeclared_missing_codes_are_caveats(folder):
     heights = np.load(folder / "heights.npy")
     heights[[5, 70]] = -9999
     np.save(folder / "codes.npy", heights)

@@ -24,7 +24,7 @@ def ran(tmp_path_factory):
     return where, done
 
 
-def test_run_writes_the_result_and_its_figures_where_it_says(ran):
+def test_run_writes_result_and_figures_to_output(ran):
     where, done = ran
     figures = {"friction_mu0_0.1.png", "friction_mu0_0.4.png", "friction_mu0_1.png", "area.png"}
     assert {path.name for path in (where / "quick").iterdir()} == {"study.toml", "blocks", *figures}
@@ -36,7 +36,7 @@ def test_run_writes_the_result_and_its_figures_where_it_says(ran):
     assert float(dataset["contact_count"].sum()) > 0
 
 
-def test_run_again_computes_nothing_again_and_draws(ran):
+def test_run_of_complete_result_only_draws(ran):
     where, _ = ran
     for again in (("quick", *TINY), ("quick/study.toml",), ("quick/study.toml", "--output", "quick")):
         done = check_stiction("run", *again, cwd=where, without_figures=True)
@@ -46,7 +46,7 @@ def test_run_again_computes_nothing_again_and_draws(ran):
     assert (where / "quick" / "area.png").exists()
 
 
-def test_more_repetitions_are_added_and_what_is_not_finished_is_said(ran, tmp_path):
+def test_run_adds_repetitions_and_reports_missing_ones(ran, tmp_path):
     assert_rejected(call_stiction("run", "quick", *TINY, "--set", "ensemble.seed=1", cwd=ran[0]), "ensemble.seed")
     shutil.copytree(ran[0] / "quick", tmp_path / "quick")
     done = check_stiction("run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path, without_figures=True)
@@ -62,7 +62,7 @@ def test_more_repetitions_are_added_and_what_is_not_finished_is_said(ran, tmp_pa
     assert "of 5 repetitions are finished" in done.stderr
 
 
-def test_parts_together_are_the_whole(ran, tmp_path):
+def test_run_in_parts_equals_single_run(ran, tmp_path):
     for part in ("1/2", "2/2"):
         done = check_stiction("run", "quick", *TINY, "--part", part, cwd=tmp_path)
         assert f"part {part} is finished" in done.stdout
@@ -70,7 +70,7 @@ def test_parts_together_are_the_whole(ran, tmp_path):
     assert store.read(tmp_path / "quick").equals(store.read(ran[0] / "quick"))
 
 
-def test_a_study_file_runs_as_the_study_it_is(tmp_path):
+def test_run_of_study_file_equals_study(tmp_path):
     study = Study().with_changes(
         {
             "surfaces.fractal_dimension": [1.2], "surfaces.points": 4000, "surfaces.extent": "2 um",
@@ -91,7 +91,7 @@ def test_studies_lists_and_prints(tmp_path):
     assert Study.from_toml(tmp_path / "figure5.toml") == Study.named("figure5")
 
 
-def test_version_and_help(tmp_path):
+def test_version_and_help_are_printed(tmp_path):
     version, built = call_stiction("--version", cwd=tmp_path).stdout.splitlines()
     assert version == f"stiction {stiction.__version__}"
     assert all(value in built for value in stiction._core.build().values())
@@ -106,7 +106,7 @@ NAMES = [name for group in COMMANDS.values() for name in group]
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_help_has_examples_that_the_command_takes_and_exit_statuses(name, monkeypatch):
+def test_help_has_valid_examples_and_exit_statuses(name, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     command = typer.main.get_command(app).get_command(None, name)
     text = command.get_help(command.context_class(command, info_name=f"stiction {name}"))
@@ -122,7 +122,7 @@ def test_help_has_examples_that_the_command_takes_and_exit_statuses(name, monkey
         command.make_context(name, [word for word in words if word != "*.csv"] + ["x.csv"] * ("*.csv" in words))
 
 
-def test_a_shell_completes_commands_and_options(monkeypatch, tmp_path):
+def test_completion_offers_commands_and_options(monkeypatch, tmp_path):
     for words, at, expected in (("stiction ru", "1", "run"), ("stiction pair --mu", "2", "--mu0")):
         for name, value in (("_STICTION_COMPLETE", "complete_bash"), ("COMP_WORDS", words), ("COMP_CWORD", at)):
             monkeypatch.setenv(name, value)
@@ -155,7 +155,7 @@ def test_a_shell_completes_commands_and_options(monkeypatch, tmp_path):
         (["run"], ["stiction: ", "STUDY", "try stiction run --help"]),
     ],
 )
-def test_bad_input_is_one_message_and_status_2(tmp_path, arguments, words):
+def test_commands_reject_bad_input(tmp_path, arguments, words):
     (tmp_path / "binary.toml").write_bytes(b"\x89PNG\r\n\x1a\n\xff\xfe\x00")
     (tmp_path / "file").write_text("")
     assert_rejected(call_stiction(*arguments, cwd=tmp_path), *words)

@@ -7,7 +7,7 @@ from stiction import materials
 from support.command import assert_rejected, call_stiction, check_stiction
 
 
-def test_all_materials_are_listed_and_fit_a_terminal(tmp_path):
+def test_materials_lists_all_within_terminal_width(tmp_path):
     done = check_stiction("materials", cwd=tmp_path, columns=80)
     assert max(map(len, done.stdout.splitlines())) <= 80
     for each in materials():
@@ -15,7 +15,7 @@ def test_all_materials_are_listed_and_fit_a_terminal(tmp_path):
         assert " ".join((each.hardness or each.young_modulus).source.split()) in " ".join(done.stdout.split())
 
 
-def test_one_is_found_by_any_of_its_names(tmp_path):
+def test_materials_accepts_any_alias(tmp_path):
     done = call_stiction("materials", "steel", "--json", cwd=tmp_path)
     (entry,) = json.loads(done.stdout)["materials"]
     assert entry["name"] == "mild steel"

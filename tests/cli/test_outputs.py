@@ -56,7 +56,7 @@ def test_command_rejects_output_over_foreign_file(folder, arguments, name, kind)
 
 
 @pytest.mark.parametrize("scan_name", ["result.csv", "onset.csv"])
-def test_pair_rejects_folder_whose_output_is_its_own_scan(folder, scan_name):
+def test_pair_rejects_directory_whose_output_is_its_own_scan(folder, scan_name):
     content = (folder / "upper.csv").rename(folder / scan_name).read_bytes()
     assert_rejected(call_stiction("pair", scan_name, *PAIR[2:], "-o", ".", cwd=folder), f"{scan_name}: exists")
     assert (folder / scan_name).read_bytes() == content
@@ -104,7 +104,7 @@ def test_csv_quotes_names_that_start_formulas(folder, start):
     assert np.isfinite(float(rows[0]["Ssk"]))  # a negative number stays a number
 
 
-def test_pair_prints_an_estimate_of_long_computing_without_a_terminal(folder, monkeypatch):
+def test_pair_prints_estimated_time_without_terminal(folder, monkeypatch):
     assert "computing" not in check_stiction(*PAIR, "-o", "short", cwd=folder).stderr
     monkeypatch.setattr(complete, "LONG", 0.0)
     assert "computing 2 repetitions: about " in check_stiction(*PAIR, "-o", "long", cwd=folder).stderr

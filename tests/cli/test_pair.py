@@ -128,14 +128,14 @@ REPETITIONS = "ensemble.repetitions"
         (MIXED, ["--lines", 3], {"surfaces.press": "lines", "surfaces.lower.spacing": 0.01, REPETITIONS: 3}),
     ],
 )
-def test_each_option_reaches_the_study(where, files, options, values):
+def test_pair_option_sets_key_of_study(where, files, options, values):
     load = [] if "--load" in options else LOAD
     study = study_of(where, *files, *MATERIAL, *load, *options)
     for key, value in values.items():
         assert value_at(study, key) == value
 
 
-def test_a_gap_is_pressed_as_it_is_at_its_one_position(where):
+def test_gap_is_used_unchanged_at_one_position(where):
     study = study_of(where, "--gap", *MAPS[1:], *MATERIAL, *LOAD, "--tilt", "fixed")
     assert study.surfaces.level == "mean"
     study = study_of(where, "--gap", *MAPS[1:], *MATERIAL, *LOAD, "--tilt", "fixed", "--level", "plane")
@@ -147,7 +147,7 @@ def test_a_gap_is_pressed_as_it_is_at_its_one_position(where):
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_closure_is_kept_with_its_stiffness(where, mechanics):
+def test_closure_is_stored_with_its_stiffness(where, mechanics):
     study = study_of(where, *MAPS, *MATERIAL, *LOAD, "--mechanics", mechanics)
     upper, lower = bodies_of(study).member(0, 0.0).pair
     found = pressed_to_loads(study, upper, lower, unloads=True)
@@ -160,13 +160,13 @@ def test_closure_is_kept_with_its_stiffness(where, mechanics):
         assert (found["closure_stiffness"] > over_area).all()
 
 
-def test_a_free_tilt_of_what_cannot_turn_is_refused(where):
+def test_free_tilt_of_periodic_surfaces_is_rejected(where):
     study = study_of(where, *MAPS, *MATERIAL, *LOAD, "--tilt", "free")
     with pytest.raises(StudyError, match='tilt: must be "fixed" of periodic bodies'):
         study.with_changes({"contact.boundary": "periodic"})
 
 
-def test_a_file_has_its_checksum_and_one_position_is_the_travel(where):
+def test_study_has_checksums_of_files_and_travel(where):
     study = study_of(where, *PROFILES, *MATERIAL, *LOAD, "--travel", "2 um", "--offsets", 1)
     assert study.surfaces.upper.file == str(where / "upper.csv")
     assert study.surfaces.upper.sha256 == study.surfaces.upper.checksum()
@@ -177,7 +177,7 @@ def test_a_file_has_its_checksum_and_one_position_is_the_travel(where):
     assert 1.5 < max(offsets) <= 2
 
 
-def test_moduli_of_two_bodies(where):
+def test_moduli_of_two_materials_give_effective_modulus_and_compliance_fraction(where):
     given = ["--young", "20 GPa,30 GPa", "--poisson", "0.3,0.2", "--mu0", "0.3", "--mechanics", "half-space"]
     contact = study_of(where, *PROFILES, *given, *LOAD).contact
     modulus = float(effective_modulus(20.0, 0.3, 30.0, 0.2))
@@ -185,7 +185,7 @@ def test_moduli_of_two_bodies(where):
     assert contact.compliance_share == pytest.approx(modulus * (1 - 0.2**2) / 30)
 
 
-def test_hardness_is_yield_strength_in_other_words(where):
+def test_hardness_equals_multiple_of_yield_strength(where):
     law = [*PROFILES, *MATERIAL, *LOAD, "--law", "jackson-green", "--poisson", "0.3"]
     one, other = (study_of(where, *law, *words).contact.law for words in
                   (("--hardness", "568 MPa"), ("--yield-strength", "200 MPa")))  # fmt: skip
@@ -193,7 +193,7 @@ def test_hardness_is_yield_strength_in_other_words(where):
     assert one.poisson_ratio == 0.3
 
 
-def test_loads_lie_around_those_that_are_asked_for(where):
+def test_load_steps_surround_the_requested_loads(where):
     steps = study_of(where, *PROFILES, *MATERIAL, *LOAD).contact.steps()
     assert steps[[0, -1]] == pytest.approx([0.02 / 30, 0.02 * 30])
     assert 0.02 in steps
@@ -207,7 +207,7 @@ def test_loads_lie_around_those_that_are_asked_for(where):
         np.testing.assert_array_equal(one.contact.steps(), other.contact.steps())
 
 
-def test_materials_have_names(where):
+def test_materials_are_given_by_name(where):
     from stiction.mechanics.materials import compliance_fraction, material, softer_hardness
 
     steel, brass = material("steel"), material("brass")
@@ -233,7 +233,7 @@ def test_materials_have_names(where):
         study_of(where, *MAPS, *given, "--hardness", "1 GPa")
 
 
-def test_smallest_load_is_pressed_without_lower_ones(where):
+def test_smallest_load_has_no_lower_steps(where):
     steps = study_of(
         where, *PROFILES, "--mu0", "0.3", "--effective-modulus", "10 GPa", "--load", "1e-12 mN"
     ).contact.steps()
@@ -321,13 +321,13 @@ def test_smallest_load_is_pressed_without_lower_ones(where):
         ([*MAPS, "--direction", "0,360"], ["direction"]),
     ],
 )
-def test_bad_input_is_one_message_and_status_2(where, arguments, words):
+def test_pair_rejects_bad_input(where, arguments, words):
     done = call_stiction("pair", *MATERIAL, *LOAD, "--output", "bad", *arguments, cwd=where)
     assert_rejected(done, *words)
     assert not (where / "bad" / "blocks").exists()
 
 
-def test_what_waits_has_a_first_answer_and_a_check_that_do_not(where):
+def test_dwell_time_is_left_out_of_preview_and_check(where):
     waiting = ["--hardness", "1 GPa", "--wait", "1 h,1 min,1 h", "--creep", "0.03", "--check"]
     given = asked(where, *MAPS, *MATERIAL, *LOAD, *waiting)
     with contextlib.chdir(where):
@@ -335,7 +335,7 @@ def test_what_waits_has_a_first_answer_and_a_check_that_do_not(where):
         assert not given.first_study.friction.wait
 
 
-def test_table_and_record_have_the_interval_of_each_rule_and_of_one_direction_its_own(where, tmp_path):
+def test_table_and_json_have_equal_intervals(where, tmp_path):
     options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--shifts", 4, "--direction", "0,90", "--onset", 0]
     call_stiction("pair", *MAPS, *MATERIAL, *options, "--output", tmp_path / "out", cwd=where, without_figures=True)
     table = pandas.read_csv(tmp_path / "out" / "result.csv", comment="#").set_index("sliding")
@@ -350,7 +350,7 @@ def test_table_and_record_have_the_interval_of_each_rule_and_of_one_direction_it
 
 
 @pytest.mark.parametrize("bodies", [["hole.csv", "lower.csv", "--offsets", 2], ["--gap", "hole.npy", *MAPS[2:]]])
-def test_lines_and_gaps_with_holes_have_a_page(where, tmp_path, bodies):
+def test_report_of_profiles_and_gaps_with_missing_points_is_written(where, tmp_path, bodies):
     lines, rows = profile("upper").heights.copy(), surface("upper").heights.copy()
     lines[300:340] = rows[10:14, 20:26] = np.nan
     np.savetxt(
@@ -375,14 +375,14 @@ def test_lines_and_gaps_with_holes_have_a_page(where, tmp_path, bodies):
         ),
     ],
 )
-def test_materials_are_needed_and_told_apart_from_files(where, arguments, words):
+def test_pair_requires_materials_and_distinguishes_them_from_files(where, arguments, words):
     assert_rejected(call_stiction("pair", *arguments, *LOAD, "--mu0", "0.3", cwd=where), *words)
 
 
 # ---- While it is computed --------------------------------------------------------------------------------------------
 
 
-def test_whoever_watches_sees_a_first_answer_and_standard_output_does_not(where, monkeypatch):
+def test_preview_is_printed_to_standard_error_of_a_terminal(where, monkeypatch):
     for module in ("application", "pair"):
         monkeypatch.setattr(f"stiction.cli.{module}.is_watched", lambda: True)
     command = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--onset", 0, "--json", "-o", "first"]
@@ -422,7 +422,7 @@ RUBBER = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--tau0", "20
     ],
     ids=["lapped", "ground", "rubber", "maps", "honed"],
 )  # fmt: skip
-def test_number_and_verdict_are_on_a_terminal_of_24_lines_when_it_is_done(where, given, tmp_path):
+def test_pair_output_fits_24_lines(where, given, tmp_path):
     done = check_stiction("pair", *given, "-o", tmp_path / "out", cwd=where, columns=80)
     answer, _, paths = (done.stderr + done.stdout).partition("wrote ")  # longer here than in a folder of one's own
     assert "report.html" in paths
@@ -438,7 +438,7 @@ def test_number_and_verdict_are_on_a_terminal_of_24_lines_when_it_is_done(where,
     assert not facts, "each fact once"
 
 
-def test_number_and_verdict_are_bold_on_a_terminal_alone(capsys, monkeypatch):
+def test_value_and_assessment_are_bold_on_terminals_only(capsys, monkeypatch):
     lines = "μ_s = 0.29 [0.24, 0.42]  if all\nQuote with care; measure\nQuote withers\n"
     tell(lines)
     assert capsys.readouterr().out == lines
@@ -451,7 +451,7 @@ def test_number_and_verdict_are_bold_on_a_terminal_alone(capsys, monkeypatch):
     assert "\x1b[1mQuote with care\x1b[0m; measure" in bold
 
 
-def test_what_an_instrument_s_file_costs_is_said_once(where, monkeypatch):
+def test_slow_reader_is_announced_once(where, monkeypatch):
     monkeypatch.setattr("stiction.cli.application.is_watched", lambda: True)
     (where / "scan.di").write_text("nothing")
     monkeypatch.delitem(sys.modules, "SurfaceTopography", raising=False)
@@ -488,7 +488,7 @@ def areas(where):
     return done
 
 
-def test_a_pair_is_the_study_in_its_folder(where, checked, areas):
+def test_pair_result_supports_commands_on_results(where, checked, areas):
     for folder in ("pair", "pair/half-space", "areas"):
         stored = store.read(where / folder)
         result = run(Study.from_toml(where / folder / "study.toml")).dataset
@@ -505,7 +505,7 @@ def test_a_pair_is_the_study_in_its_folder(where, checked, areas):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_the_same_command_goes_on_and_another_is_refused(where, areas):
+def test_pair_resumes_with_same_options_and_rejects_others(where, areas):
     again = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--mechanics", "asperities", "-o", "areas"]
     done = check_stiction(*again, "--shifts", 4, "--json", cwd=where)
     assert json.loads(done.stdout)
@@ -519,7 +519,7 @@ def test_the_same_command_goes_on_and_another_is_refused(where, areas):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_another_friction_keeps_the_positions_and_says_so(where):
+def test_pair_with_other_friction_uses_stored_positions(where):
     command = ("pair", *MAPS, "--effective-modulus", "10 GPa", "--mu0", "0.3", "--load", "1 MPa", "--shifts", 2)
     command += ("--mechanics", "asperities", "--onset", 0, "--output", "friction")
     check_stiction(*command, "--tau0", "0 MPa", cwd=where)
@@ -531,7 +531,7 @@ def test_another_friction_keeps_the_positions_and_says_so(where):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_what_another_writer_has_written_meanwhile_is_replaced(where, monkeypatch):
+def test_pair_replaces_files_of_a_concurrent_writer(where, monkeypatch):
     """Two equal commands in one folder: whoever comes second has its answer too."""
     from stiction.studies import contact_picture, onset
 
@@ -551,7 +551,7 @@ def test_what_another_writer_has_written_meanwhile_is_replaced(where, monkeypatc
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_parts_are_computed_one_after_the_other(where):
+def test_pair_in_parts_completes_result(where):
     given = ["pair", *PROFILES, *MATERIAL, *LOAD, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
         check_stiction(*given, "--part", part, cwd=where)
@@ -561,7 +561,7 @@ def test_parts_are_computed_one_after_the_other(where):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_another_file_of_the_same_name_is_refused(where):
+def test_run_rejects_changed_scan_file(where):
     given = ["pair", "scan.npy", "lower.npy", *MAPS[2:], *MATERIAL, *LOAD, "--mechanics", "asperities", "-o", "other"]
     np.save(where / "scan.npy", surface("upper", 48).heights)
     check_stiction(*given, "--shifts", 1, cwd=where)
@@ -574,7 +574,7 @@ def test_another_file_of_the_same_name_is_refused(where):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_stylus_profile_shifted_along_itself(measured, tmp_path):
+def test_stylus_profile_slides_on_itself(measured, tmp_path):
     file = measured("dektak-1.csv")
     shifted = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
     check_stiction("pair", file, file, *MATERIAL, *shifted, cwd=tmp_path)
@@ -584,7 +584,7 @@ def test_a_stylus_profile_shifted_along_itself(measured, tmp_path):
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("lines", [4, 16])  # of four no interval of the mean is known
-def test_an_afm_map_and_a_surrogate(measured, tmp_path, lines):
+def test_pair_of_afm_map_and_surrogate_is_computed(measured, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
     file = measured("di-4.di")
     given = ["--lines", lines, "--surrogates", "lower", "--along", "y", "--json"]
@@ -608,7 +608,7 @@ def beside(tmp_path_factory):
     return folder, given, json.loads(done.stdout)
 
 
-def test_a_pair_says_how_finely_it_was_seen_and_what_no_finer_scan_passes(beside):
+def test_pair_reports_resolution_and_plastic_limit(beside):
     folder, _, record = beside
     resolution, answer = record["resolution"], record["answers"][0]
     assert resolution["waves"]["shortest_um"] == pytest.approx(0.2)
@@ -625,7 +625,7 @@ def test_a_pair_says_how_finely_it_was_seen_and_what_no_finer_scan_passes(beside
     assert {"cut_off.png", "onset.png", "slip.png"} <= {path.name for path in files.iterdir()}
 
 
-def test_a_pair_says_how_it_begins_to_slide(beside):
+def test_pair_reports_onset_of_sliding(beside):
     folder, given, record = beside
     onset = record["onset"]
     assert onset["members"] == 3
@@ -641,7 +641,7 @@ def test_a_pair_says_how_it_begins_to_slide(beside):
     assert "plastic limit" in done.stdout
 
 
-def test_scan_with_a_hump_is_quoted_as_measured_and_pressed_filtered_as_well(tmp_path):
+def test_scan_with_unattributed_hump_is_also_computed_filtered(tmp_path):
     clean = self_affine(4, hurst_exponent=0.7, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.2)
     frequency = np.fft.rfftfreq(1500, 0.0167)
     phases = np.exp(2j * np.pi * np.random.default_rng(3).uniform(size=frequency.size))
@@ -669,7 +669,7 @@ def noisy_and_clean():
     return stiction.Profile(clean.heights + 5e-5 * noise, spacing=0.0167), clean
 
 
-def test_noise_floor_is_filtered_out_of_the_scan_that_has_it_and_quoted_so():
+def test_noise_floor_is_filtered_from_its_scan_and_reported():
     noisy, clean = noisy_and_clean()
     limit = stiction.instrument_limit(noisy)
     assert (limit.origin, limit.matters) == ("instrument", True)
@@ -692,7 +692,7 @@ def test_noise_floor_is_filtered_out_of_the_scan_that_has_it_and_quoted_so():
     assert result.to_dataframe()["cut-off (um)"].iloc[0] == pytest.approx(limit.cut_off)
 
 
-def test_named_texture_keeps_a_line_and_is_rejected_if_unknown():
+def test_declared_texture_preserves_its_line_and_unknown_texture_is_rejected():
     _, clean = noisy_and_clean()
     humming = stiction.Profile(clean.heights + 2e-4 * np.sin(2 * np.pi * np.arange(1500) / 8), spacing=0.0167)
     asked = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
@@ -707,7 +707,7 @@ def test_named_texture_keeps_a_line_and_is_rejected_if_unknown():
         stiction.pair(humming, clean, texture="shiny", **asked)
 
 
-def test_profiles_of_materials_with_a_hardness_are_pressed_by_the_half_space(where):
+def test_profiles_of_hard_materials_use_the_half_space(where):
     material = ["--mu0", "0.3", *LOAD, "--upper", "steel"]
     assert study_of(where, *PROFILES, *material, "--lower", "brass").contact.mechanics == "half-space"
     assert study_of(where, *PROFILES, *material, "--lower", "brass", "--lay", "grooves").contact.hardness is not None
@@ -715,7 +715,7 @@ def test_profiles_of_materials_with_a_hardness_are_pressed_by_the_half_space(whe
         assert study_of(where, *PROFILES, *material, *others).contact.mechanics == "asperities"
 
 
-def test_force_on_a_width_is_the_force_over_it_on_a_strip(where):
+def test_force_on_width_becomes_force_per_strip(where):
     given = ["--effective-modulus", "10 GPa", "--mu0", "0.3"]
     wide = study_of(where, *PROFILES, *given, "--load", "5 N", "--width", "5 mm")
     assert [float(load) for load in wide.friction.load] == [1.0]
@@ -727,7 +727,7 @@ def test_force_on_a_width_is_the_force_over_it_on_a_strip(where):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_answer_of_profiles_has_its_assumptions_everywhere(where, tmp_path):
+def test_result_of_profiles_lists_its_assumptions(where, tmp_path):
     given = ["pair", *PROFILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
     record = json.loads(check_stiction(*given, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=where).stdout)
     assumed = record["answers"][0]["assumptions"]

@@ -71,7 +71,7 @@ def where(tmp_path_factory, surfaces, spectra):
 # ---- What is pressed ------------------------------------------------------------------------------------------------
 
 
-def test_members_have_both_spectra_and_stay_the_same_over_cut_offs(spectra):
+def test_members_have_both_spectra_and_are_equal_over_cutoffs(spectra):
     pairs = SpectrumPairs(*spectra)
     assert pairs.spacing[0] == pytest.approx(min(each.shortest for each in spectra) / 4)
     assert pairs.shape[0] * 4 == pytest.approx(3 * pairs.side / pairs.spacing[0], abs=4)
@@ -92,7 +92,7 @@ def test_members_have_both_spectra_and_stay_the_same_over_cut_offs(spectra):
     assert SpectrumPairs(*spectra, cut_off=(0.4, 0.4), finest=0.4).spacing[0] == pytest.approx(0.1)
 
 
-def test_two_instruments_give_the_answer_of_the_whole_surface(spectra, surfaces):
+def test_joined_spectrum_gives_friction_of_the_whole_surface(spectra, surfaces):
     elastic = {name: value for name, value in MATERIAL.items() if name != "hardness"} | {"load": "200 MPa"}
     said = pair(*spectra, surrogates=8, **elastic, **QUICK)
     known = pair(*surfaces, shifts=8, **elastic, **QUICK)
@@ -108,7 +108,7 @@ def test_two_instruments_give_the_answer_of_the_whole_surface(spectra, surfaces)
     assert abs(missed - truth) > 2 * abs(mean - truth)  # of the area, which the fine waves decide
 
 
-def test_is_a_study_as_any_other(where):
+def test_pair_of_spectra_supports_all_commands(where):
     done = check_stiction(
         "pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2", "--json", cwd=where, without_figures=True
     )
@@ -127,7 +127,7 @@ def test_is_a_study_as_any_other(where):
     assert over[1] == pytest.approx(read_spectrum(where / "upper.csv").shortest, rel=1e-3)
 
 
-def test_beside_a_scan_that_is_taken_by_its_own_spectrum(where, surfaces, spectra):
+def test_pair_accepts_spectrum_and_scan(where, surfaces, spectra):
     command = ["pair", "upper.csv", "lower.npy", *OPTIONS, "--surrogates", "2", "--output", "mixed"]
     check_stiction(*command, cwd=where, without_figures=True)
     changed = where / "changed"
@@ -153,14 +153,14 @@ REFUSED = ["--output", "refused"]
         (["characterise", "upper.csv", "--output", "refused.html"], "is the spectrum of several scans"),
     ],
 )
-def test_what_does_not_apply_is_refused(where, arguments, said):
+def test_pair_of_spectra_rejects_options_of_scans(where, arguments, said):
     assert_rejected(call_stiction(*arguments, cwd=where), said)
 
 
 # ---- The file -------------------------------------------------------------------------------------------------------
 
 
-def test_the_file_has_every_number_to_the_bit(spectra, tmp_path):
+def test_spectrum_file_preserves_every_bit(spectra, tmp_path):
     write_spectrum(spectra[0], tmp_path / "joined.csv")
     again = read_spectrum(tmp_path / "joined.csv")
     for name in ("wave_number", "density", "count", "contribution", "ratio"):
@@ -175,7 +175,7 @@ def test_the_file_has_every_number_to_the_bit(spectra, tmp_path):
         write_spectrum("joined", tmp_path / "other.csv")
 
 
-def test_a_published_spectrum_is_one_too(tmp_path):
+def test_pair_accepts_spectrum_without_scans(tmp_path):
     q = np.geomspace(1.0, 30.0, 8)
     rows = "".join(f"{each!r},{1e-4 * each**-3.6!r}\n" for each in q.tolist())
     (tmp_path / "table.csv").write_text("wave number (1/um),C2D (um4)\n" + rows)
@@ -201,7 +201,7 @@ def test_a_published_spectrum_is_one_too(tmp_path):
         ("", "is no table"),
     ],
 )
-def test_a_bad_file_is_named(tmp_path, text, said):
+def test_read_spectrum_rejects_bad_file(tmp_path, text, said):
     (tmp_path / "bad.csv").write_text(text)
     with pytest.raises(ValueError, match=said):
         read_spectrum(tmp_path / "bad.csv")

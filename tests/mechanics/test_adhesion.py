@@ -86,7 +86,7 @@ OF_SPACING = 0.03
     ],
     ids=["hard ball", "ball", "smooth", "rough", "silicone"],
 )
-def test_the_contact_is_the_least_energy_and_parts_where_that_does(case):
+def test_adhesive_contact_minimises_energy_and_separates_where_the_minimum_does(case):
     bodies, adhesive = case
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     gap, area = -bodies[1].heights, bodies[0].heights.size * bodies[0].spacing[0] ** 2
@@ -106,7 +106,7 @@ def test_the_contact_is_the_least_energy_and_parts_where_that_does(case):
 
 
 @pytest.mark.parametrize(("rms", "modulus", "load"), [(1e-3, 80.0, 0.01), (3e-3, 80.0, 0.1), (3e-3, 2.0, 2e-3)])
-def test_agrees_with_tamaas_at_equal_mean_gap(rms, modulus, load):
+def test_adhesive_contact_agrees_with_tamaas_at_equal_mean_gap(rms, modulus, load):
     tamaas = pytest.importorskip("tamaas")
     (flat, lower), adhesive = rough(rms, 5e-5, points=64, modulus=modulus)
     area = lower.heights.size * lower.spacing[0] ** 2
@@ -128,7 +128,7 @@ def test_agrees_with_tamaas_at_equal_mean_gap(rms, modulus, load):
 
 
 @pytest.mark.parametrize("tabor", [0.3, 1.0, 1.7])
-def test_a_ball_is_held_as_by_maugis_whatever_the_period(tabor):
+def test_sphere_has_pull_off_of_maugis_for_any_period(tabor):
     bodies, adhesive = ball(tabor)
     assert tabor_parameter(1.0, 1.0, **{name: adhesive[name] for name in ("work_of_adhesion", "adhesion_range")}) == (
         pytest.approx(tabor)
@@ -145,7 +145,7 @@ def test_a_ball_is_held_as_by_maugis_whatever_the_period(tabor):
 
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
-def test_a_ball_with_the_attraction_of_maugis_is_his_whatever_the_grid(tabor, monkeypatch):
+def test_sphere_with_dugdale_attraction_equals_maugis_on_any_grid(tabor, monkeypatch):
     """So what an exponential attraction differs by is the law's, and no grid's or edge's."""
     length = 8 * max(1, tabor**-0.5)
     exponential = [
@@ -166,7 +166,7 @@ def test_a_ball_with_the_attraction_of_maugis_is_his_whatever_the_grid(tabor, mo
     assert np.sqrt(curve.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=OF_MAUGIS)
 
 
-def test_a_cylinder_is_that_of_barquins():
+def test_cylinder_equals_barquins():
     """Barquins, The Journal of Adhesion 26 (1988) 1: F = π E* a²/(4R) - (2π E* w a)^(1/2) of each µm."""
     work, length = 1e-6, 1024
     radius = (2 * work / np.pi) ** (1 / 3)  # at pull-off
@@ -181,7 +181,7 @@ def test_a_cylinder_is_that_of_barquins():
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.5, 0.6])
-def test_a_sinusoid_is_that_of_johnson_and_jumps_into_full_contact(alpha):
+def test_sinusoid_equals_johnson_and_jumps_into_full_contact(alpha):
     """Johnson, International Journal of Solids and Structures 32 (1995) 423: p/p* = sin²s - α (tan s)^(1/2), s = πa/λ.
 
     Full contact needs no load from α = 0.57 on, and 0.09 p* at α = 0.5: not less, though accelerated steps leap there.
@@ -212,7 +212,7 @@ OF_PULL_OFF = 0.01
 
 
 @pytest.mark.parametrize("tension", [1.02, 1.05, 1.13, 1.7, 2.3])
-def test_pull_off_from_complete_contact_of_sinusoid_is_that_of_its_opening(tension):
+def test_pull_off_from_full_contact_of_sinusoid_equals_opening_load(tension):
     """Complete contact under a load of 0.05 p* opens where the least pressure is 0: at a tension of w/ρ - p*."""
     points, height = 512, 0.005
     x, full = np.arange(points) / points, np.pi * height
@@ -233,7 +233,7 @@ def test_pull_off_from_complete_contact_of_sinusoid_is_that_of_its_opening(tensi
         half_space(*bodies, [*loads, -(1 + OF_PULL_OFF) * opening], boundary="periodic", **adhesive)
 
 
-def test_pull_off_of_rough_bodies_is_the_largest_of_several_local_maxima():
+def test_pull_off_of_rough_surfaces_is_the_largest_local_maximum():
     shape = {"shape": (64, 64), "spacing": 0.01, "hurst_exponent": 0.769, "rms": 3.39e-3, "shortest_wavelength": 0.08}
     bodies = [
         self_affine_surface(4, side=side, longest_wavelength=longest, **shape)
@@ -256,7 +256,7 @@ def test_pull_off_of_rough_bodies_is_the_largest_of_several_local_maxima():
     assert curve.parting.load[-1] == -curve.pull_off
 
 
-def test_pull_off_is_a_lower_bound_where_the_contacts_end_early(monkeypatch):
+def test_pull_off_is_a_lower_bound_if_the_solver_stops_early(monkeypatch):
     bodies, adhesive = rough(1e-3, 5e-5)
     curve = half_space(*bodies, [0.0], **adhesive)
     assert not curve.pull_off_is_bound
@@ -274,7 +274,7 @@ def test_pull_off_is_a_lower_bound_where_the_contacts_end_early(monkeypatch):
 
 
 @pytest.mark.parametrize("case", [rough(1e-3, 5e-5), rough(3e-3, 5e-5, modulus=2.0, length=2e-3)], ids=["hard", "soft"])
-def test_work_is_what_the_energy_changes_by_coming_and_going(case):
+def test_work_of_loading_and_unloading_equals_change_of_energy(case):
     """So that around a loop it is what jumps lose, and 0 where bodies do not jump."""
     bodies, adhesive = case
     area, free = 0.64**2, half_space(*bodies, [0.0], boundary="periodic", **adhesive)
@@ -296,7 +296,7 @@ def test_work_is_what_the_energy_changes_by_coming_and_going(case):
 
 
 @pytest.mark.soak
-def test_random_bodies_are_solved_or_say_what_was_reached():
+def test_random_problems_are_solved_or_give_a_bound():
     """200 bodies, E* 1 MPa to 200 GPa, w 1 mJ/m² to 1 J/m², with and without hardness."""
     draw, unsolved, short = np.random.default_rng(5), 0, 0
     for _ in range(200):
@@ -321,7 +321,7 @@ def test_random_bodies_are_solved_or_say_what_was_reached():
     assert short <= MOST_SHORT
 
 
-def test_closed_forms_meet_at_their_limits():
+def test_maugis_dugdale_tends_to_jkr_and_dmt():
     work = {"work_of_adhesion": 1e-4}
     loads = np.array([2e-4, 0.0, -2e-4])
     soft = maugis_dugdale(loads, 1.0, 1e-4, **work, adhesion_range=1e-3)
@@ -332,7 +332,7 @@ def test_closed_forms_meet_at_their_limits():
         assert np.isnan(law(-1.0, 1.0, 1.0, **work)[0])
 
 
-def test_level_summits_hold_as_many_balls_do_and_others_as_their_heights_say():
+def test_pull_off_of_summits_is_the_sum_over_their_heights():
     radius, modulus, work = 2.0, 1.3, 1e-3
     a = np.geomspace(1e-3, 3.0, 200_000)
     force = 4 * modulus * a**3 / (3 * radius) - np.sqrt(8 * np.pi * work * modulus * a**3)
@@ -352,7 +352,7 @@ def test_level_summits_hold_as_many_balls_do_and_others_as_their_heights_say():
         assert left[place] == pytest.approx(-min(held) / (1.5 * np.pi * work * radius), rel=0.01)
 
 
-def test_bodies_that_stick_rub_at_no_load():
+def test_friction_coefficient_of_adhesive_surfaces_increases_at_low_load():
     bodies, adhesive = rough(1e-3, 5e-5)
     loads = np.array([0.01, 0.0, -0.001])
     curve = half_space(*bodies, loads, boundary="periodic", sliding="all", **adhesive)
@@ -366,7 +366,7 @@ def test_bodies_that_stick_rub_at_no_load():
     assert curve.with_sliding("opposing").normal_elastic == pytest.approx(curve.normal_elastic)
 
 
-def test_without_adhesion_the_bits_are_those_of_today():
+def test_zero_work_of_adhesion_changes_no_bits():
     bodies, adhesive = ball(1.0)
     plain = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0)
     none = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0, work_of_adhesion="0 J/m^2", adhesion_range="1 nm")
@@ -377,7 +377,7 @@ def test_without_adhesion_the_bits_are_those_of_today():
     assert little.contact_area == pytest.approx(plain.contact_area, rel=1e-6)
 
 
-def test_refusals_say_what_is_wrong():
+def test_half_space_rejects_bad_adhesion():
     bodies, adhesive = ball(1.0)
     with pytest.raises(ValueError, match="strictly increasing or strictly decreasing"):
         half_space(*bodies, [1.0, 0.0, 1.0], **adhesive)
@@ -393,7 +393,7 @@ def test_refusals_say_what_is_wrong():
         half_space(*bodies, [-2 * np.pi * adhesive["work_of_adhesion"]], **adhesive)
 
 
-def test_a_range_that_the_grid_does_not_resolve_is_raised():
+def test_adhesion_range_below_grid_resolution_is_increased_with_warning():
     bodies, adhesive = ball(1.0)
     with pytest.warns(UserWarning, match="adhesion_range = 0.1 nm is raised to"):
         curve = half_space(*bodies, [0.0], **adhesive | {"adhesion_range": 1e-4})
@@ -401,7 +401,7 @@ def test_a_range_that_the_grid_does_not_resolve_is_raised():
 
 
 @pytest.mark.parametrize(("modulus", "length", "rms"), [(80.0, 5e-4, 1e-3), (2.0, 2e-3, 5e-3)])
-def test_the_pull_off_force_does_not_go_with_the_spacing(modulus, length, rms):
+def test_pull_off_is_independent_of_spacing(modulus, length, rms):
     found = []
     for points in (64, 128, 256):
         draw, x = np.random.default_rng(1), np.arange(points) / points

@@ -67,10 +67,10 @@ def assert_sums_close(one, other, tolerance, names=COMMON + DIRECTED):
         assert np.all(np.abs(actual - expected) <= tolerance * size), (name, actual, expected)
 
 
-class TestAgainstReference:
+class TestArealReference:
     @pytest.mark.parametrize("sliding", ["opposing", "all"])
     @pytest.mark.parametrize("curvature", ["signed", "convex"])
-    def test_sums_are_those_of_the_plain_evaluation(self, sliding, curvature):
+    def test_sums_equal_reference(self, sliding, curvature):
         total = 0
         for seed in (3, 4):
             upper, lower = rough_pair(seed)
@@ -90,7 +90,7 @@ class TestAgainstReference:
                         assert abs(getattr(curve, name)[row, k] - expected[name]) <= INDEPENDENT * size
         assert total > 20
 
-    def test_table_is_that_of_the_plain_evaluation(self):
+    def test_table_equals_reference(self):
         upper, lower = rough_pair()
         table = contacts(upper, lower, 0.15, direction=20.0)
         found = areal.contacts(upper.heights, lower.heights, upper.spacing, 0.15)
@@ -113,7 +113,7 @@ class TestAgainstReference:
         assert np.allclose(np.linalg.norm(table.tangent, axis=1), 1, atol=ROUND_OFF)
         assert np.allclose((table.tangent * table.normal).sum(axis=1), 0, atol=ROUND_OFF)
 
-    def test_grid_minima_without_an_answer_are_counted(self):
+    def test_unresolved_grid_minima_are_counted(self):
         upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
         gap = upper.heights - lower.heights
         inner = gap[1:-1, 1:-1]
@@ -141,9 +141,9 @@ def hertz(k, longer, overlap, modulus):
     return 2 / 3 * math.pi * a * overlap * modulus / first, math.pi * k * a**2, (a, k * a), longer * ratio
 
 
-class TestExact:
+class TestArealExact:
     @pytest.mark.parametrize(("k", "angle"), [(1.0, 0.0), (0.5, 25.0), (0.02, 25.0)])
-    def test_an_ellipsoid_on_a_flat_carries_what_hertz_says(self, k, angle):
+    def test_ellipsoid_on_flat_equals_hertz(self, k, angle):
         modulus, overlap = 7.0, 1e-5
         force, area, axes, shorter = hertz(k, 2.0, overlap, modulus)
         c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
@@ -171,7 +171,7 @@ class TestExact:
         assert table.normal[0].tolist() == [0, 0, 1]
 
     @pytest.mark.parametrize("angle", [0.0, 90.0, 37.0])
-    def test_one_contact_on_a_slope_slides_at_the_sum_of_the_angles(self, angle):
+    def test_contact_on_slope_slides_at_sum_of_slope_and_friction_angles(self, angle):
         slope, direction = 0.4, np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
 
         def ramp(x, y):
@@ -194,7 +194,7 @@ class TestExact:
         coefficient = curve.friction_coefficient(mu0=mu0, tau0=0.05)[0]
         assert_close(coefficient, np.tan(theta + np.arctan(m)), ROUND_OFF)
 
-    def test_across_a_slope_the_lateral_force_keeps_the_body_on_its_way(self):
+    def test_motion_across_slope_needs_lateral_force(self):
         upper = surface_of(lambda x, y: 0.4 * x + ((x - 0.807) ** 2 + (y - 0.604) ** 2))
         lower = surface_of(lambda x, _y: 0.4 * x)
         curve = press(upper, lower, [1e-3], direction=90, sliding="all")
@@ -204,7 +204,7 @@ class TestExact:
         assert_close(curve.tangential_load(mu0=0.3), 0.3 * force, ROUND_OFF)
         assert_close(curve.lateral_load(mu0=0.3), -force * math.sin(theta), ROUND_OFF)  # left of +y is -x
 
-    def test_extruded_profiles_have_the_contacts_of_the_profiles(self):
+    def test_extruded_profiles_have_contacts_of_the_profiles(self):
         upper, lower = (
             self_affine(
                 5, hurst_exponent=0.8, rms=0.02, points=200, spacing=0.05, shortest_wavelength=0.5, periodic=True,
@@ -234,7 +234,7 @@ class TestExact:
         same = np.abs(other.centre[:, 0] - lines.position[0, 0]).argmin()
         assert np.allclose(other.normal[same], one.normal[nearest], atol=1e-8)
 
-    def test_surfaces_that_are_level_everywhere_have_half_of_the_paper_or_all_of_it(self):
+    def test_level_contacts_give_half_friction_if_opposing_and_full_if_all(self):
         # Level contacts do not oppose: under the paper's rule a rough body on a flat has no friction at all.
         upper, _ = rough_pair()
         flat = Surface(np.zeros_like(upper.heights), spacing=upper.spacing)
@@ -246,13 +246,13 @@ class TestExact:
         assert_close(every.friction_coefficient(mu0=0.4, tau0=0.2), np.broadcast_to(expected, (2, 2)), ROUND_OFF)
 
 
-class TestIdentities:
+class TestArealIdentities:
     APPROACHES = (0.03, 0.08, 0.15)
 
     def pressed(self, upper, lower, angles=ANGLES, approaches=APPROACHES, **contact):
         return press(upper, lower, approaches, direction=angles, **contact)
 
-    def test_scaling_and_modulus(self):
+    def test_sums_scale_with_size_and_modulus(self):
         upper, lower = rough_pair()
         large = [Surface(7 * one.heights, spacing=(7 * one.spacing[0], 7 * one.spacing[1])) for one in (upper, lower)]
         plain = self.pressed(upper, lower)
@@ -264,7 +264,7 @@ class TestIdentities:
             times = 1 if name.endswith(("count", "area", "adhesive")) else 3
             assert np.allclose(getattr(harder, name), times * getattr(plain, name), rtol=ROUND_OFF)
 
-    def test_opposite_directions_share_out_the_contacts(self):
+    def test_contacts_oppose_one_of_two_opposite_directions(self):
         upper, lower = rough_pair()
         one, other, every = (
             contacts(upper, lower, 0.1, direction=angle, sliding=rule)
@@ -279,7 +279,7 @@ class TestIdentities:
         assert_close(halves.tangential_elastic[0] - halves.tangential_elastic[1], whole.tangential_elastic[0], IDENTITY)
         assert_close(halves.tangential_frictional.sum(axis=0), whole.tangential_frictional[0], IDENTITY)
 
-    def test_many_directions_are_each_direction(self):
+    def test_several_directions_equal_single_directions(self):
         upper, lower = rough_pair()
         many = self.pressed(upper, lower)
         assert many.direction.tolist() == [angle % 360 for angle in ANGLES]
@@ -295,7 +295,7 @@ class TestIdentities:
         shear = self.pressed(upper, lower, angles=None, shear="-x")
         assert (shear.tangential_elastic == many.tangential_elastic[3]).all()
 
-    def test_a_map_in_parts_is_the_map(self):
+    def test_candidates_of_large_map_equal_those_of_its_pieces(self):
         # More than one part of 256 cells a side, with a minimum on the seam of two.
         size = 300
         y, x = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
@@ -310,7 +310,7 @@ class TestIdentities:
 
 
 class TestLaws:
-    def test_a_law_that_yields_takes_the_sphere_of_the_mean_radius(self):
+    def test_elastic_plastic_law_uses_geometric_mean_radius(self):
         upper, lower = rough_pair()
         # A bowl keeps contacts from the edge.
         y, x = (np.linspace(-1, 1, size) for size in upper.heights.shape)
@@ -327,14 +327,14 @@ class TestLaws:
         assert np.allclose(np.pi * table.axes.prod(axis=1), table.area, rtol=ROUND_OFF)
         assert np.allclose(table.axes[:, 1] / table.axes[:, 0], elastic.axes[:, 1] / elastic.axes[:, 0], rtol=1e-9)
 
-    def test_cylinders_are_refused_with_the_reason(self):
+    def test_press_rejects_cylinder_law_on_maps(self):
         for law in (HertzCylinder(), "hertz-cylinder"):
             with pytest.raises(ValueError, match="ellipses"):
                 press(*rough_pair(), [0.1], law=law)
 
 
 class TestValidity:
-    def test_ellipses_overlap_as_points_on_them_say(self):
+    def test_overlapping_ellipses_agree_with_sampled_points(self):
         upper, lower = rough_pair(6)
         approaches = np.linspace(0.05, 0.25, 9)
         curve = press(upper, lower, approaches)
@@ -369,7 +369,7 @@ class TestValidity:
             return False
         return bool(Path(one).contains_points(other).any() or Path(other).contains_points(one).any())
 
-    def test_of_an_ellipse_that_leaves_the_map_what_lies_inside_counts(self):
+    def test_ellipse_at_edge_counts_its_part_inside_the_map(self):
         body = surface_of(lambda x, y: -((x - 0.2) ** 2 + (y - 0.6) ** 2) / 0.4)
         flat = Surface(np.zeros_like(body.heights), spacing=0.02)
         # 0.2 from the edge: R = 0.2, so the radius of contact is that at an overlap of 0.2.
@@ -389,7 +389,7 @@ class TestValidity:
         assert_close(table.axes[0], np.sqrt(area[2] / np.pi), SMOOTH)
 
     @pytest.mark.parametrize("law", ["hertz-sphere", JacksonGreen(yield_strength=0.05, poisson_ratio=0.3)])
-    def test_load_and_area_grow_with_the_approach(self, law):
+    def test_load_and_area_increase_with_approach(self, law):
         for seed in (3, 4, 5):
             upper, lower = rough_pair(seed)
             curve = press(upper, lower, np.linspace(0.02, 0.5, 60), law=law)
@@ -400,7 +400,7 @@ class TestValidity:
 
 
 class TestLoading:
-    def test_approach_at_load_is_where_the_load_is_carried(self):
+    def test_approach_at_load_reaches_the_load(self):
         upper, lower = rough_pair()
         loads = np.array([0.01, 0.1, 0.3])
         for choices in ({"direction": 40.0}, {"direction": 40.0, "sliding": "all"}):
@@ -414,7 +414,7 @@ class TestLoading:
         at = approach_at_load(flat, ball, 4 / 3 * 10.0 * 0.01**1.5, mu0=0.3)
         assert float(at) == pytest.approx(0.01 - touch, rel=SMOOTH)
 
-    def test_candidates_are_found_once_for_any_number_of_presses(self):
+    def test_candidates_can_be_pressed_repeatedly(self):
         upper, lower = rough_pair()
         found = candidates(upper, lower, deepest=0.2)
         assert found.curvature == "signed"
@@ -433,7 +433,7 @@ class TestLoading:
 class TestProfiles:
     """The sliding rule on lines."""
 
-    def test_all_contacts_slide_on_lines_too(self):
+    def test_sliding_rule_all_applies_to_profiles(self):
         upper, lower = (
             self_affine(5, hurst_exponent=0.8, rms=0.05, points=4000, spacing=0.01, shortest_wavelength=0.2, side=side)
             for side in ("upper", "lower")
@@ -470,11 +470,11 @@ class TestBadInput:
             ({"direction": 10.0, "shear": "-x"}, "shear"),
         ],
     )
-    def test_of_models(self, changes, match):
+    def test_press_rejects_bad_model(self, changes, match):
         with pytest.raises(ValueError, match=match):
             press(*rough_pair(), [0.1], **changes)
 
-    def test_of_surfaces(self):
+    def test_press_rejects_bad_surfaces(self):
         upper, lower = rough_pair()
         flat = Surface(np.zeros((10, 10)), spacing=1.0)
         for bad, match in (
@@ -495,14 +495,14 @@ class TestBadInput:
         with pytest.raises(ValueError, match="direction must be one"):
             approach_at_load(upper, lower, 0.1, mu0=0.3, direction=[0, 90])
 
-    def test_a_model_says_what_it_leaves_open(self):
+    def test_contact_model_leaves_unset_fields_none(self):
         model = ContactModel()
         assert (model.detection, model.curvature) == (None, None)
         assert ContactModel(direction=[0, 90]) == ContactModel(direction=(0, 90))
 
 
 class TestGrid:
-    def test_sums_converge_with_the_grid(self):
+    def test_sums_converge_with_grid(self):
         # At equal heights: first touch is of grid points, so approaches of two grids differ by that of their touches.
         made = {}
         for points in (1024, 512, 256):
@@ -535,7 +535,7 @@ class TestGrid:
 
 
 class TestGentleSurfaces:
-    def test_follow_the_closed_forms_of_both_rules(self):
+    def test_sums_follow_closed_forms_of_both_sliding_rules(self):
         pairs, mu0, tau0 = 16, 0.4, 0.1
         loads = {rule: np.zeros((2, pairs)) for rule in ("opposing", "all")}
         area = force = slope = 0.0
@@ -566,7 +566,7 @@ class TestGentleSurfaces:
         assert abs(every.friction_coefficient(mu0=mu0).mean() - mu0) < slope
 
 
-def test_grooves_are_refused_instead_of_carrying_nothing():
+def test_press_rejects_straight_grooves():
     along = 0.01 * np.cos(np.linspace(0, 12, 40))
     grooves = [Surface(np.tile(sign * along, (30, 1)), spacing=0.1) for sign in (1.0, -0.5)]
     with pytest.raises(ValueError, match="does not change along y"):
@@ -584,7 +584,7 @@ def test_grooves_are_refused_instead_of_carrying_nothing():
         ({"shear": "-x"}, {}, 180.0),
     ],
 )
-def test_keywords_of_where_it_slides_take_precedence_over_the_model(model, given, angle):
+def test_direction_keywords_override_model(model, given, angle):
     upper, lower = rough_maps(points=32)
     curve = press(upper, lower, [0.02], model=ContactModel(**model), **given)
     assert float(curve.direction) == angle
@@ -628,7 +628,7 @@ COUNTS = ("contact_count", "grid_minimum_count", "unanswered_count")
 
 
 @pytest.mark.parametrize("kind", LEVEL)
-def test_contacts_do_not_depend_on_how_a_pair_with_level_floors_lies(kind):
+def test_contacts_of_flat_valleys_are_invariant_under_symmetries(kind):
     generator = np.random.default_rng(LEVEL.index(kind))
     pressed = 0
     for _ in range(12):
@@ -673,7 +673,7 @@ def test_contacts_do_not_depend_on_how_a_pair_with_level_floors_lies(kind):
     assert pressed > 2
 
 
-def test_level_floors_are_counted_as_without_an_answer():
+def test_flat_valleys_count_as_unresolved():
     # A flat-bottomed trench, and a pit beside it whose bottom is round.
     y, x = np.meshgrid(np.arange(40), np.arange(60), indexing="ij")
     upper = -0.05 * (np.abs(x - 15) <= 6) - 0.06 * np.maximum(0, 1 - ((x - 45) ** 2 + (y - 20) ** 2) / 100)
@@ -682,7 +682,7 @@ def test_level_floors_are_counted_as_without_an_answer():
     assert curve.grid_minimum_count[0] == 13 * 38 + 1 == curve.unanswered_count[0] + 1
 
 
-def test_a_flat_body_counts_as_a_summit():
+def test_flat_surface_counts_as_convex():
     upper, lower = rough_pair()
     for flat in (
         np.zeros_like(upper.heights),
@@ -696,7 +696,7 @@ def test_a_flat_body_counts_as_a_summit():
             assert convex.contact_count[-1] > 5
 
 
-def test_no_minimum_of_rough_maps_is_missed():
+def test_candidates_include_every_minimum_of_the_gap():
     # Roughness down to the grid, where many minima are small and near to saddles.
     upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
     gap = upper.heights - lower.heights
@@ -708,7 +708,7 @@ def test_no_minimum_of_rough_maps_is_missed():
     assert apart.min(axis=0).max() < 1e-6
 
 
-def test_superposition_of_both_loads():
+def test_loads_are_linear_in_mu0_and_tau0():
     upper, lower = rough_pair()
     found = areal.contacts(upper.heights, lower.heights, upper.spacing, 0.1)
     curve = press(upper, lower, [0.1], direction=33)
@@ -743,7 +743,7 @@ def test_overlapping_ellipses_are_counted():
     assert np.allclose(curve.validity.share_overlapping, [0, 0, 2 / 3, 2 / 3], atol=0.02)
 
 
-def test_a_long_valley_carries_what_lies_on_the_map():
+def test_long_valley_load_is_limited_to_the_map():
     # Bowed ever less along the valley, all of the ellipse carries ever more, and its part here that of a line.
     y, x = np.meshgrid((np.arange(41) - 20.3) * 0.05, (np.arange(81) - 40.3) * 0.02, indexing="ij")
     flat = Surface(np.zeros_like(x), spacing=(0.05, 0.02))

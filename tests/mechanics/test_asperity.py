@@ -9,7 +9,7 @@ SAME_SPLINE = 1e-12
 
 @pytest.mark.parametrize("side", ["lower", "upper"])
 @pytest.mark.parametrize("dimension", [1.0, 1.7])
-def test_slope_and_curvature_are_scipys_natural_spline(rough_pair, dimension, side):
+def test_slope_and_curvature_equal_scipy_natural_spline(rough_pair, dimension, side):
     profile = rough_pair(dimension)[0]
     slope, curvature, normal, radius = pressing.spheres(profile.heights, profile.spacing, upper=side == "upper")
     ours = asperities(profile, side)
@@ -19,7 +19,7 @@ def test_slope_and_curvature_are_scipys_natural_spline(rough_pair, dimension, si
     assert np.allclose(1 / ours.radius, 1 / radius, rtol=0, atol=SAME_SPLINE * curvature.std())
 
 
-def test_a_circle_has_its_radius_and_centre(circular_arc):
+def test_asperity_of_circle_has_its_radius_and_centre(circular_arc):
     # The spline's curvature error is of second order in spacing / radius ; the ends are ten points away.
     apex, radius = 0.5, 2.0
     for side, height in (("lower", -radius), ("upper", radius)):
@@ -29,7 +29,7 @@ def test_a_circle_has_its_radius_and_centre(circular_arc):
         assert np.allclose(arc.centre[inner], [apex, 0, height], atol=4e-6)
 
 
-def test_ends_are_without_curvature_and_arrays_read_only():
+def test_asperities_have_flat_ends_and_read_only_arrays():
     profile = Profile(np.sin(np.arange(30.0)), spacing=0.1)
     lower = asperities(profile, "lower")
     assert lower.curvature[[0, -1]].tolist() == [0, 0]
@@ -37,6 +37,6 @@ def test_ends_are_without_curvature_and_arrays_read_only():
     assert not any(array.flags.writeable for array in vars(lower).values())
 
 
-def test_an_unknown_side_is_named():
+def test_asperities_reject_unknown_side():
     with pytest.raises(ValueError, match="side must be one of 'lower', 'upper', got 'left'"):
         asperities(Profile(np.arange(9.0), spacing=1), "left")

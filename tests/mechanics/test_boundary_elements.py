@@ -34,7 +34,7 @@ def exact_fraction(pressure):
 
 
 @pytest.mark.parametrize("relative", [0.02, 0.1, 0.3, 0.5])
-def test_boundary_elements_solve_westergaards_sinusoid(relative):
+def test_boundary_elements_equal_westergaard(relative):
     """Area, mean gap and stiffness: a wrong modulus, count of points or sign of the gap would show."""
     random, pressure = np.random.default_rng(7), relative * FULL_CONTACT
     solid = [HalfSpace(wave(256, shift), WAVELENGTH) for shift in random.random(20)]
@@ -47,7 +47,7 @@ def test_boundary_elements_solve_westergaards_sinusoid(relative):
 
 
 @pytest.mark.parametrize("relative", [0.01, 0.3, 0.9])
-def test_the_model_on_a_sinusoid(relative):
+def test_asperity_model_on_sinusoid_equals_closed_forms(relative):
     """The closed forms that the page draws: area √r / arcsin √r and stiffness ln(1/r)/4 of Westergaard's."""
     asperities, pressure = Asperities(wave(512, 0.303), WAVELENGTH), relative * FULL_CONTACT
     fraction, count, stiffness = asperities.at(pressure)
@@ -60,7 +60,7 @@ def test_the_model_on_a_sinusoid(relative):
     assert asperities.interacting(pressure)[STIFFNESS] == pytest.approx(westergaard, rel=1e-4)
 
 
-def test_the_ends_of_the_period_do_not_matter():
+def test_periodic_asperity_model_is_invariant_under_shift():
     """A contact that lies across the seam, or in the wrapped points, counts once."""
     heights = band_limited_profile(np.random.default_rng(3), 0.5, 8, 32)
     pressure = 0.1 * EFFECTIVE_MODULUS * RMS_SLOPE
@@ -70,7 +70,7 @@ def test_the_ends_of_the_period_do_not_matter():
         assert Asperities(np.roll(heights, shift), PERIOD).at(pressure) == pytest.approx(expected, rel=1e-9)
 
 
-def test_interaction_is_what_the_model_lacks():
+def test_interaction_explains_difference_to_boundary_elements():
     """The page's row of H = 0.75, 32 to 1, p̄ = 0.02 E* h'rms: all of its profiles, on half of its points.
 
     Another law or detection, contacts lost or counted twice, or two sides of different heights or loads move the first

@@ -42,7 +42,7 @@ def pair():
 
 class TestCandidates:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
-    def test_are_what_press_and_contacts_find_for_themselves(self, pair, curvature):
+    def test_candidates_equal_those_of_press_and_contacts(self, pair, curvature):
         found = candidates(*pair, deepest=0.03, curvature=curvature)
         steps = [0.0, 0.001, 0.02]
         ours = press(found, steps, shear="-x")
@@ -55,7 +55,7 @@ class TestCandidates:
             table.force, contacts(*pair, 0.02, model=ContactModel(detection="gap-minimum", curvature=curvature)).force
         )
 
-    def test_lie_on_the_lower_body_where_the_gap_is_theirs(self, pair):
+    def test_candidates_lie_at_minima_of_the_gap(self, pair):
         upper, lower = pair
         found = candidates(upper, lower, deepest=0.03)
         assert isinstance(found, Candidates)
@@ -71,7 +71,7 @@ class TestCandidates:
         assert (found.radii[:, 0] == found.radii[:, 1]).all()
         assert not found.gap.flags.writeable
 
-    def test_refuse_what_they_were_not_looked_for(self, pair):
+    def test_candidates_reject_options_of_other_searches(self, pair):
         found = candidates(*pair, deepest=0.03)
         with pytest.raises(
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
@@ -90,7 +90,7 @@ class TestCandidates:
 
 
 class TestContactModel:
-    def test_keywords_are_its_fields_and_take_precedence(self, pair):
+    def test_keywords_override_contact_model(self, pair):
         assert set(ContactKeywords.__annotations__) == {"model"} | {
             each.name for each in dataclasses.fields(ContactModel)
         }
@@ -100,7 +100,7 @@ class TestContactModel:
         assert ours.effective_modulus == 20.0
         assert np.array_equal(ours.tangential_elastic, theirs.tangential_elastic)
 
-    def test_it_is_pickled_without_the_core(self, pair):
+    def test_contact_model_is_pickled(self, pair):
         model = ContactModel(law=JacksonGreen(yield_strength=0.5, poisson_ratio=0.3), shear="-x")
         ours = press(*pair, [0.01], model=model)
         again = pickle.loads(pickle.dumps(model))
@@ -109,7 +109,7 @@ class TestContactModel:
         assert press(*pair, [0.01], model=again).contact_area == ours.contact_area
         assert press(*pair, [0.01], model=dataclasses.replace(again, shear="+x")).contact_area == ours.contact_area
 
-    def test_bad_ones_are_named(self, pair):
+    def test_contact_model_rejects_bad_fields(self, pair):
         with pytest.raises(ValueError, match="direction must have at least one element"):
             ContactModel(direction=[])
         with pytest.raises(ValueError, match="effective_modulus must be"):
@@ -122,7 +122,7 @@ class TestContactModel:
             press(*pair, [0.01], modulus=3.0)
 
 
-def test_quantities_and_laws_stand_once():
+def test_quantities_and_laws_have_unique_names():
     assert tuple(each.name for each in dataclasses.fields(Sums)) == SUMS
     assert all(name in QUANTITIES for name in (*SUMS, *VALIDITY))
     assert tuple(NAMED) == LawName.__args__
@@ -132,7 +132,7 @@ def test_quantities_and_laws_stand_once():
             stiction._core.force_and_area(law.name, {}, overlap=0.1, radius=1.0)
 
 
-def test_the_ladder_of_statuses():
+def test_status_of_returns_first_failed_condition():
     given = [
         (False, False, False, False), (True, True, False, False), (True, False, True, False),
         (True, False, False, True), (True, False, False, False),
@@ -161,7 +161,7 @@ def noise(body, shape):
     ],
     ids=["press", "press areas", "profile", "surface"],
 )
-def test_ctrl_c_ends_a_long_call(call):
+def test_long_call_ends_on_ctrl_c(call):
     before, start = signal.signal(signal.SIGPROF, signal.default_int_handler), time.process_time()
     try:
         with pytest.raises(KeyboardInterrupt):  # noqa: PT012, the signal comes however long it takes to get there

@@ -32,7 +32,7 @@ moduli = st.floats(1e-2, 1e3)
 
 
 @given(overlap=lengths, radius=lengths, modulus=moduli)
-def test_laws_of_the_core_are_the_closed_forms(overlap, radius, modulus):
+def test_contact_laws_of_core_equal_closed_forms(overlap, radius, modulus):
     arguments = {"overlap": overlap, "radius": radius, "effective_modulus": modulus}
     for law, expected in (
         (HertzSphere(), hertz_sphere(**arguments)),
@@ -45,7 +45,7 @@ def test_laws_of_the_core_are_the_closed_forms(overlap, radius, modulus):
 @given(
     ratio=st.floats(1e-2, 1e3), radius=lengths, modulus=moduli, strain=st.floats(1e-4, 0.05), poisson=st.floats(0, 0.5)
 )
-def test_the_elastic_plastic_law_is_the_published_fit(ratio, radius, modulus, strain, poisson):
+def test_jackson_green_equals_published_fit(ratio, radius, modulus, strain, poisson):
     strength = strain * modulus
     critical, force, area = elastic_plastic.jackson_green(ratio, radius, modulus, strength, poisson)
     law = JacksonGreen(yield_strength=strength, poisson_ratio=poisson)
@@ -66,13 +66,13 @@ def reference():
 class TestAgainstContactMechanics:
     @settings(deadline=None, max_examples=50)
     @given(overlap=lengths, radius=lengths, modulus=moduli)
-    def test_hertz(self, reference, overlap, radius, modulus):
+    def test_hertz_sphere_agrees_with_contact_mechanics(self, reference, overlap, radius, modulus):
         force, area = hertz_sphere(overlap, radius, modulus)
         assert reference[0].normal_load(overlap, radius, modulus) == pytest.approx(float(force), rel=SAME_FORMULA)
         contact_radius, _ = reference[0].radius_and_pressure(float(force), radius, modulus)
         assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=SAME_FORMULA)
 
-    def test_westergaard(self, reference):
+    def test_westergaard_agrees_with_contact_mechanics(self, reference):
         # Theirs: half-width in wavelengths, pressure in units of π E* Δ / λ with 2Δ the total height.
         pressures = np.linspace(0.01, 0.99, 20)
         ours = westergaard_contact_fraction(pressures * math.pi, amplitude=1.0, wavelength=1.0, effective_modulus=1.0)
@@ -80,7 +80,7 @@ class TestAgainstContactMechanics:
         assert np.allclose(ours, theirs, rtol=SAME_FORMULA, atol=0)
 
 
-def test_light_contact_of_a_sinusoid_is_westergaards_without_interaction():
+def test_asperities_on_sinusoid_tend_to_westergaard_at_light_load():
     """Cylinders on the crests of a wave on a flat: at light loads crests do not feel each other, and the areas agree.
 
     The first correction of arcsin is p̄/p*/6, so the difference falls with the load in proportion.
@@ -101,8 +101,8 @@ def test_light_contact_of_a_sinusoid_is_westergaards_without_interaction():
     assert relative[1] > 5 * relative[0]
 
 
-class TestMoments:
-    def test_are_those_of_many_profiles(self):
+class TestFractalMoments:
+    def test_moments_equal_means_over_many_profiles(self):
         # Frequencies of which each is well resolved and fits many times into the profile.
         shape = {"directions": 10, "frequencies": 6}
         exact = weierstrass_mandelbrot_moments(1.4, **shape)
@@ -118,7 +118,7 @@ class TestMoments:
         # 400, and slow waves (small |cos|) do not fit a whole number of times.
         assert np.allclose(measured / count, [exact.height, exact.slope, exact.curvature], rtol=0.05)
 
-    def test_follow_the_convention_and_the_band_limit(self):
+    def test_moments_follow_convention_and_band_limit(self):
         paper = weierstrass_mandelbrot_moments(1.6)
         classical = weierstrass_mandelbrot_moments(1.2, convention="classical")
         assert classical.height == pytest.approx(paper.height, rel=SAME_FORMULA)
@@ -127,13 +127,13 @@ class TestMoments:
         assert limited.height < paper.height
         assert limited.curvature < 0.5 * paper.curvature
 
-    def test_bad_arguments_are_named(self):
+    def test_moments_reject_bad_arguments(self):
         for bad in ({"directions": 0}, {"gamma": 1.0}, {"length_scale": -1}, {"convention": "x"}):
             with pytest.raises(ValueError, match=next(iter(bad))):
                 weierstrass_mandelbrot_moments(1.5, **bad)
 
 
-def test_effective_modulus_of_equal_bodies_is_half_the_plane_strain_modulus():
+def test_effective_modulus_of_equal_materials_is_half_the_plane_strain_modulus():
     assert effective_modulus(210.0, 0.3, 210.0, 0.3) == pytest.approx(210 / (1 - 0.09) / 2, rel=SAME_FORMULA)
     assert effective_modulus(210.0, 0.3, 1e12, 0.3) == pytest.approx(210 / (1 - 0.09), rel=1e-9)
     with pytest.raises(ValueError, match="poisson_lower"):
@@ -157,6 +157,6 @@ def test_effective_modulus_of_equal_bodies_is_half_the_plane_strain_modulus():
         (lambda: force_and_area(JacksonGreen(0.1, 0.7), overlap=1, radius=1), "poisson_ratio"),
     ],
 )
-def test_bad_arguments_are_named(call, word):
+def test_closed_forms_reject_bad_arguments(call, word):
     with pytest.raises(ValueError, match=word):
         call()

@@ -45,12 +45,12 @@ def assert_close(actual, expected, tolerance):
     assert np.all(np.abs(actual - expected) <= tolerance * np.abs(expected)), (actual, expected)
 
 
-class TestAgainstReference:
+class TestProfileReference:
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
     @pytest.mark.parametrize("bodies", ["rough on rough", "flat on rough", "rough on flat"])
     @pytest.mark.parametrize("dimension", [1.0, 1.7])
-    def test_sums_are_those_of_the_plain_evaluation(self, rough_pair, dimension, bodies, curvature, detection):
+    def test_sums_equal_reference(self, rough_pair, dimension, bodies, curvature, detection):
         upper, lower = rough_pair(dimension, points=150_000)
         flat = Profile(np.full(len(upper), 0.37), spacing=upper.spacing)
         upper = flat if bodies.startswith("flat") else upper
@@ -65,7 +65,7 @@ class TestAgainstReference:
             expected = np.transpose([list(pressing.sums(each, sigma).values()) for each in rows])
             assert_close(all_sums(curve), expected, INDEPENDENT[detection])
 
-    def test_table_is_that_of_the_plain_evaluation(self, rough_pair):
+    def test_table_equals_reference(self, rough_pair):
         upper, lower = rough_pair(1.4)
         table = contacts(upper, lower, 0.01, effective_modulus=3.0)
         rows = pressing.contacts(upper.heights, lower.heights, upper.spacing, 0.01, effective_modulus=3.0)
@@ -74,15 +74,15 @@ class TestAgainstReference:
         ours = np.column_stack([table.normal[:, [0, 2]], table.overlap, table.radius, table.force, table.area])
         assert np.allclose(ours, rows[:, 1:], rtol=INDEPENDENT["cell"], atol=0)
 
-    def test_height_offsets_and_their_size_do_not_matter(self, rough_pair):
+    def test_sums_are_independent_of_height_offset(self, rough_pair):
         upper, lower = rough_pair(1.2)
         raised = Profile(upper.heights + 1024.0, spacing=upper.spacing)
         # Adding 1024 rounds the heights to 2^-43 µm, 1e-12 of the amplitude, which curvatures feel most.
         assert_close(all_sums(press(raised, lower, [0.01])), all_sums(press(upper, lower, [0.01])), 1e-5)
 
 
-class TestExact:
-    def test_two_circles_carry_what_hertz_says(self, circular_arc):
+class TestProfileExact:
+    def test_two_circles_equal_hertz(self, circular_arc):
         spacing, points, modulus = 0.002, 1000, 7.0
         for apexes, radii in (
             ((1.0005, 1.0005), (2.0, 3.0)),
@@ -103,7 +103,7 @@ class TestExact:
                 assert_close(table.area, math.pi * radius * overlap, CIRCLE)
                 assert np.allclose(table.normal[0, [0, 2]], apart / np.hypot(*apart), atol=CIRCLE)
 
-    def test_a_ball_in_a_wider_cup_carries_what_hertz_says(self, circular_arc):
+    def test_ball_in_cup_equals_hertz(self, circular_arc):
         spacing, points = 0.002, 1000
         ball = circular_arc(1.0307, 2.0, spacing, points, "upper")
         cup = Profile(-circular_arc(0.9811, 5.0, spacing, points, "lower").heights, spacing=spacing)
@@ -117,7 +117,7 @@ class TestExact:
         assert np.allclose(table.normal[0, [0, 2]], -apart / np.hypot(*apart), atol=CIRCLE)
         assert len(contacts(ball, cup, 1e-3, curvature="convex")) == 0
 
-    def test_no_contact_at_first_touch(self, circular_arc):
+    def test_contact_area_vanishes_at_first_contact(self, circular_arc):
         upper = circular_arc(1.0307, 2.0, 0.002, 1000, "upper")
         lower = circular_arc(0.9411, 3.0, 0.002, 1000, "lower")
         curve = press(upper, lower, [0.0, 1e-3])
@@ -125,7 +125,7 @@ class TestExact:
         assert curve.contact_area[0] < 1e-3 * curve.contact_area[1]
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
-    def test_crests_touch_one_after_the_other(self, detection):
+    def test_crests_come_into_contact_in_order_of_height(self, detection):
         # Waves on a slope of 1e-3, a flat above: each crest is 1e-3 of a wavelength below its neighbour.
         x = np.arange(4000) * 0.001 + 0.3003
         lower = Profile(0.01 * np.cos(2 * np.pi * x) + 1e-3 * x, spacing=0.001)
@@ -133,7 +133,7 @@ class TestExact:
         steps = np.array([0.2e-3, 0.9e-3, 1.1e-3, 1.9e-3, 2.1e-3])
         assert press(upper, lower, steps, detection=detection).contact_count.tolist() == [1, 1, 2, 2, 3]
 
-    def test_one_opposing_contact_is_a_wedge_with_friction(self, circular_arc):
+    def test_single_opposing_contact_is_a_wedge_with_friction(self, circular_arc):
         upper = circular_arc(0.9411, 2.0, 0.002, 1000, "upper")
         lower = circular_arc(1.0307, 3.0, 0.002, 1000, "lower")
         mu0 = np.array([0.0, 0.1, 0.4, 1.0])
@@ -156,7 +156,7 @@ class TestExact:
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
     @pytest.mark.parametrize("below", [True, False])
     @pytest.mark.parametrize("slope", [0.0, 1e-3, 0.1, 0.3])
-    def test_a_ball_on_a_tilted_plane_carries_what_hertz_says(self, circular_arc, slope, below, detection):
+    def test_ball_on_tilted_plane_equals_hertz(self, circular_arc, slope, below, detection):
         radius, spacing, points = 12.0, 0.01, 2001
         ball = circular_arc(10.003, radius, spacing, points, "lower" if below else "upper")
         plane = Profile(1.0 + slope * ball.x, spacing=spacing)
@@ -172,7 +172,7 @@ class TestExact:
         assert np.allclose(table.normal[0], np.array([-slope, 0, 1]) / math.hypot(1, slope), atol=1e-12)
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
-    def test_a_nearly_flat_body_is_as_good_as_a_flat_one(self, circular_arc, detection):
+    def test_nearly_flat_surface_equals_flat_surface(self, circular_arc, detection):
         # The radius goes from 5e7 to 5e13 µm: a difference of such lengths would lose an overlap of 10 pm.
         ball = circular_arc(10.003, 12.0, 0.01, 2001, "lower")
         approaches = [1e-5, 1e-4, 1e-3]
@@ -184,14 +184,14 @@ class TestExact:
             assert curve.contact_count.tolist() == [1, 1, 1]
             assert_close(curve.normal_elastic, flat.normal_elastic, 1e-9 + 0.3 * bow)
 
-    def test_two_flats_have_no_asperities(self):
+    def test_two_flats_have_no_contact(self):
         flat = Profile(np.zeros(20), spacing=0.1)
         curve = press(flat, flat, [0.0, 0.1])
         assert curve.contact_count.tolist() == [0, 0]
         assert curve.status(mu0=0.4).tolist() == ["no-contact", "no-contact"]
         assert np.isnan(curve.friction_coefficient(mu0=0.4)).all()
 
-    def test_superposition_is_friction_inside_the_loop(self, rough_pair):
+    def test_loads_equal_reference_with_friction_at_each_contact(self, rough_pair):
         upper, lower = rough_pair(1.45)
         rows = pressing.contacts(upper.heights, lower.heights, upper.spacing, 0.01)
         for shear, sigma in (("+x", 1), ("-x", -1)):
@@ -201,7 +201,7 @@ class TestExact:
                 assert_close(curve.normal_load(mu0=mu0, tau0=tau0), normal, INDEPENDENT["cell"])
                 assert_close(curve.tangential_load(mu0=mu0, tau0=tau0), tangential, INDEPENDENT["cell"])
 
-    def test_steep_flanks_lock(self):
+    def test_steep_flanks_are_self_locked(self):
         # Two triangular teeth rounded by the spline, flanks of 60 degrees: mu0 tan θ > 1 at mu0 = 1.
         x = np.arange(400) * 0.01
         lower = Profile(-np.sqrt(3) * np.sqrt((x - 2.0013) ** 2 + 0.01), spacing=0.01)
@@ -270,18 +270,18 @@ def exchanged(pair):
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
-class TestIdentities:
+class TestProfileIdentities:
     @pytest.mark.parametrize(("other", "tolerance"), [(mirrored, MIRROR), (exchanged, EXCHANGE)])
     @CASES
     @IDENTITIES
-    def test_mirror_and_exchange(self, law, pair, approach, choices, other, tolerance):
+    def test_sums_are_invariant_under_mirror_and_exchange(self, law, pair, approach, choices, other, tolerance):
         assume(robust(*pair, approach, choices))
         turned_sums = all_sums(press(*other(pair), [approach], law=law, **turned(choices)))
         assert_close(turned_sums, all_sums(press(*pair, [approach], law=law, **choices)), tolerance)
 
     @CASES
     @IDENTITIES
-    def test_scaling(self, law, pair, approach, choices):
+    def test_sums_scale_with_size(self, law, pair, approach, choices):
         """Forces and areas of spheres go as the square of the size, those of cylinders of one width as the size."""
         assume(robust(*pair, approach, choices))
         size = 3.7
@@ -295,7 +295,7 @@ class TestIdentities:
 
     @CASES
     @IDENTITIES
-    def test_modulus(self, law, pair, approach, choices):
+    def test_sums_scale_with_modulus(self, law, pair, approach, choices):
         """With every strength in proportion, forces go as the modulus, and friction depends on tau0/E* alone."""
         soft_law, hard_law = law, law
         if isinstance(law, JacksonGreen):
@@ -310,7 +310,7 @@ class TestIdentities:
 
     @CASES
     @IDENTITIES
-    def test_table_and_sums_are_one_evaluation(self, law, pair, approach, choices):
+    def test_sums_equal_sums_of_table(self, law, pair, approach, choices):
         table = contacts(*pair, approach, law=law, **choices)
         curve = press(*pair, [approach / 2, approach], law=law, **choices)
         assert curve.contact_count[1] == len(table)
@@ -357,21 +357,21 @@ class TestGapMinimum:
             result[points] = np.array(result[points])
         return result
 
-    def test_area_and_loads_do_not_depend_on_the_grid(self, curves):
+    def test_area_and_loads_are_independent_of_grid(self, curves):
         finest = curves[self.POINTS[-1]]
         assert np.all(finest[:, 0] >= 1)
         for points in self.POINTS[:-1]:
             assert_close(curves[points][:, 1:], finest[:, 1:], self.EACH_PAIR)
             assert_close(curves[points][:, 1:].sum(axis=0), finest[:, 1:].sum(axis=0), self.ALL_PAIRS)
 
-    def test_they_converge_in_second_order(self, curves):
+    def test_sums_converge_with_second_order(self, curves):
         # The place of first touch within a cell is random, so errors are compared in the mean over pairs.
         finest, coarser = curves[self.POINTS[-1]], self.POINTS[:-1]
         errors = [np.abs(curves[points][:, 1:3] / finest[:, 1:3] - 1).mean() for points in coarser]
         order = -np.polyfit(np.log(coarser), np.log(errors), 1)[0]
         assert 1.7 < order < 2.3
 
-    def test_the_cell_detection_tends_to_it_as_spacing_and_approach_go_to_zero(self):
+    def test_cell_detection_tends_to_gap_minimum_for_small_spacing_and_approach(self):
         differences = []
         for points, approach in ((150_000, 0.02), (600_000, 0.005), (2_400_000, 0.00125)):
             each = []
@@ -392,20 +392,20 @@ class TestGapMinimum:
 
 
 class TestInterface:
-    def test_friction_parameters_broadcast_before_the_approaches(self, rough_pair):
+    def test_friction_parameters_broadcast_before_approaches(self, rough_pair):
         curve = press(*rough_pair(1.2), [0.005, 0.01, 0.02])
         assert curve.normal_load(mu0=0.1).shape == (3,)
         assert curve.normal_load(mu0=[0.1, 0.2], tau0=0.1).shape == (2, 3)
         assert curve.friction_coefficient(mu0=np.ones((2, 1)) * 0.1, tau0=[0, 0.1, 0.2, 0.3]).shape == (2, 4, 3)
         assert curve.status(mu0=[0.1, 0.2]).shape == (2, 3)
 
-    def test_shear_strength_in_the_wrong_unit_is_warned_about(self, rough_pair):
+    def test_tau0_in_mpa_is_warned_about(self, rough_pair):
         curve = press(*rough_pair(1.2), [0.01])
         with pytest.warns(UserWarning, match="is it in MPa"):
             curve.normal_load(mu0=0.4, tau0=200)
 
     @pytest.mark.parametrize("bad", [{"mu0": -0.1}, {"mu0": math.nan}, {"mu0": "x"}, {"mu0": 0.1, "tau0": -1}])
-    def test_bad_friction_parameters_are_named(self, rough_pair, bad):
+    def test_friction_coefficient_rejects_bad_parameters(self, rough_pair, bad):
         curve = press(*rough_pair(1.2), [0.01])
         with pytest.raises(ValueError, match=list(bad)[-1]):
             curve.friction_coefficient(**bad)
@@ -424,13 +424,13 @@ class TestInterface:
             ({"shear": "+y"}, "shear must be one of"),
         ],
     )
-    def test_bad_arguments_are_named(self, rough_pair, call, change, message):
+    def test_press_and_contacts_reject_bad_arguments(self, rough_pair, call, change, message):
         upper, lower = rough_pair(1.2)
         arguments = {"approach": 0.01} | change
         with pytest.raises(ValueError, match=message):
             call(upper, lower, arguments.pop("approach"), **arguments)
 
-    def test_mismatched_grids_are_refused(self, rough_pair):
+    def test_press_rejects_different_grids(self, rough_pair):
         upper, lower = rough_pair(1.2)
         with pytest.raises(ValueError, match="equally many points"):
             press(Profile(upper.heights[:-1], spacing=upper.spacing), lower, [0.01])
@@ -447,7 +447,7 @@ class TestInterface:
             ([0.1, np.nan], "finite"),
         ],
     )
-    def test_bad_approaches_are_named(self, rough_pair, approaches, message):
+    def test_press_rejects_bad_approaches(self, rough_pair, approaches, message):
         with pytest.raises(ValueError, match=message):
             press(*rough_pair(1.2), approaches)
 

@@ -63,7 +63,7 @@ def bowl(n, extent, radii):
 @pytest.mark.parametrize("shape", [(64,), (63,), (12, 15)])
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("pressed", [0.02, 0.3])
-def test_agrees_with_dense_matrices(shape, boundary, pressed):
+def test_pressure_agrees_with_dense_matrices(shape, boundary, pressed):
     lower = rough(shape, longest=1, shortest=5)
     load = pressed * MODULUS * 0.1
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-11)
@@ -85,7 +85,7 @@ def test_agrees_with_dense_matrices(shape, boundary, pressed):
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("hardness", [None, 0.5])
 @pytest.mark.parametrize("pressed", [0.02, 0.3])
-def test_nothing_touches_where_points_are_missing(shape, boundary, hardness, pressed):
+def test_missing_points_have_no_contact(shape, boundary, hardness, pressed):
     body = rough(shape, longest=1, shortest=5)
     missing = np.zeros(shape, bool)  # the summit, and a quarter of all
     missing[tuple(slice(n // 2) for n in shape)] = missing[np.unravel_index(body.heights.argmax(), shape)] = True
@@ -114,7 +114,7 @@ def test_nothing_touches_where_points_are_missing(shape, boundary, hardness, pre
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("flat", [False, True])
 @pytest.mark.parametrize("part", [0.05, 0.95])
-def test_pressures_below_a_bound_of_each_point_agree_with_dense_matrices(shape, boundary, flat, part):
+def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part):
     """Over a rough gap, as a hardness that varies; and over none, as a traction, with points that bear nothing."""
     random = np.random.default_rng(5)
     periodic, spacing = boundary == "periodic", tuple(1 / n for n in shape)
@@ -135,7 +135,7 @@ def test_pressures_below_a_bound_of_each_point_agree_with_dense_matrices(shape, 
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_even_bounds_of_points_on_a_flat(boundary):
+def test_uniform_bounds_on_flat_are_reached_at_full_load(boundary):
     """A displacement that is even everywhere, or a punch's, up to all that the points bear."""
     random = np.random.default_rng(2)
     bound = 1.0 + 1e-15 * random.normal(size=(20, 24))
@@ -150,7 +150,7 @@ def test_even_bounds_of_points_on_a_flat(boundary):
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9, 0.99])
-def test_traction_under_a_sphere_is_mindlins(ratio):
+def test_traction_under_sphere_equals_mindlin(ratio):
     """Hertz's pressure times mu0 is the bound; of the radius (1 - T/T_s)^(1/3) sticks (Johnson 7.2)."""
     n, spacing, radius, mu0 = 128, 0.02, 1.0, 0.4
     x = (np.arange(n) - n / 2 + 0.31) * spacing
@@ -164,7 +164,7 @@ def test_traction_under_a_sphere_is_mindlins(ratio):
 
 
 @pytest.mark.parametrize("fraction", [0.01, 0.1, 0.5, 0.9, 0.99])
-def test_westergaard(fraction):
+def test_sinusoid_equals_westergaard(fraction):
     amplitude, full = 1e-4, np.pi * MODULUS * 1e-4  # so gentle that areas on the slope are those on the ground
     wave = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": MODULUS}
     load = full * np.sin(np.pi / 2 * fraction) ** 2
@@ -185,7 +185,7 @@ def test_westergaard(fraction):
     assert errors[1] < 0.15 / (4096 * fraction)
 
 
-def test_westergaard_closed_forms_agree_with_each_other():
+def test_westergaard_closed_forms_are_consistent():
     wave = {"amplitude": 0.01, "wavelength": 2.0, "effective_modulus": MODULUS}
     x = np.linspace(-1, 1, 20_001)[:-1]
     for load in (0.001, 0.1, 0.2):
@@ -199,7 +199,7 @@ def test_westergaard_closed_forms_agree_with_each_other():
     np.testing.assert_allclose(westergaard_gap(x, 1e-12, **wave), 0.01 * (1 - np.cos(np.pi * x)), atol=1e-9)
 
 
-def test_hertz_line():
+def test_line_contact_equals_hertz():
     radius, load, errors = 5.0, 0.1, []
     half_width, peak = hertz_line(load, radius, MODULUS)
     for n in (512, 2048):
@@ -216,7 +216,7 @@ def test_hertz_line():
 
 
 @pytest.mark.parametrize("radii", [(5.0, 5.0), (5.0, 15.0)])
-def test_hertz_points(radii):
+def test_point_contact_equals_hertz(radii):
     force, area, axes = hertz_ellipse(0.01, *radii, MODULUS)
     errors = []
     for n in (64, 128, 256):
@@ -232,7 +232,7 @@ def test_hertz_points(radii):
     assert curve.contact_count[0] == 1
 
 
-def test_hertz_ellipse_is_the_sphere_and_its_limit_is_the_line():
+def test_hertz_ellipse_tends_to_sphere_and_line():
     force, area, (a, b) = hertz_ellipse(0.01, 3.0, 3.0, MODULUS)
     np.testing.assert_allclose((force, area), hertz_sphere(0.01, 3.0, MODULUS), rtol=ROUND_OFF)
     np.testing.assert_allclose(a, b, rtol=ROUND_OFF)
@@ -246,7 +246,7 @@ def test_hertz_ellipse_is_the_sphere_and_its_limit_is_the_line():
     np.testing.assert_allclose([b / a, area / sphere[1], force / sphere[0]], [0.346, 0.9680, 1.0536], atol=5e-4)
 
 
-def test_flat_punch():
+def test_flat_punch_equals_closed_form():
     n = 1024
     flat = Profile(np.zeros(n), spacing=1 / n)
     p = half_space(flat, flat, [1.0]).contact(0).pressure
@@ -256,7 +256,7 @@ def test_flat_punch():
 
 
 @pytest.mark.parametrize("shape", [(128,), (48, 40)])
-def test_full_contact_is_the_inverse_of_the_kernel(shape):
+def test_full_contact_equals_inverse_of_kernel(shape):
     lower = rough(shape)
     waves = np.meshgrid(
         *[2 * np.pi * np.fft.fftfreq(n, 1 / n) for n in shape[:-1]],
@@ -271,7 +271,7 @@ def test_full_contact_is_the_inverse_of_the_kernel(shape):
     assert np.isinf(curve.stiffness[0])
 
 
-def test_linear_in_the_modulus_and_free_of_offsets():
+def test_results_are_linear_in_modulus_and_independent_of_offset():
     lower = rough((64, 64))
     one = half_space(flat_like(lower), lower, [0.01, 0.1], boundary="periodic", tolerance=TIGHT)
     raised = Surface(lower.heights + 3.0, spacing=lower.spacing)
@@ -285,7 +285,7 @@ def test_linear_in_the_modulus_and_free_of_offsets():
     np.testing.assert_allclose(other.stiffness, 7 * one.stiffness, rtol=1e-5)
 
 
-def test_free_and_periodic_agree_as_the_patch_shrinks():
+def test_free_and_periodic_boundaries_agree_for_small_patches():
     differences = []
     force = float(hertz_sphere(0.01, 4.0, MODULUS)[0])  # a radius of 0.2 µm
     for extent in (0.5, 1.0, 2.0):
@@ -299,7 +299,7 @@ def test_free_and_periodic_agree_as_the_patch_shrinks():
     assert differences[2] < 0.01
 
 
-def test_stiffness_is_the_slope_of_load_over_approach():
+def test_stiffness_is_derivative_of_load():
     lower = rough((96, 96), shortest=8)
     load = 0.05 * np.array([0.99, 1.0, 1.01])
     curve = half_space(flat_like(lower), lower, load, boundary="periodic", tolerance=1e-9)
@@ -330,7 +330,7 @@ def test_stiffness_agrees_with_dense_matrices(shape, boundary, hardness):
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("pressed", [0.002, 0.05, 0.5])
-def test_agrees_with_tamaas(pressed, boundary):
+def test_pressure_agrees_with_tamaas(pressed, boundary):
     tamaas = pytest.importorskip("tamaas")
     tamaas.set_log_level(tamaas.LogLevel.error)
     n = 64
@@ -350,13 +350,13 @@ def test_agrees_with_tamaas(pressed, boundary):
     assert np.abs(found - exact).max() < 1e-7 * exact.max()
 
 
-def test_kappa_is_near_two_at_light_load():
+def test_kappa_is_near_2_at_light_load():
     lower = rough((256, 256), shortest=32)
     curve = half_space(flat_like(lower), lower, [0.02 * MODULUS * 0.1], boundary="periodic")
     assert 1.8 < curve.contact_area[0] * MODULUS * 0.1 / curve.load[0] < 2.5
 
 
-def test_hardness_caps_the_pressure_and_tends_to_load_over_hardness():
+def test_hardness_limits_pressure_and_area_tends_to_load_over_hardness():
     lower = rough((128, 128), shortest=16)
     load = 0.01
     elastic = half_space(flat_like(lower), lower, [load], boundary="periodic")
@@ -378,7 +378,7 @@ def test_hardness_caps_the_pressure_and_tends_to_load_over_hardness():
     assert ratio == pytest.approx(1.0, abs=0.05)
 
 
-def test_random_problems_with_a_hardness_are_solved():
+def test_random_problems_with_hardness_are_solved():
     """A few of those of the soak: none refused, none wrong, pressures in contact at most the hardness on the mean."""
     random = np.random.default_rng(8)
     for _ in range(8):
@@ -390,7 +390,7 @@ def test_random_problems_with_a_hardness_are_solved():
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("shape", [(256,), (40, 40)])
 @pytest.mark.parametrize("ratio", [0.5, 10, 1000])
-def test_no_hardness_is_too_low(shape, boundary, ratio):
+def test_hardness_may_be_arbitrarily_low(shape, boundary, ratio):
     """E* h'/H from 0.5 to 1000 and loads up to all that the hardness bears."""
     lower = rough(shape)
     hardness = MODULUS * 0.1 / ratio
@@ -406,7 +406,7 @@ def test_no_hardness_is_too_low(shape, boundary, ratio):
         assert contact.share.max() <= 1
 
 
-def test_true_area_under_a_hardness_is_that_of_finer_grids():
+def test_contact_area_with_hardness_is_independent_of_grid():
     """The shortest wave has 16 points in one and 64 in the other."""
     loads, fine = [0.005, 0.03], rough((512, 512), longest=2, shortest=8, seed=3)
     for hardness in (0.7, 0.2, 0.04):
@@ -418,7 +418,7 @@ def test_true_area_under_a_hardness_is_that_of_finer_grids():
         assert areas[1] == pytest.approx(areas[0], rel=GRID_OF_PLASTIC_EDGES)
 
 
-def test_hardness_agrees_with_tamaas():
+def test_pressure_with_hardness_agrees_with_tamaas():
     tamaas = pytest.importorskip("tamaas")
     tamaas.set_log_level(tamaas.LogLevel.error)
     n, load, hardness = 32, 0.05, 0.6
@@ -434,7 +434,7 @@ def test_hardness_agrees_with_tamaas():
     assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness  # its own tolerance, in pressures
 
 
-def test_friction_is_the_one_curve_of_gentle_surfaces():
+def test_friction_follows_small_slope_formula():
     slope, mu0, tau0 = 0.1, 0.4, 0.2
     load = 0.005 * MODULUS * slope
     angles = np.arange(0, 360, 45)
@@ -453,7 +453,7 @@ def test_friction_is_the_one_curve_of_gentle_surfaces():
             assert np.mean(found) == pytest.approx(np.mean(expected), rel=tolerance), (sliding, strength)
 
 
-def test_gentle_friction_is_the_formula():
+def test_gentle_friction_equals_formula():
     m, s = 0.4 + 2.0 * 0.1 / (20 * 0.3), 0.2 / (2 * np.sqrt(2 * np.pi))
     arguments = {"rms_gradient": 0.3, "rms_slope": 0.2, "effective_modulus": 20.0, "kappa": 2.0}
     assert gentle_friction(0.4, 0.1, **arguments) == pytest.approx((m / 2 + s) / (1 - m * s), rel=ROUND_OFF)
@@ -491,7 +491,7 @@ def leaning(sigma_along, sigma_across, m, *, rule):
 
 @pytest.mark.parametrize("rule", ["opposing", "all"])
 @pytest.mark.parametrize(("gradient", "slope"), [(0.1, 0.07), (1.0, 0.5), (2.0, 1.9)])
-def test_the_second_order_is_the_sum_over_contacts_that_lean_at_random(rule, gradient, slope):
+def test_second_order_gentle_friction_equals_sum_over_random_slopes(rule, gradient, slope):
     across = np.sqrt(gradient**2 - slope**2)
     for ratio in (1.0, 0.3):
         shared = ratio / (1 + ratio**2)
@@ -500,7 +500,7 @@ def test_the_second_order_is_the_sum_over_contacts_that_lean_at_random(rule, gra
         assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE)
 
 
-def test_gentle_friction_of_the_second_order_has_its_limits():
+def test_second_order_gentle_friction_has_limits():
     for rule in ("opposing", "all"):
         for given in ({"rms_gradient": 1e-5}, {"rms_gradient": 0.5, "rms_slope": 0.5}, {"rms_gradient": 2e-9}):
             first, second = (gentle_friction(0.4, sliding=rule, order=order, **given) for order in (1, 2))
@@ -527,7 +527,7 @@ def bodies(ratio, seeds, slope):
     )
 
 
-def test_contacts_on_slopes_across_the_motion_are_longer_than_their_ground_plan():
+def test_friction_includes_area_of_slopes_across_the_motion():
     slope = 0.9
     found = []
     for seeds in ((1, 2), (3, 4)):
@@ -541,7 +541,7 @@ def test_contacts_on_slopes_across_the_motion_are_longer_than_their_ground_plan(
     assert np.mean(found) == pytest.approx(expected, rel=SCATTER_OF_ALL)
 
 
-def test_how_much_bodies_lean_follows_from_their_roughness_and_not_from_their_compliance():
+def test_mean_slope_of_contacts_depends_on_roughness_alone():
     slope, ratio = 0.9, 3.0
     lean = []
     for share in (0.0, 0.5, 1.0):
@@ -555,7 +555,7 @@ def test_how_much_bodies_lean_follows_from_their_roughness_and_not_from_their_co
     assert 0.7 < np.mean(lean) / (slope / np.sqrt(4 * np.pi) * ratio / (1 + ratio**2)) < 1.0
 
 
-def test_mirror_and_exchange():
+def test_results_are_invariant_under_mirror_and_exchange():
     upper, lower = (rough((2048,), seed=seed, shortest=64) for seed in (3, 4))
     loads = [0.005, 0.02]
     curve = half_space(upper, lower, loads, boundary="periodic", compliance_share=0.3, tolerance=TIGHT)
@@ -568,7 +568,7 @@ def test_mirror_and_exchange():
             np.testing.assert_allclose(getattr(one, name), getattr(curve, name), rtol=1e-6, err_msg=name)
 
 
-def test_an_extruded_profile_is_the_profile():
+def test_extruded_profile_equals_profile():
     lines = [rough((256,), seed=seed, shortest=16) for seed in (1, 2)]
     wide = [Surface(np.tile(line.heights, (8, 1)), spacing=(1 / 8, 1 / 256)) for line in lines]
     one = half_space(*lines, [0.01], boundary="periodic", tolerance=TIGHT)
@@ -582,7 +582,7 @@ def test_an_extruded_profile_is_the_profile():
     np.testing.assert_allclose(other.tangential_load(mu0=0.4)[1], 0.0, atol=1e-9)
 
 
-def test_patches_are_connected_over_edges_where_periodic():
+def test_patches_connect_across_periodic_edges():
     n = 32
     x = np.arange(n) / n
     lower = Surface(0.01 * (np.cos(2 * np.pi * x)[:, None] + np.cos(2 * np.pi * x)[None, :]), spacing=1 / n)
@@ -594,13 +594,13 @@ def test_patches_are_connected_over_edges_where_periodic():
     assert (periodic.contact(0).patches > 0).sum() == (periodic.contact(0).pressure > 0).sum()
 
 
-def test_a_tolerance_that_round_off_does_not_allow_is_refused():
+def test_half_space_rejects_tolerance_below_round_off():
     lower = rough((64, 64))
     with pytest.raises(RuntimeError, match="no solution at"):
         half_space(flat_like(lower), lower, [0.01], boundary="periodic", tolerance=1e-18)
 
 
-def test_flat_on_flat_periodic_is_even():
+def test_periodic_flats_have_uniform_pressure():
     flat = Surface(np.full((8, 12), 2.0), spacing=1.0)
     curve = half_space(flat, flat, [96.0], boundary="periodic")
     np.testing.assert_allclose(curve.contact(0).pressure, 1.0, rtol=ROUND_OFF)
@@ -638,13 +638,13 @@ MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
         ({"progress": "x"}, "progress must be a function of three arguments or None, got 'x'"),
     ],
 )
-def test_bad_arguments(arguments, message):
+def test_half_space_rejects_bad_arguments(arguments, message):
     given = {"upper": LINE, "lower": LINE, "loads": [1.0]} | arguments
     with pytest.raises(ValueError, match=message):
         half_space(**given)
 
 
-def test_results_are_read_only_and_indices_are_checked():
+def test_curve_is_read_only_and_checks_indices():
     curve = half_space(flat_like(LINE), LINE, [1.0])
     assert isinstance(curve, HalfSpaceCurve)
     with pytest.raises(ValueError, match="read-only"):
@@ -656,7 +656,7 @@ def test_results_are_read_only_and_indices_are_checked():
 
 
 @pytest.mark.parametrize("load", [0.02, 0.05, 0.1])
-def test_a_ball_on_a_flat_opposes_in_no_direction(load):
+def test_level_contact_of_ball_opposes_no_direction(load):
     # Its one patch is level; what the solver leaves of asymmetry must not decide.
     x = (np.arange(65) - 32) * 0.05
     ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
@@ -669,7 +669,7 @@ def test_a_ball_on_a_flat_opposes_in_no_direction(load):
     assert np.array_equal(curve.direction, [0, 90, 180, 270])
 
 
-def test_where_all_pressure_is_at_the_hardness_the_gap_is_that_of_the_approach():
+def test_gap_vanishes_in_contact_at_hardness():
     x = (np.arange(33) - 16) * 0.05
     ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
     curve = half_space(Surface(np.zeros((33, 33)), spacing=0.05), ball, [1e-4], hardness=1e-3)
@@ -679,7 +679,7 @@ def test_where_all_pressure_is_at_the_hardness_the_gap_is_that_of_the_approach()
 
 
 @pytest.mark.parametrize("periodic", [True, False])
-def test_displacements_are_those_of_all_cells_on_any_number_of_threads(periodic):
+def test_displacements_equal_direct_sum_for_any_thread_count(periodic):
     grids = _core.HalfSpaceGrids((801, 760), (0.1, 0.2), effective_modulus=MODULUS, periodic=periodic)
     pressure = np.random.default_rng(4).random((801, 760))
     pressure[np.random.default_rng(5).permutation(801)[:400]] = 0.0
@@ -690,7 +690,7 @@ def test_displacements_are_those_of_all_cells_on_any_number_of_threads(periodic)
         assert np.array_equal(grids.displacement(pressure, threads=threads), found)
 
 
-def test_pairs_on_one_grid_share_kernels():
+def test_pairs_on_equal_grids_share_kernels():
     one, other = (rough((32, 32), seed=seed) for seed in (1, 2))
     first = half_space(flat_like(one), one, [0.01])
     second = half_space(flat_like(other), other, [0.02])
@@ -702,7 +702,7 @@ def test_pairs_on_one_grid_share_kernels():
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_loads_one_after_the_other_are_the_loads_alone(boundary):
+def test_several_loads_equal_single_loads(boundary):
     """Areas begin at the load before where that is near; which start they had is below the tolerance."""
     body = rough((48, 40))
     upper = flat_like(body)
@@ -716,7 +716,7 @@ def test_loads_one_after_the_other_are_the_loads_alone(boundary):
 
 
 @pytest.mark.parametrize(("shape", "boundary"), [((256,), "periodic"), ((48, 40), "periodic"), ((48, 40), "free")])
-def test_approaches_are_those_of_the_loads_they_take(shape, boundary):
+def test_approaches_and_their_loads_are_consistent(shape, boundary):
     body = rough(shape)
     upper = flat_like(body)
     wanted = np.array([0.05, 0.2, 0.6]) * (body.heights.max() - body.heights.mean())
@@ -731,14 +731,14 @@ def test_approaches_are_those_of_the_loads_they_take(shape, boundary):
 
 @pytest.mark.parametrize("shape", [(64,), (24, 20)])
 @pytest.mark.parametrize("left", [1e-2, 1e-6, 1e-14])
-def test_approaches_up_to_full_contact_are_met(shape, left):
+def test_approaches_are_reached_up_to_full_contact(shape, left):
     body = rough(shape, longest=1, shortest=5)
     full = (body.heights.max() - body.heights).mean()
     curve = half_space(flat_like(body), body, approaches=[full * (1 - left)], boundary="periodic")
     assert abs(curve.approach[0] - full * (1 - left)) <= 1.01e-6 * body.heights.std()
 
 
-def test_approach_of_a_sphere_is_hertz():
+def test_approach_of_sphere_equals_hertz():
     """The approach of far points, δ = (9 F²/(16 E*² R))^(1/3)."""
     ball = bowl(96, 2.0, (5.0, 5.0))
     curve = half_space(ball, flat_like(ball), approaches=[0.05])
@@ -758,20 +758,20 @@ def test_approach_of_a_sphere_is_hertz():
         ({"approaches": [1.0]}, "approaches must be below .* where all points touch"),
     ],
 )
-def test_bad_approaches(arguments, message):
+def test_half_space_rejects_bad_approaches(arguments, message):
     body = rough((64,))
     with pytest.raises(ValueError, match=message):
         half_space(flat_like(body), body, **({"boundary": "periodic"} | arguments))
 
 
 @pytest.mark.parametrize("spacing", [1e-320, (0.1, 1e-13), (1e-160, 1e-160)])
-def test_a_grid_that_is_none_is_refused(spacing):
+def test_half_space_rejects_bad_spacing(spacing):
     heights = rough((16, 16)).heights
     with pytest.raises(ValueError, match="spacing must"):
         half_space(Surface(0 * heights, spacing=spacing), Surface(heights, spacing=spacing), [1e-3])
 
 
-def test_progress_says_what_is_solved_and_can_end_it():
+def test_progress_reports_iterations_and_can_cancel():
     body = rough((32, 32))
     seen = []
     half_space(
@@ -789,7 +789,7 @@ def test_progress_says_what_is_solved_and_can_end_it():
         half_space(flat_like(body), body, [0.01], progress=stop)
 
 
-def test_ctrl_c_ends_it_within_some_transforms():
+def test_solver_ends_soon_after_ctrl_c():
     """A computation of many seconds, long before its end; the main thread is in the core when it comes."""
     body = rough((512, 512), shortest=128)
     pressed = []
@@ -809,7 +809,7 @@ def test_ctrl_c_ends_it_within_some_transforms():
     assert time.process_time() - pressed[0] < SOON
 
 
-def test_a_sum_that_round_off_changes_is_not_blown_up_by_long_steps():
+def test_solver_converges_if_steps_are_extrapolated():
     """A half-plane on which steps are some thirty times as long as they were tried."""
     study = Study.named("figure6-half-plane")
     dimension = float(study.surfaces.fractal_dimensions()[7])
@@ -818,21 +818,21 @@ def test_a_sum_that_round_off_changes_is_not_blown_up_by_long_steps():
 
 
 @pytest.mark.parametrize("height", [1e157, 1e100])
-def test_gaps_that_no_half_space_has_are_refused(height):
+def test_half_space_rejects_extreme_gaps(height):
     body = rough((32, 32), shortest=8)
     high = Surface(body.heights * (height / np.ptp(body.heights)), spacing=body.spacing)
     with pytest.raises(ValueError, match="gap of at most"):
         half_space(flat_like(body), high, [0.01])
 
 
-def test_an_onset_of_next_to_no_strength_is_refused():
+def test_onset_rejects_vanishing_strength():
     body = rough((32, 32), shortest=8)
     with pytest.raises(ValueError, match="must not both be 0"):
         half_space(flat_like(body), body, [0.01]).onset(0, mu0=1e-160)
 
 
 @pytest.mark.parametrize(("boundary", "hardness"), [("free", None), ("periodic", None), ("free", 1.0)])
-def test_bits_are_those_of_any_number_of_threads(boundary, hardness):
+def test_bits_are_independent_of_thread_count(boundary, hardness):
     body = rough((150, 128))
     alone = half_space(flat_like(body), body, [0.1], boundary=boundary, hardness=hardness)
     with scipy.fft.set_workers(3):
@@ -840,7 +840,7 @@ def test_bits_are_those_of_any_number_of_threads(boundary, hardness):
     assert np.array_equal(alone.contact(0).pressure, together.contact(0).pressure)
 
 
-def test_closures_of_whole_and_of_masked_bodies_on_one_grid_are_their_own():
+def test_closure_of_masked_surface_differs_from_complete_surface():
     body = rough((32, 32))
     missing = np.zeros((32, 32), bool)
     missing[:8] = True

@@ -14,7 +14,7 @@ FRICTION, AREA = 0.01, 0.03
 
 
 @pytest.mark.parametrize("rms", [0.05, 0.007, 0.0015])  # plastic throughout, between, nearly elastic
-def test_between_nodes_it_is_that_of_direct_solutions(rms: float) -> None:
+def test_interpolated_area_agrees_with_direct_solutions(rms: float) -> None:
     upper, lower = rough_maps(rms=rms, points=96, spacing=0.05, shortest_wavelength=0.3)
 
     def ratio(hardness: float | None) -> float:
@@ -33,7 +33,7 @@ def test_between_nodes_it_is_that_of_direct_solutions(rms: float) -> None:
     assert 0.2 + 0.05 * found == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION)
 
 
-def test_limits() -> None:
+def test_interpolated_area_has_limits() -> None:
     assert area_per_load([0.5], [0.5, 1.0], [2.1, 1.1], 0.3)[0] == pytest.approx(2.1)
     soft = area_per_load([1e3], [1e2, 1e4], [0.3, 0.3], 0.3)
     assert soft[0] == pytest.approx(0.3)

@@ -7,7 +7,7 @@ ARC = 1e-6  # relative: Hertz's force of two arcs, as in the contact tests
 
 
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
-def test_arcs_come_as_close_as_hertz_says(circular_arc, detection):
+def test_approach_of_arcs_equals_hertz(circular_arc, detection):
     radius, spacing = 1.0, 1e-3
     lower = circular_arc(0.5003, radius, spacing, 1001, "lower")
     upper = circular_arc(0.5003, radius, spacing, 1001, "upper")
@@ -18,7 +18,7 @@ def test_arcs_come_as_close_as_hertz_says(circular_arc, detection):
     np.testing.assert_allclose(found + deep, overlaps, rtol=ARC, atol=1e-9)
 
 
-def test_a_scalar_load_gives_one_approach_and_shapes_are_kept(rough_pair):
+def test_approach_at_load_preserves_shape_of_loads(rough_pair):
     upper, lower = rough_pair(1.2)
     loads = np.array([[1e-4, 1e-3, 3e-3], [2e-3, 2e-4, 1e-2]])
     found = approach_at_load(upper, lower, loads, mu0=0.4)
@@ -29,7 +29,7 @@ def test_a_scalar_load_gives_one_approach_and_shapes_are_kept(rough_pair):
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
 @pytest.mark.parametrize("dimension", [1.1, 1.4, 1.6])
 @pytest.mark.parametrize("shear", ["+x", "-x"])
-def test_the_load_is_first_carried_there(rough_pair, dimension, detection, shear):
+def test_approach_at_load_is_the_smallest_approach(rough_pair, dimension, detection, shear):
     upper, lower = rough_pair(dimension)
     choices = {"detection": detection, "shear": shear, "effective_modulus": 20.0}
     friction = {"mu0": 0.4, "tau0": 0.2}
@@ -51,13 +51,13 @@ def test_the_load_is_first_carried_there(rough_pair, dimension, detection, shear
         assert (before >= load).mean() < 0.03
 
 
-def test_a_load_that_friction_on_slopes_helps_to_carry_needs_more_approach_with_more_friction(rough_pair):
+def test_approach_depends_on_friction_of_slopes(rough_pair):
     upper, lower = rough_pair(1.3)
     less, more = (approach_at_load(upper, lower, 1e-3, mu0=mu0) for mu0 in (0.0, 1.0))
     assert more > less
 
 
-def test_not_a_number_where_there_is_no_answer(circular_arc):
+def test_unreachable_load_gives_nan(circular_arc):
     flat = Profile(np.zeros(401), spacing=0.01)
     assert np.isnan(approach_at_load(flat, flat, 1.0, mu0=0.3))
     ball = circular_arc(2.003, 3.0, 0.01, 401, "lower")
@@ -78,7 +78,7 @@ def test_not_a_number_where_there_is_no_answer(circular_arc):
         ({"shear": "x"}, "shear must be one of"),
     ],
 )
-def test_bad_arguments_are_named(rough_pair, arguments, words):
+def test_approach_at_load_rejects_bad_arguments(rough_pair, arguments, words):
     upper, lower = rough_pair(1.2)
     with pytest.raises(ValueError, match=words):
         approach_at_load(upper, lower, **({"loads": 1e-3, "mu0": 0.4} | arguments))

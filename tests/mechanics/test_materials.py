@@ -13,7 +13,7 @@ ROUND_OFF = 1e-14
 EACH = pytest.mark.parametrize("each", materials(), ids=lambda each: each.name)
 
 
-def test_there_are_thirty_of_all_kinds():
+def test_table_has_materials_of_all_kinds():
     assert len(materials()) >= 30
     kinds = {each.kind for each in materials()}
     assert kinds == {"metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"}
@@ -22,7 +22,7 @@ def test_there_are_thirty_of_all_kinds():
 
 
 @EACH
-def test_numbers_can_be(each):
+def test_values_of_materials_are_physical(each):
     values = (each.young_modulus, each.poisson_ratio, each.hardness)
     for value in (value for value in values if value is not None):
         assert 0 < value.low <= value <= value.high
@@ -50,19 +50,19 @@ def test_numbers_can_be(each):
         ("silicon nitride", 300, 16), ("PMMA", 3, 0.2), ("gold", 78, 0.3), ("silicon", 165, 11), ("lead", 16, 0.04),
     ],
 )  # fmt: skip
-def test_known_numbers_are_inside_the_ranges(name, young, hardness):
+def test_ranges_contain_reference_values(name, young, hardness):
     found = material(name)
     assert 0.9 * found.young_modulus.low <= young <= 1.1 * found.young_modulus.high
     assert 0.9 * found.hardness.low <= hardness <= 1.1 * found.hardness.high
 
 
 @EACH
-def test_is_found_by_each_of_its_names_however_written(each):
+def test_material_accepts_each_alias_in_any_spelling(each):
     for name in (each.name, *each.aliases):
         assert material(name) is material(name.upper()) is material(name.replace("-", " ")) is each
 
 
-def test_no_two_share_a_name():
+def test_materials_have_unique_names():
     names = [re.sub(r"[\W_]", "", name).casefold() for each in materials() for name in (each.name, *each.aliases)]
     assert len(names) == len(set(names))
 
@@ -77,12 +77,12 @@ def test_no_two_share_a_name():
         (3, "name must be the name of a material, got 3"),
     ],
 )
-def test_an_unknown_name_is_refused_with_the_nearest(name, said):
+def test_material_suggests_nearest_name(name, said):
     with pytest.raises(ValueError, match=said):
         material(name)
 
 
-def test_two_materials_make_a_modulus_a_compliance_and_a_hardness():
+def test_two_materials_give_modulus_compliance_and_hardness():
     steel, brass = material("steel"), material("brass")
     by_hand = 1 / sum((1 - each.poisson_ratio**2) / each.young_modulus for each in (steel, brass))
     assert effective_modulus(steel, brass) == pytest.approx(by_hand, rel=ROUND_OFF)
@@ -97,7 +97,7 @@ def test_two_materials_make_a_modulus_a_compliance_and_a_hardness():
     assert softer_hardness(brass, material("PDMS")) is softer_hardness(material("rubber"), brass) is None
 
 
-def test_four_numbers_mean_what_they_did():
+def test_effective_modulus_accepts_four_numbers():
     assert effective_modulus(200.0, 0.0, [200.0, 100.0], 0.0).tolist() == pytest.approx([100, 200 / 3])
 
 
@@ -105,7 +105,7 @@ def test_four_numbers_mean_what_they_did():
     "arguments",
     [("steel", "brass"), (material("steel"), 0.3, 200.0, 0.3), (material("steel"), material("gold"), 1.0, 0.3)],
 )
-def test_a_mixture_of_both_is_refused(arguments):
+def test_effective_modulus_rejects_mixed_arguments(arguments):
     with pytest.raises(ValueError, match=r"effective_modulus|young_upper|array of real numbers"):
         effective_modulus(*arguments)
     with pytest.raises(ValueError, match="upper must be a Material"):
@@ -114,7 +114,7 @@ def test_a_mixture_of_both_is_refused(arguments):
         softer_hardness(material("brass"), 3.0)
 
 
-def test_a_value_goes_to_another_process_with_its_range():
+def test_material_value_is_pickled_with_its_range():
     value = pickle.loads(pickle.dumps(material("copper").hardness))
     assert isinstance(value, MaterialValue)
     assert (value.low, value.high, value.source) == (0.34, 1.14, material("copper").hardness.source)
@@ -122,7 +122,7 @@ def test_a_value_goes_to_another_process_with_its_range():
     assert repr(MaterialValue(2, 2, "somebody")) == "<2, somebody>"
 
 
-def test_the_table_of_the_documents_is_that_of_the_package():
+def test_documented_table_of_materials_is_current():
     docs = Path(__file__).parents[2] / "docs"
     spec = importlib.util.spec_from_file_location("materials_table", docs / "scripts/materials.py")
     script = importlib.util.module_from_spec(spec)

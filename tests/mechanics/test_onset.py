@@ -57,7 +57,7 @@ def ball():
     return half_space(flat_like(lower), lower, [4 / 3 * MODULUS * radius**3], tolerance=1e-8), radius
 
 
-def test_a_ball_is_cattaneos_and_mindlins(ball):
+def test_onset_of_ball_equals_cattaneo_mindlin(ball):
     curve, radius = ball
     for poisson in (0.0, 0.3, (0.2, 0.5)):
         onset = curve.onset(0, mu0=0.3, poisson=poisson, steps=PARTS)
@@ -79,7 +79,7 @@ def test_a_ball_is_cattaneos_and_mindlins(ball):
         np.testing.assert_allclose(onset.energy_lost(onset.tangential_load)[2:], lost[2:], rtol=5 * MINDLIN)
 
 
-def test_a_ball_slips_from_its_edge_inwards(ball):
+def test_ball_slips_from_edge_inwards(ball):
     curve, radius = ball
     x = (np.arange(96) - 48 + 0.31) / 96
     away = np.hypot(x[:, None], x).ravel()
@@ -95,7 +95,7 @@ def test_a_ball_slips_from_its_edge_inwards(ball):
     assert np.isnan(early[away < 0.5 * radius]).all()
 
 
-def test_a_cylinder_is_cattaneos():
+def test_onset_of_cylinder_equals_cattaneo():
     n = 1024
     x = (np.arange(n) - n / 2 + 0.31) / n
     lower = Profile(-(x**2) / 2, spacing=1 / n)
@@ -119,7 +119,7 @@ def test_a_cylinder_is_cattaneos():
         onset.iwan()
 
 
-def test_an_ellipse_keeps_its_shape():
+def test_stick_area_of_ellipse_preserves_shape():
     radii = (0.5, 1.5)
     lower = bowl(128, 1.0, radii)
     load, _, axes = hertz_ellipse(0.04, *radii, MODULUS)
@@ -158,7 +158,7 @@ def strength(curve, mu0, tau0):
 @pytest.mark.parametrize("shape", [(32, 32), (24, 32), (256,)])
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.0, 0.02), (0.2, 0.004)])
-def test_agrees_with_an_active_set(shape, boundary, mu0, tau0):
+def test_onset_agrees_with_active_set(shape, boundary, mu0, tau0):
     lower = rough(shape, slope=1e-4)
     tau0 *= 1e-2  # pressures are of that order
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10)
@@ -187,7 +187,7 @@ def test_agrees_with_an_active_set(shape, boundary, mu0, tau0):
         )
 
 
-def test_masings_energy_is_that_of_going_back_and_forth():
+def test_masing_energy_equals_computed_loop():
     lower = rough((16, 16), slope=1e-4)
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.1)], tolerance=1e-10)
     points, bound, _, _ = strength(curve, 0.3, 0.0)
@@ -219,7 +219,7 @@ def areas(request):
     return half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=request.param, tolerance=1e-8)
 
 
-def test_all_hold_what_mu0_and_tau0_say(areas):
+def test_sliding_load_equals_friction_at_all_contacts(areas):
     onset = areas.onset(1, mu0=0.3, tau0=0.05)
     all_rub = 0.3 * areas.normal_elastic[1] + 0.05 * areas.contact_area[1]
     assert onset.sliding_load == pytest.approx(all_rub, rel=1e-9)
@@ -232,7 +232,7 @@ def test_all_hold_what_mu0_and_tau0_say(areas):
     assert onset.displacement[-1] == onset.displacement_at_sliding
 
 
-def test_all_rises_with_the_load(areas):
+def test_onset_quantities_increase_with_load(areas):
     onset = areas.onset(0, mu0=0.3, tau0=0.02, steps=40)
     for name in ("tangential_load", "displacement", "slipped_area", "slipped_load"):
         assert (np.diff(getattr(onset, name)) >= 0).all(), name
@@ -244,7 +244,7 @@ def test_all_rises_with_the_load(areas):
         assert onset.traction(i).sum() * areas._problem.cell == pytest.approx(onset.tangential_load[i], rel=1e-6)
 
 
-def test_at_rest_stiffnesses_are_mindlins(areas):
+def test_initial_stiffness_equals_mindlin(areas):
     for poisson, upper, lower in ((0.3, 0.3, 0.3), ((0.1, 0.45), 0.1, 0.45), (0.5, 0.5, 0.5)):
         onset = areas.onset(0, mu0=0.3, poisson=poisson, steps=1)
         ratio = 0.5 * (2 - upper) / (2 * (1 - upper)) + 0.5 * (2 - lower) / (2 * (1 - lower))
@@ -253,14 +253,14 @@ def test_at_rest_stiffnesses_are_mindlins(areas):
         assert light.tangential_load[0] / light.displacement[0] == pytest.approx(onset.stiffness, rel=1e-4)
 
 
-def test_a_stiffer_body_weighs_less():
+def test_poisson_ratio_of_stiffer_body_has_less_weight():
     lower = rough((32, 32))
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], compliance_share=1.0)
     soft = [curve.onset(0, mu0=0.3, poisson=poisson, steps=1).stiffness for poisson in ((0.0, 0.4), 0.4, 0.0)]
     assert soft[0] == soft[1] < soft[2]
 
 
-def test_ciavarella_and_jaeger_on_areas(areas):
+def test_onset_of_maps_equals_ciavarella_jaeger(areas):
     """Slip is mu0 times what lies between the pressure and that at a smaller load."""
     onset = areas.onset(2, mu0=0.3, poisson=0.25, steps=[0.4, 0.7])
     for i, smaller in enumerate((1, 0)):
@@ -271,7 +271,7 @@ def test_ciavarella_and_jaeger_on_areas(areas):
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_ciavarella_and_jaeger_on_lines(boundary):
+def test_onset_of_profiles_equals_ciavarella_jaeger(boundary):
     lower = rough((1024,))
     load = mean_pressure(lower, 0.05)
     curve = half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=boundary, tolerance=1e-8)
@@ -288,7 +288,7 @@ def test_ciavarella_and_jaeger_on_lines(boundary):
 
 
 @pytest.mark.parametrize("factor", [10.0, 0.01])
-def test_scales(areas, factor):
+def test_onset_scales_with_size(areas, factor):
     problem = areas._problem
     lower = Surface(-problem.gap * factor, spacing=problem.spacing[0] * factor)
     boundary = "periodic" if problem.periodic else "free"
@@ -301,7 +301,7 @@ def test_scales(areas, factor):
     )
 
 
-def test_displacements_are_met(areas):
+def test_onset_reaches_given_displacements(areas):
     farthest = areas.onset(0, mu0=0.3, steps=1).displacement_at_sliding
     onset = areas.onset(0, mu0=0.3, displacements=[0.2 * farthest, 0.7 * farthest, farthest])
     np.testing.assert_allclose(onset.displacement, np.array([0.2, 0.7, 1.0]) * farthest, rtol=1e-6)
@@ -309,7 +309,7 @@ def test_displacements_are_met(areas):
     np.testing.assert_allclose(again.displacement, onset.displacement, rtol=1e-6)
 
 
-def test_hardness_holds_tangentially():
+def test_onset_includes_contacts_at_hardness():
     lower = rough((64, 64))
     load = mean_pressure(lower, 0.1)
     curve = half_space(flat_like(lower), lower, [load], hardness=1.0)
@@ -325,7 +325,7 @@ def test_hardness_holds_tangentially():
     assert 0 < onset.stiffness < np.inf
 
 
-def test_full_contact_is_rigid_until_it_slips():
+def test_full_contact_is_rigid_until_sliding():
     lower = rough((32, 32))
     curve = half_space(flat_like(lower), lower, [3.0], boundary="periodic")
     onset = curve.onset(0, mu0=0.2, steps=10)
@@ -342,7 +342,7 @@ def test_full_contact_is_rigid_until_it_slips():
     assert onset.energy_lost(onset.sliding_load) == pytest.approx(0, abs=1e-15)
 
 
-def test_a_flat_punch_slips_all_at_once():
+def test_flat_punch_slips_everywhere_at_the_same_load():
     """Free flats: pressures that move all alike hold alike, so that nothing slips before all does."""
     for flat in (Profile(np.zeros(64), spacing=0.1), Surface(np.zeros((33, 40)), spacing=0.1)):
         curve = half_space(flat, flat, [1.0])
@@ -361,7 +361,7 @@ def one_ball(radii=(1.0, 1.0), approach=0.02):
     return press(flat_like(lower), lower, [approach])
 
 
-def test_one_asperity_is_mindlins():
+def test_onset_of_asperity_equals_mindlin():
     curve = one_ball()
     for poisson in (0.0, 0.3):
         onset = curve.onset(0, mu0=0.3, poisson=poisson)
@@ -383,7 +383,7 @@ def test_one_asperity_is_mindlins():
 
 @pytest.mark.parametrize("radii", [(1.0, 1.0), (0.3, 1.0)])
 @pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.3, 0.1), (0.0, 0.1)])
-def test_one_asperity_is_the_half_spaces(radii, mu0, tau0):
+def test_onset_of_asperity_agrees_with_half_space(radii, mu0, tau0):
     lower = bowl(128, 1.0, radii)
     asperity = press(flat_like(lower), lower, [0.04])
     exact = half_space(flat_like(lower), lower, asperity.normal_elastic)
@@ -397,7 +397,7 @@ def test_one_asperity_is_the_half_spaces(radii, mu0, tau0):
 
 
 @pytest.mark.parametrize("direction", [0.0, 30.0, 90.0])
-def test_ellipses_give_way_by_cerrutis_force(direction):
+def test_tangential_stiffness_of_ellipse_equals_cerruti_quadrature(direction):
     """The displacement in the middle of an ellipse under a flat punch's tractions, by quadrature."""
     poisson, turned = 0.3, np.radians(direction)
     curve = one_ball((0.3, 1.0))
@@ -424,7 +424,7 @@ def many():
     return bodies, press(*bodies, [0.01, 0.04], direction=[0.0, 90.0])
 
 
-def test_many_asperities_add_up(many):
+def test_onset_of_many_asperities_is_their_sum(many):
     bodies, curve = many
     onset = curve.onset(1, mu0=0.3, tau0=0.1, direction=20.0)
     assert curve.contact_count[1] > 20
@@ -444,7 +444,7 @@ def test_many_asperities_add_up(many):
         assert ((slides <= load) == np.isclose(onset.traction(i), onset.traction(-1), rtol=1e-12)).all()
 
 
-def test_energy_is_the_area_of_the_loop(many):
+def test_energy_lost_equals_area_of_loop(many):
     onset = many[1].onset(1, mu0=0.3, tau0=0.1, steps=400)
     for part in (0.5, 1.0):
         way, load = onset.loop(part * onset.sliding_load)
@@ -455,7 +455,7 @@ def test_energy_is_the_area_of_the_loop(many):
         assert load.min() == pytest.approx(-part * onset.sliding_load)
 
 
-def test_lines_of_spheres_and_of_what_yields():
+def test_onset_accepts_sphere_and_elastic_plastic_laws_on_profiles():
     bodies = [
         weierstrass_mandelbrot(random_phases(3, side=side), 1.2, points=20_000).with_amplitude(0.1)
         for side in ("upper", "lower")
@@ -475,7 +475,7 @@ def test_lines_of_spheres_and_of_what_yields():
     assert yields.sliding_load < onset.sliding_load
 
 
-def test_a_curve_that_travels(many):
+def test_onset_of_pickled_curve_is_equal(many):
     bodies, curve = many
     again = pickle.loads(pickle.dumps(curve))
     assert again.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
@@ -488,7 +488,7 @@ def test_a_curve_that_travels(many):
 # ---- For who goes on with it ----------------------------------------------------------------------------------------
 
 
-def test_iwan_and_lugre_find_themselves():
+def test_iwan_and_lugre_fits_recover_their_parameters():
     way = np.linspace(0, 1, 21)[1:]
     known = {"sliding_load": 2.0, "stiffness": 3.0}
     for chi, beta in ((-0.3, 0.5), (-0.7, 3.0)):
@@ -515,7 +515,7 @@ def test_iwan_and_lugre_find_themselves():
     assert np.abs(found.residual).max() < 1e-6
 
 
-def test_what_a_curve_hands_on(many):
+def test_onset_frame_and_fits_have_columns_residuals_and_read_only_arrays(many):
     onset = many[1].onset(1, mu0=0.3, tau0=0.1)
     frame = onset.frame()
     assert list(frame) == ["tangential_load_mN", "displacement_um", "slipped_area", "slipped_load", "energy_lost_mN_um"]
@@ -554,13 +554,13 @@ BAD = [
 
 
 @pytest.mark.parametrize(("arguments", "message"), BAD)
-def test_bad_input(ball, arguments, message):
+def test_onset_rejects_bad_arguments(ball, arguments, message):
     for curve in (ball[0], one_ball()):
         with pytest.raises(ValueError, match=message):
             curve.onset(0, **arguments)
 
 
-def test_bad_places(ball):
+def test_onset_rejects_bad_steps_and_amplitudes(ball):
     with pytest.raises(ValueError, match="index must be one of the 1 loads"):
         ball[0].onset(1, mu0=0.3)
     with pytest.raises(ValueError, match="index must be one of the 1 approaches"):
@@ -581,7 +581,7 @@ def test_bad_places(ball):
     assert onset.energy_lost([[0.0, onset.sliding_load]]).shape == (1, 2)
 
 
-def test_uniform_strength_on_a_ball_by_another_way(ball):
+def test_onset_of_ball_with_tau0_alone_equals_closed_form(ball):
     """tau0 alone: the asperity's closed form, whose bound is even over the true contact."""
     curve, radius = ball
     onset = curve.onset(0, mu0=0.0, tau0=0.2, poisson=0.0, steps=PARTS)

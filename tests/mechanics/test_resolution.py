@@ -37,7 +37,7 @@ def seen():
     return upper, lower, load, resolution(upper, lower, [load], cut_offs=lengths, boundary="periodic", **STEEL)
 
 
-def test_each_cut_off_is_the_half_space_of_what_is_left(seen):
+def test_resolution_equals_half_space_of_filtered_surfaces(seen):
     upper, lower, load, found = seen
     for length in found.cut_off.values:
         bodies = [cut_off(body, length, periodic=True) if length else body for body in (upper, lower)]
@@ -62,7 +62,7 @@ def test_each_cut_off_is_the_half_space_of_what_is_left(seen):
     assert abs(smooth.sel(sliding="all")).max() < 0.02  # slopes that lean both ways
 
 
-def test_a_hardness_settles_the_answer_and_its_limits_hold(seen):
+def test_bracket_with_hardness_contains_finer_results(seen):
     *_, load, found = seen
     area = found.contact_area_fraction[:, 0].values
     mu = found.friction_coefficient.sel(sliding="all")[:, 0].values
@@ -80,7 +80,7 @@ def test_a_hardness_settles_the_answer_and_its_limits_hold(seen):
         assert (mu[finer] <= mu[finer:] * (1 + 0.02)).all()
 
 
-def test_a_bracket_holds_every_finer_answer(seen):
+def test_bracket_contains_finer_results(seen):
     found = seen[3]
     stretch = 1 + np.square(found.rms_gradient.values) / 8
     for name, of in (("area_fraction", "contact_area_fraction"), ("friction_coefficient", "friction_coefficient")):
@@ -97,7 +97,7 @@ def test_a_bracket_holds_every_finer_answer(seen):
     assert float(most_area(0.9, 1000)) == 1.0
 
 
-def test_a_bracket_of_few_contacts_is_not_monotone():
+def test_bracket_of_few_contacts_allows_decreasing_area():
     """A pair of seven contacts, of which the finest has more area than a coarser one: what the bracket is wide for."""
     bodies = rough_maps(
         28, rms=0.01, points=256, spacing=0.01, repetition=2004, longest_wavelength=0.64, shortest_wavelength=0.04
@@ -111,7 +111,7 @@ def test_a_bracket_of_few_contacts_is_not_monotone():
     assert area[0] < float(found.bracket_area_fraction[1, 0].sel(end="upper"))
 
 
-def test_without_a_hardness_it_is_elastic_and_says_from_where_on_it_cannot_be(seen):
+def test_resolution_without_hardness_gives_plastic_wavelength(seen):
     upper, lower, load, plastic = seen
     found = resolution(
         upper, lower, [load], hardness=None, cut_offs=[0.32], boundary="periodic", effective_modulus=115.0
@@ -129,7 +129,7 @@ def test_without_a_hardness_it_is_elastic_and_says_from_where_on_it_cannot_be(se
     assert harder < at_four < softer
 
 
-def test_the_plastic_wavelength_is_where_the_slope_is_reached(seen):
+def test_plastic_wavelength_is_where_slope_reaches_hardness(seen):
     upper, lower, load, found = seen
     kappa = float(found.elastic_kappa[0])
     assert kappa == pytest.approx(
@@ -147,7 +147,7 @@ def test_the_plastic_wavelength_is_where_the_slope_is_reached(seen):
     assert float(roughness.gradient_at(high)) == pytest.approx(kappa * 4.0 / 115.0 / within, rel=1e-6)
 
 
-def test_finer_answers_are_continued_by_the_power_law():
+def test_extrapolation_follows_power_law():
     """A scan without its short waves, and the same with them."""
     upper, lower = pair(points=256, spacing=0.02)
     coarse = [Surface(cut_off(body, 0.16, periodic=True).heights, spacing=0.02) for body in (upper, lower)]
@@ -169,7 +169,7 @@ def test_finer_answers_are_continued_by_the_power_law():
     assert float(fine.friction_coefficient.sel(sliding="all")[0, 0]) > 0.2
 
 
-def test_elastic_friction_of_a_finer_scan_is_in_its_interval():
+def test_extrapolated_interval_contains_friction_of_finer_scan():
     """Pairs seen from 16 points on, and solved with all their waves."""
     inside = 0
     for seed in range(6):
@@ -189,7 +189,7 @@ def test_elastic_friction_of_a_finer_scan_is_in_its_interval():
     assert inside >= 5  # of 95 %, two misses would be a chance of 1 in 30
 
 
-def test_lines_are_pressed_both_ways():
+def test_resolution_of_profiles_averages_both_directions():
     upper, lower = (
         self_affine(2, hurst_exponent=0.8, rms=0.02, points=1024, spacing=0.01, longest_wavelength=2.0, side=side)
         for side in ("upper", "lower")
@@ -204,7 +204,7 @@ def test_lines_are_pressed_both_ways():
     assert found.friction_coefficient.sel(sliding="opposing")[0].values == pytest.approx(mu, rel=1e-6)
 
 
-def test_lengths_are_free_of_scale():
+def test_resolution_scales_with_size():
     one = resolution(*pair(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL)
     bodies = [Surface(10 * body.heights, spacing=0.8) for body in pair(points=64, spacing=0.08)]
     ten = resolution(*bodies, [40.0], boundary="periodic", **STEEL)
@@ -213,7 +213,7 @@ def test_lengths_are_free_of_scale():
     assert ten.plastic_wavelength.values == pytest.approx(10 * one.plastic_wavelength.values, rel=1e-3)
 
 
-def test_names_units_and_words(seen, tmp_path):
+def test_resolution_dataset_has_units_and_is_written_to_netcdf(seen, tmp_path):
     found = seen[3]
     assert (found.instrument_limit_um, found.instrument_limit_reason) == (0.08, "pixels")
     for name, values in found.data_vars.items():
@@ -226,7 +226,7 @@ def test_names_units_and_words(seen, tmp_path):
         xr.testing.assert_equal(again.load(), found)
 
 
-def test_progress_and_a_load_without_solution(monkeypatch):
+def test_unsolved_load_gives_nan_and_progress(monkeypatch):
     from stiction.mechanics import resolution as module
 
     upper, lower = pair(points=32, spacing=0.16)
@@ -265,7 +265,7 @@ def test_progress_and_a_load_without_solution(monkeypatch):
         ({"direction": 1j}, "direction must be"),
     ],
 )
-def test_bad_arguments_are_named(changes, said):
+def test_resolution_rejects_bad_arguments(changes, said):
     upper, lower = pair(points=32, spacing=0.16)
     arguments = {"upper": upper, "lower": lower, "loads": [0.5], "hardness": 4.0} | changes
     with pytest.raises(ValueError, match=said):

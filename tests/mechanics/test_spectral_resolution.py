@@ -19,7 +19,7 @@ def both(bodies):
     return [scale_dependent_roughness(body, periodic=True) for body in bodies]
 
 
-def test_is_the_smaller_pressure_of_elastic_and_hard():
+def test_spectral_resolution_uses_smaller_of_elastic_pressure_and_hardness():
     upper, lower = both(pair())
     found = spectral_resolution(upper, lower, **OPTIONS)
     gradient = np.hypot(upper.gradient_at(found.wavelength), lower.gradient_at(found.wavelength))
@@ -41,7 +41,7 @@ def test_is_the_smaller_pressure_of_elastic_and_hard():
     assert math.isnan(elastic.plastic_wavelength)
 
 
-def test_meets_the_half_space():
+def test_spectral_resolution_agrees_with_half_space():
     bodies = pair()
     upper, lower = both(bodies)
     load = 0.05 * (256 * 0.02) ** 2
@@ -56,7 +56,7 @@ def test_meets_the_half_space():
         assert one == pytest.approx(other, rel=within)
 
 
-def test_on_a_flat_only_one_is_rough():
+def test_spectral_resolution_on_flat_uses_slopes_of_one_surface():
     upper = both(pair(64))[0]
     found = spectral_resolution(upper, None, **OPTIONS)
     assert found.rms_gradient.values == pytest.approx(upper.gradient_at(found.wavelength))
@@ -76,7 +76,7 @@ def test_on_a_flat_only_one_is_rough():
         ({"wavelengths": [0.0]}, "wavelength must be above 0"),
     ],
 )
-def test_bad_arguments_are_named(changes, said):
+def test_spectral_resolution_rejects_bad_arguments(changes, said):
     upper, lower = both(pair(32))
     with pytest.raises(ValueError, match=said):
         spectral_resolution(upper, lower, **OPTIONS | changes)

@@ -24,7 +24,7 @@ def resultant(curve, index, missing=None):
 
 @pytest.mark.parametrize("hardness", [None, 0.4])
 @pytest.mark.parametrize("holes", [False, True])
-def test_a_balanced_pair_has_its_resultant_in_the_middle_and_its_own_stiffness(hardness, holes):
+def test_free_tilt_centres_resultant_and_changes_stiffness(hardness, holes):
     upper, lower = pair_of(3)
     missing = np.zeros(lower.heights.shape, bool)
     if holes:
@@ -45,7 +45,7 @@ def test_a_balanced_pair_has_its_resultant_in_the_middle_and_its_own_stiffness(h
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_closure_is_the_mean_gap_that_is_lost(boundary):
+def test_closure_is_decrease_of_mean_gap(boundary):
     upper, lower = pair_of(5)
     holed = Surface(lower.heights, spacing=lower.spacing, missing=np.arange(64) >= 50 + np.zeros((48, 1)))
     for below in (holed, lower):
@@ -64,7 +64,7 @@ def test_closure_is_the_mean_gap_that_is_lost(boundary):
         assert (curve.closure < curve.approach).all()
 
 
-def test_what_points_answer_agrees_with_dense_matrices():
+def test_tilt_response_agrees_with_dense_matrices():
     from stiction.mechanics.half_space_problem import Answer, arms_of
 
     one = half_space(*pair_of(3, (24, 32)), [1.0]).at(0)
@@ -83,7 +83,7 @@ def test_what_points_answer_agrees_with_dense_matrices():
 
 
 @pytest.mark.parametrize("areal", [True, False])
-def test_a_ball_beside_the_middle_is_turned_until_its_summit_is_there(areal):
+def test_free_tilt_moves_summit_of_ball_to_the_middle(areal):
     x = (np.arange(65) - 32) * 0.1
     ball = -((x - 1.3) ** 2) / 40 - (x[:, np.newaxis] ** 2 / 40 if areal else 0)
     kind = Surface if areal else Profile
@@ -92,7 +92,7 @@ def test_a_ball_beside_the_middle_is_turned_until_its_summit_is_there(areal):
     assert np.isfinite(curve.closure).all()
 
 
-def test_a_load_that_one_point_carries_is_balanced():
+def test_free_tilt_balances_single_contact_point():
     x = (np.arange(65) - 32) * 0.1
     ball = Surface(-((x - 1.3) ** 2) / 40 - x[:, np.newaxis] ** 2 / 40, spacing=0.1)
     curve = half_space(Surface(0 * ball.heights, spacing=0.1), ball, [1e-9], tilt="free")
@@ -108,6 +108,6 @@ def test_a_load_that_one_point_carries_is_balanced():
         ({"loads": None, "approaches": [0.01]}, "tilt must be 'fixed' but"),
     ],
 )
-def test_what_cannot_turn_is_refused(arguments, message):
+def test_half_space_rejects_bad_tilt(arguments, message):
     with pytest.raises(ValueError, match=message):
         half_space(*pair_of(1, (16, 16)), **({"loads": [1.0], "tilt": "free"} | arguments))

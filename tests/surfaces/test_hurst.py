@@ -23,7 +23,7 @@ ALWAYS = (False, BAND, False)
 """The case that is no soak: whether periodic, the band, and whether it is given."""
 
 
-class TestOfAProfile:
+class TestProfileExponent:
     # A 95 % interval that holds in 60 cases fails in 3; more than 8 would be a chance of 1 in 500.
     CASES, MOST_MISSES = 60, 8
 
@@ -173,7 +173,7 @@ def test_caution_reports_wide_interval_and_exponents_outside_0_to_1():
         assert uncertain.caution.startswith(caution)
 
 
-class TestOfASurface:
+class TestSurfaceExponent:
     # 95 % of 60; more than 8 misses would be a chance of 1 in 500.
     CASES, MOST_MISSES = 60, 8
 

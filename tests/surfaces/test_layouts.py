@@ -232,7 +232,7 @@ def read(path, **options):
 
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_maps_of_instruments_are_read_or_refused_in_all_variants(tmp_path, name, encoding):
+def test_instrument_maps_are_read_or_rejected_in_all_variants(tmp_path, name, encoding):
     write, options, variants = CASES[name]
     accepted = 0
     for variant in variants:
@@ -264,7 +264,7 @@ def test_maps_of_instruments_are_read_or_refused_in_all_variants(tmp_path, name,
         {"separator": " ", "comma": False, "head": "# x (µm)  z (µm)"}, {"head": "x;z\nµm;µm"},
     ],
 )  # fmt: skip
-def test_profiles_are_read_or_refused_in_all_variants(tmp_path, variant, encoding):
+def test_profiles_are_read_or_rejected_in_all_variants(tmp_path, variant, encoding):
     try:
         data = profile(**variant).encode(encoding)
     except UnicodeEncodeError:
@@ -277,7 +277,7 @@ def test_profiles_are_read_or_refused_in_all_variants(tmp_path, variant, encodin
         assert body.spacing == pytest.approx(0.5)
 
 
-def test_layouts_recognise_their_own_texts_alone():
+def test_layouts_recognise_only_their_own_files():
     texts = {name: write(**variant) for name, (write, _, variants) in CASES.items() for variant in variants[:1]}
     for name, text in texts.items():
         found = [layout.name for layout in LAYOUTS if layout.recognise(decode(text.encode()))]
@@ -299,7 +299,7 @@ def test_layouts_recognise_their_own_texts_alone():
         ("x (um),Phase\n" + "".join(f"{x},{x % 7}.5\n" for x in range(40)), {"unit": "um"}),
     ],
 )
-def test_units_that_are_no_lengths_contradict_the_option(tmp_path, text, options):
+def test_units_other_than_length_contradict_the_option(tmp_path, text, options):
     (tmp_path / "a.txt").write_text(text, encoding="utf-8")
     assert read(tmp_path / "a.txt", **options) is None
 
@@ -309,7 +309,7 @@ def table(columns, head="", form=".4f"):
     return "\n".join([*[head] * bool(head), *lines]) + "\n"
 
 
-def test_positions_in_wide_tables_are_no_heights(tmp_path):
+def test_positions_in_wide_tables_are_not_heights(tmp_path):
     x, profiles = 0.5 * np.arange(60), random.normal(size=(12, 60)).cumsum(axis=1)
     measured = x + 1e-3 * random.normal(size=60)
     options = {"unit": "um", "spacing": "0.5 um"}
@@ -330,7 +330,7 @@ def test_positions_in_wide_tables_are_no_heights(tmp_path):
     assert read(path, **options).heights.shape == (60, 12)
 
 
-def test_counts_and_sizes_above_numbers_are_no_heights(tmp_path):
+def test_counts_and_sizes_in_headers_are_not_heights(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     column = "".join(f"{z:.4f}\n" for z in LINE)
     pairs = "".join(f"{0.5 * at:.4f}, {z:.4f}\n" for at, z in enumerate(LINE))
@@ -351,7 +351,7 @@ def test_counts_and_sizes_above_numbers_are_no_heights(tmp_path):
         assert read(path, **options) is None
 
 
-def test_first_number_with_fewer_decimals_is_doubted(tmp_path):
+def test_first_number_with_fewer_decimals_is_a_caveat(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     path.write_text("0.5\n" + "".join(f"{z:.4f}\n" for z in LINE))
     with pytest.warns(FormatWarning, match="first-number"):
@@ -361,7 +361,7 @@ def test_first_number_with_fewer_decimals_is_doubted(tmp_path):
     assert not reading_of(path, **options).caveats
 
 
-def test_lines_with_as_many_cells_as_the_data_are_data(tmp_path):
+def test_lines_as_wide_as_the_data_are_data(tmp_path):
     path = tmp_path / "a.csv"
     lines = [f"{0.5 * at},{z}" for at, z in enumerate(LINE)]
     for place in (0, 30, 59):
@@ -391,7 +391,7 @@ def test_codes_for_missing_points_are_named_and_masked(tmp_path):
         assert reading_of(path, accept="repeated-extreme,tall").caveats == ()
 
 
-def test_flags_in_a_column_mask_points(tmp_path):
+def test_flag_columns_mask_points(tmp_path):
     lines = [f"{0.5 * at};{-30 if at in (4, 5) else z};{int(at not in (4, 5))}" for at, z in enumerate(LINE)]
     for head in ("X;Y;valid\n[um];[um];[1/0]", "x (um);z (um);Valid"):
         (tmp_path / "a.hfm").write_text("\n".join([head, *lines]))
@@ -399,7 +399,7 @@ def test_flags_in_a_column_mask_points(tmp_path):
         assert np.flatnonzero(body.missing).tolist() == [4, 5]
 
 
-def test_two_profiles_side_by_side_are_chosen_by_columns(tmp_path):
+def test_adjacent_profiles_are_selected_by_columns(tmp_path):
     path = tmp_path / "a.csv"
     for end in (";", ""):
         lines = [f"{0.5 * at};{z};" + (f"{0.25 * at};{-z}" if at < 40 else end) for at, z in enumerate(LINE)]
@@ -411,7 +411,7 @@ def test_two_profiles_side_by_side_are_chosen_by_columns(tmp_path):
         assert read(path) is None
 
 
-def test_commas_between_cells_and_decimals_are_read_by_the_names_or_refused(tmp_path):
+def test_ambiguous_commas_are_resolved_by_names_or_rejected(tmp_path):
     lines = [f"{digits(0.5 * at, True)},{digits(z, True)}" for at, z in enumerate(LINE)]
     path = tmp_path / "a.csv"
     path.write_text("x (um),z (um)\n" + "\n".join(lines))
@@ -429,14 +429,14 @@ def test_blocks_of_one_width_are_channels(tmp_path):
     assert np.array_equal(body.heights, 2 * HEIGHTS)
 
 
-def test_blocks_of_one_line_are_none_of_them_lost(tmp_path):
+def test_blocks_of_one_line_are_all_read(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(f"Trace {at}\n{line}" for at, line in enumerate(rows(HEIGHTS))))
     with pytest.raises(FormatError, match=rf"holds 0 \(Trace 0\), .*{ROWS - 1} \(Trace {ROWS - 1}\); choose one"):
         read_measurement(path, unit="um", spacing="0.5 um")
 
 
-def test_matrices_whose_last_line_is_shorter_are_refused(tmp_path):
+def test_matrices_with_short_last_line_are_rejected(tmp_path):
     path = tmp_path / "a.txt"
     cells = [digits(value) for value in HEIGHTS.ravel()]
     path.write_text("\n".join(" ".join(cells[at : at + 10]) for at in range(0, len(cells), 10)))
@@ -444,7 +444,7 @@ def test_matrices_whose_last_line_is_shorter_are_refused(tmp_path):
         read_measurement(path, **MAP_UM, spacing="1 um")
 
 
-def test_one_message_asks_for_all_that_is_missing(tmp_path):
+def test_missing_facts_are_listed_in_one_message(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(rows(HEIGHTS)))
     with pytest.raises(FormatError, match=r"unit.*spacing.*--unit um --spacing"):
@@ -462,7 +462,7 @@ def test_declared_factors_and_sizes_are_applied(tmp_path):
         read_measurement(path, unit="nm")
 
 
-def test_reading_reports_what_was_understood(tmp_path):
+def test_reading_reports_layout_units_and_points(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(
         "made by hand\nx (um);z (um)\n" + "\n".join(f"{0.5 * at};{z}" for at, z in enumerate(LINE)) + "\nend\n"
@@ -480,7 +480,7 @@ def test_reading_reports_what_was_understood(tmp_path):
     )
 
 
-def test_one_map_is_the_same_in_all_formats(tmp_path):
+def test_map_is_equal_in_all_formats(tmp_path):
     surface = Surface(HEIGHTS, spacing=(2.0, 0.5))
     write_surface(surface, tmp_path / "a.csv")
     write_surface(surface, tmp_path / "a.npy")
@@ -504,7 +504,7 @@ def test_one_map_is_the_same_in_all_formats(tmp_path):
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_damaged_exports_are_read_or_refused(tmp_path, name):
+def test_damaged_exports_are_read_or_rejected(tmp_path, name):
     write, options, _ = CASES[name]
     source = np.random.default_rng(len(name))
     path = tmp_path / "a.txt"
@@ -588,7 +588,7 @@ def test_declared_facts_are_applied_to_every_shape_of_table(tmp_path, shape, fac
 
 @pytest.mark.parametrize("shape", ["triplets", "labelled"])
 @pytest.mark.parametrize("line", ["Z unit: nm", "Heights in nm", "Height [nm]"])
-def test_unit_of_heights_is_not_that_of_positions(tmp_path, shape, line):
+def test_unit_of_heights_differs_from_that_of_positions(tmp_path, shape, line):
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *shaped(shape, HEIGHTS)]))
     with pytest.raises(FormatError, match="in which unit its positions are"):
@@ -629,7 +629,7 @@ def test_scale_is_a_factor_only_with_evidence_of_a_conversion(tmp_path, line, fa
     assert np.allclose(body.heights, (factor or 1e-3) * HEIGHTS, rtol=1e-12)
 
 
-def test_first_column_of_positions_is_no_column_of_heights_beside_declared_spacings(tmp_path):
+def test_positions_are_not_heights_with_declared_spacings(tmp_path):
     path = tmp_path / "a.txt"
     head = ["# x spacing: 0.25 um", "# y spacing: 0.5 um"]
     for first in (0.5 * np.arange(ROWS), 3 + 0.5 * np.arange(ROWS)):
@@ -661,7 +661,7 @@ def test_short_rows_above_a_matrix_are_rejected(tmp_path):
     assert f"line 1 ('{COLUMNS} {ROWS}') left out as a count or a size" in body.history
 
 
-def test_counts_of_missing_points_are_no_codes(tmp_path):
+def test_counts_of_missing_points_are_not_codes(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um", "missing": "mask"}
     whole = np.round(20 * HEIGHTS)
     number = int(whole[whole > 0][0])

@@ -87,7 +87,7 @@ TEXTS = {
 
 @pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS.keys())
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
-def test_texts_of_many_kinds_are_the_same_profile(file, text, encoding):
+def test_profile_is_equal_in_many_text_formats(file, text, encoding):
     if encoding == "latin-1":
         text = text.replace("μ", "µ")
     profile = read_profile(file(text, encoding=encoding))
@@ -96,7 +96,7 @@ def test_texts_of_many_kinds_are_the_same_profile(file, text, encoding):
     assert profile.history[0] == "read from scan.csv"
 
 
-def test_what_the_file_does_not_say_must_be_given(file):
+def test_reader_requires_facts_that_the_file_lacks(file):
     bare = file("0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
     assert 'does not say in which unit its heights are; give the unit, as in "um"' in refusal(bare)
     assert read_profile(bare, unit="um").heights.tolist() == HEIGHTS
@@ -116,7 +116,7 @@ def test_what_the_file_does_not_say_must_be_given(file):
         "Radius: 2.5 µm, ID 3\n", "a text of no use\n", "um\n-----\nx,z\n", "z (um)\n",
     ],
 )  # fmt: skip
-def test_units_of_other_things_are_not_those_of_the_columns(file, above):
+def test_units_in_other_places_do_not_apply_to_columns(file, above):
     data = "0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n"
     assert "does not say in which unit its heights are" in refusal(file(above + data))
     if "z (um)" not in above:
@@ -125,7 +125,7 @@ def test_units_of_other_things_are_not_those_of_the_columns(file, above):
         assert "does not say in which unit its heights are" in said
 
 
-def test_file_and_caller_must_not_contradict_each_other(file):
+def test_reader_rejects_options_that_contradict_the_file(file):
     path = file(TEXTS["brackets, nm"])
     assert "says that its heights are in nm, but unit says um" in refusal(path, unit="um")
     assert read_profile(path, unit=("um", "nm")).heights.tolist() == HEIGHTS
@@ -178,19 +178,19 @@ def test_file_and_caller_must_not_contradict_each_other(file):
         ("x (m),z (um)\n0,1\n100,1\n200,5\n300,0.5\n", "has a spacing of 1e+08 µm"),
     ],
 )
-def test_texts_that_are_no_profile_are_refused_with_the_reason(file, text, said):
+def test_texts_without_a_profile_are_rejected(file, text, said):
     assert said in refusal(file(text))
 
 
 @pytest.mark.parametrize("rows", [(0,), (1, 3)])
-def test_rows_without_any_height_are_rows_of_a_text(tmp_path, rows):
+def test_rows_without_heights_are_missing_points(tmp_path, rows):
     lines = ["nan,NaN,nan,nan" if row in rows else "1,2,3.5,4" for row in range(4)]
     (tmp_path / "map.csv").write_text("\n".join(lines))
     missing = read_surface(tmp_path / "map.csv", unit="um", spacing="1 um", missing="mask").missing
     assert np.flatnonzero(missing.all(axis=1)).tolist() == list(rows)
 
 
-def test_positions_printed_with_few_digits_are_uniform_within_them(file):
+def test_positions_are_uniform_within_their_printed_digits(file):
     true = 0.156245 * np.arange(9600)
     for printed in (
         [f"{x:.1f}" for x in true],
@@ -206,7 +206,7 @@ def test_positions_printed_with_few_digits_are_uniform_within_them(file):
     assert "point 5000, from 0 on, is at" in refusal(file("x (um),z (um)\n" + "".join(f"{x},1.5\n" for x in printed)))
 
 
-def test_a_spacing_said_in_words_that_disagrees_is_reported_with_both_numbers(file):
+def test_declared_spacing_that_disagrees_is_reported(file):
     data = "x (um),z (um)\n" + "".join(f"{0.1 * i:.1f},{i % 3}.5\n" for i in range(50))
     with pytest.warns(FormatWarning, match=r"said to be 0.2 µm, but its positions are 0.1 µm apart"):
         profile = read_profile(file("Spacing,0.2 um\n" + data))
@@ -216,7 +216,7 @@ def test_a_spacing_said_in_words_that_disagrees_is_reported_with_both_numbers(fi
     assert "says" not in read_profile(file("Resolution,20 nm\n" + data)).history[1]  # of heights, perhaps
 
 
-def test_missing_points_are_interpolated_inside_and_left_out_at_the_ends(file):
+def test_missing_points_are_interpolated_inside_and_cropped_at_ends(file):
     path = file("x (um),z (nm)\n0,\n0.1,1000\n0.2,NaN\n0.3,***\n0.4,4000\n0.5,0\n0.6,--\n")
     profile = read_profile(path, missing="interpolate")
     assert profile.heights.tolist() == [1, 2, 3, 4, 0]
@@ -226,7 +226,7 @@ def test_missing_points_are_interpolated_inside_and_left_out_at_the_ends(file):
     )
 
 
-def test_a_matrix_in_text_is_a_surface(file):
+def test_text_matrix_is_a_surface(file):
     path = file("heights in nm\n" + "1\t2\t3\t0\n4\t5\t6\t0\n", "map.txt")
     surface = read_surface(path, spacing=("2 um", "0.5 um"))
     assert surface.heights.tolist() == [[0.001, 0.002, 0.003, 0], [0.004, 0.005, 0.006, 0]]
@@ -241,7 +241,7 @@ def test_a_matrix_in_text_is_a_surface(file):
     assert "read_profile() reads profiles" in refusal(file(TEXTS["comma"]), read_surface)
 
 
-def test_a_measurement_is_what_its_file_holds(file):
+def test_read_measurement_returns_profile_or_surface(file):
     profile = read_measurement(file(TEXTS["brackets, nm"]), spacing=("100 nm", "0.1 um"))
     assert isinstance(profile, Profile)
     assert profile.heights.tolist() == HEIGHTS
@@ -255,14 +255,14 @@ def test_a_measurement_is_what_its_file_holds(file):
 
 
 @pytest.mark.parametrize("shape", [(5, 1), (1, 5)])
-def test_a_matrix_of_one_row_or_column_is_a_profile(file, shape):
+def test_matrix_of_one_row_or_column_is_a_profile(file, shape):
     path = file(npy(np.reshape(HEIGHTS, shape)), "a.npy")
     for read in (read_profile, read_measurement):
         assert read(path, unit="um", spacing="1 um").heights.tolist() == HEIGHTS
     assert "holds a profile of 5 points" in refusal(path, read_surface, unit="um", spacing="1 um")
 
 
-def test_positions_are_no_heights_of_a_matrix(file):
+def test_matrix_columns_are_not_taken_for_positions(file):
     heights = np.random.default_rng(2).normal(size=(20, 30))
     x, y = 0.5 * np.arange(30), 0.25 * np.arange(20)
     options = {"read": read_surface, "unit": "um", "spacing": "1 um"}
@@ -286,7 +286,7 @@ def test_positions_are_no_heights_of_a_matrix(file):
         assert np.array_equal(read_surface(file(npy(matrix), "a.npy"), unit="um", spacing="1 um").heights, matrix)
 
 
-def test_a_spacing_said_above_a_matrix_is_one_of_those_given(file):
+def test_declared_spacing_of_matrix_must_match_option(file):
     path = file("Spacing: 0.5 um\nheights in nm\n1 2 3 0\n4 5 6 0\n", "map.txt")
     assert read_surface(path, spacing=("2 um", "500 nm")).spacing == (2.0, 0.5)
     assert "says that its spacing is 0.5 µm, but 2 µm and 1 µm are given" in refusal(
@@ -294,7 +294,7 @@ def test_a_spacing_said_above_a_matrix_is_one_of_those_given(file):
     )
 
 
-def test_the_size_above_a_matrix_of_gwyddion_gives_its_spacing(file):
+def test_gwyddion_size_gives_spacing(file):
     header = "# Channel: Height\n# Width: 0.600 µm\n# Height: 480 nm\n# Value units: m\n"
     path = file(header + "1e-9\t2e-9\t3e-9\t0\n" * 3 + "0\t0\t0\t1e-9\n", "map.txt")
     surface = read_surface(path)
@@ -317,7 +317,7 @@ def columns_of(*columns, header=""):
     return header + "".join(",".join(f"{value}" for value in row) + "\n" for row in zip(*columns, strict=True))
 
 
-def test_columns_are_chosen_by_name_or_number(file):
+def test_columns_are_selected_by_name_or_number(file):
     text = columns_of([0.5, 1, 1.5, 2, 2.5], X, [7] * 5, HEIGHTS, header="t (s),x (um),F (mN),z (um)\n")
     path = file(text)
     said = refusal(path, read_measurement)
@@ -341,7 +341,7 @@ def test_columns_are_chosen_by_name_or_number(file):
     assert "has no columns to choose from" in refusal(file(x3p(METRES), "a.x3p"), columns=("x", "z"))
 
 
-def test_a_column_has_the_digits_with_which_it_is_printed(file):
+def test_column_has_its_printed_digits(file):
     # Positions of one decimal, after a column of many: uniform within their digits, wherever they stand.
     true = 0.156245 * np.arange(900)
     lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true))
@@ -351,7 +351,7 @@ def test_a_column_has_the_digits_with_which_it_is_printed(file):
 
 
 @pytest.mark.parametrize("separator", [",", ";", "|", "\t"])
-def test_the_column_in_which_pandas_numbers_the_rows_is_left_out(file, separator):
+def test_index_column_of_pandas_is_ignored(file, separator):
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame({"x (um)": X, "z (um)": [*HEIGHTS[:4], np.nan]})
     for table in (frame, frame.rename_axis("index")):
@@ -368,7 +368,7 @@ def test_the_column_in_which_pandas_numbers_the_rows_is_left_out(file, separator
     assert "has 3 columns" in refusal(file(columns_of(X, X, HEIGHTS, header="index,x (um),z (um)\n")))
 
 
-def test_two_columns_of_an_array_are_positions_and_heights(file):
+def test_array_of_two_columns_has_positions_and_heights(file):
     path = file(npy(np.c_[X, HEIGHTS]), "a.npy")
     for read in (read_profile, read_measurement):
         profile = read(path, unit=("mm", "nm"))
@@ -397,7 +397,7 @@ ROWS = [["points", 5], ["made by", "a gauge"], [], [None, "x (um)", "z (um)"]]
 ROWS += [[None, x, z, "ok"] for x, z in zip(X, HEIGHTS, strict=True)]
 
 
-def test_workbooks(file):
+def test_workbooks_are_read(file):
     profile = read_profile(file(workbook(("one", ROWS), ("empty", [])), "a.xlsx"))
     assert profile.heights.tolist() == HEIGHTS
     assert profile.spacing == pytest.approx(0.1)
@@ -415,7 +415,7 @@ def test_workbooks(file):
     )
 
 
-def test_workbooks_that_are_none_are_refused(file, monkeypatch):
+def test_damaged_workbooks_are_rejected(file, monkeypatch):
     data = workbook(("one", ROWS))
     assert "is a workbook without a column of numbers" in refusal(file(workbook(("one", [])), "a.xlsx"))
     assert "is a damaged workbook" in refusal(file(data[:-60], "a.xlsx"))
@@ -433,11 +433,11 @@ def test_workbooks_that_are_none_are_refused(file, monkeypatch):
     assert "pip install openpyxl" in refusal(file(data, "a.xlsx"))
 
 
-def test_what_has_no_channels_refuses_them(file):
+def test_formats_without_channels_reject_the_option(file):
     assert "has no channels to choose one from, but channel says 1" in refusal(file(TEXTS["comma"]), channel=1)
 
 
-def test_channels_of_an_instrument(measured):
+def test_channel_of_instrument_file_is_selected(measured):
     pytest.importorskip("SurfaceTopography")
     path = measured("di-4.di")
     surface = read_surface(path)
@@ -449,7 +449,7 @@ def test_channels_of_an_instrument(measured):
     assert "has no channel 3; they are numbered from 0 to 2" in refusal(path, read_surface, channel=3)
 
 
-def test_another_format_is_one_line(file, monkeypatch):
+def test_registered_reader_reads_its_format(file, monkeypatch):
     monkeypatch.setitem(READERS, ".dec", lambda data: Raw(np.array(data.split(), dtype=float), unit="um"))
     assert read_measurement(file("0.5 -0.25 1 0.125 2", "a.DEC"), spacing="1 um").heights.tolist() == HEIGHTS
 
@@ -457,7 +457,7 @@ def test_another_format_is_one_line(file, monkeypatch):
 # ---- NumPy arrays and writing ---------------------------------------------------------------------------------------
 
 
-def test_a_generated_profile_comes_back_to_the_bit(tmp_path):
+def test_written_profile_is_read_without_loss(tmp_path):
     profile = weierstrass_mandelbrot(random_phases(3), 1.4, points=5000, extent=7.0).with_amplitude(0.1)
     write_profile(profile, tmp_path / "a.csv")
     write_profile(profile, tmp_path / "a.npy")
@@ -473,7 +473,7 @@ def test_a_generated_profile_comes_back_to_the_bit(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["a.npy", "a.csv"])
-def test_a_surface_comes_back_to_the_bit(tmp_path, name):
+def test_written_surface_is_read_without_loss(tmp_path, name):
     heights = np.random.default_rng(1).normal(size=(30, 40)) * 10.0 ** np.arange(-39, 1)
     surface = Surface(heights, spacing=(1 / 3, 1e-3), history=("ground", "levelled by a plane"))
     write_surface(surface, tmp_path / name)
@@ -490,7 +490,7 @@ def test_a_surface_comes_back_to_the_bit(tmp_path, name):
     assert isinstance(read_measurement(tmp_path / name), Surface)
 
 
-def test_a_narrow_surface_is_refused_where_it_would_not_be_known_for_one(tmp_path):
+def test_narrow_surface_is_rejected_by_formats_that_cannot_store_it(tmp_path):
     with pytest.raises(FormatError, match="needs at least 4 columns, and the surface has 3"):
         write_surface(Surface(np.eye(3), spacing=1.0), tmp_path / "a.csv")
     assert not list(tmp_path.iterdir())
@@ -498,7 +498,7 @@ def test_a_narrow_surface_is_refused_where_it_would_not_be_known_for_one(tmp_pat
     assert read_surface(tmp_path / "a.npy").heights.tolist() == np.eye(3).tolist()
 
 
-def test_what_follows_the_heights_of_an_array_is_believed_only_if_it_is_ours(file):
+def test_trailing_data_of_array_is_read_only_if_written_by_stiction(file):
     spacing = np.array((0.5, 0.25), dtype=[("spacing_y_um", float), ("spacing_x_um", float)])
     ours = npy(np.eye(4)) + npy(spacing) + npy(np.array(["made up\x1b[31m"]))
     assert read_surface(file(ours, "a.npy")).history == ("read from a.npy", "made up\\x1b[31m")
@@ -517,7 +517,7 @@ def test_what_follows_the_heights_of_an_array_is_believed_only_if_it_is_ours(fil
         read_surface(file(npy(np.eye(4)) + negative + npy(np.array([""])), "c.npy"))
 
 
-def test_nothing_is_written_over_or_by_halves(tmp_path, monkeypatch):
+def test_writing_neither_replaces_nor_leaves_partial_files(tmp_path, monkeypatch):
     profile = Profile(HEIGHTS, spacing=0.1)
     (tmp_path / "a.csv").write_text("mine", encoding="utf-8")
     for path, said in (
@@ -563,18 +563,18 @@ def npy(array):
         (b"no such format", "a.abc", "a known format"),
     ],
 )
-def test_files_that_are_not_what_they_should_be_are_refused(file, content, name, said):
+def test_files_with_wrong_content_are_rejected(file, content, name, said):
     assert said in refusal(file(content, name))
 
 
-def test_what_cannot_be_opened_is_refused(tmp_path):
+def test_unreadable_files_are_rejected(tmp_path):
     assert "No such file" in refusal(tmp_path / "none.csv")
     assert "is a directory" in refusal(tmp_path)
     os.mkfifo(tmp_path / "pipe.csv")  # which would be waited for
     assert "is not a file" in refusal(tmp_path / "pipe.csv")
 
 
-def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
+def test_oversized_files_are_rejected_before_reading(tmp_path, monkeypatch):
     for name, size in (("a.csv", raw.MOST_TEXT_BYTES + 1), ("a.npy", raw.MOST_BYTES + 1)):
         with (tmp_path / name).open("wb") as file:
             file.truncate(size)  # of holes
@@ -585,7 +585,7 @@ def test_what_is_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("separator", [",", ", ", ";", "|", "\t", " "])
-def test_text_of_more_objects_than_memory_holds_is_refused_before_it_is_taken_apart(file, monkeypatch, separator):
+def test_text_with_too_many_cells_is_rejected_before_parsing(file, monkeypatch, separator):
     monkeypatch.setattr(text_files, "MAX_LINES", 20)
     monkeypatch.setattr(split_files, "MAX_CELLS", 10)
     wide = separator.join(["1.5"] * 5) + "\n"
@@ -609,14 +609,14 @@ def test_text_of_more_objects_than_memory_holds_is_refused_before_it_is_taken_ap
         ({"columns": (0, 1, 2, 3)}, "columns must be one of heights, or two of positions and heights"),
     ],
 )
-def test_bad_arguments_are_named(file, options, said):
+def test_readers_reject_bad_arguments(file, options, said):
     for read in (read_profile, read_measurement, *([] if "columns" in options else [read_surface])):
         with pytest.raises(ValueError, match=said) as caught:
             read(file(TEXTS["comma"]), **options)
         assert not isinstance(caught.value, FormatError)
 
 
-def test_without_the_package_for_instruments_its_installation_is_told(file, monkeypatch):
+def test_missing_instrument_package_is_reported_with_install_command(file, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "SurfaceTopography", None)
     assert "pip install SurfaceTopography" in refusal(file(b"?File list", "a.di"), read_surface)
 
@@ -671,7 +671,7 @@ METRES = 1e-6 * np.random.default_rng(5).normal(size=(6, 9))
 
 
 @pytest.mark.parametrize(("stored", "off"), [("D", 1e-15), ("F", 1e-6), ("L", 1e-6), ("I", 1e-3)])
-def test_x3p_surfaces_and_profiles(file, stored, off):
+def test_x3p_surfaces_and_profiles_are_read(file, stored, off):
     options = {"stored": stored, "increment": {"L": 1e-12, "I": 1e-9}.get(stored, 1.0)}
     surface = read_surface(file(x3p(METRES, **options), "a.x3p"))
     assert np.abs(surface.heights - 1e6 * METRES).max() <= off
@@ -684,7 +684,7 @@ def test_x3p_surfaces_and_profiles(file, stored, off):
     assert with_positions.spacing == pytest.approx(0.5)
 
 
-def test_increments_of_x3p_multiply_whole_numbers(file):
+def test_x3p_increments_multiply_whole_numbers(file):
     whole = x3p(METRES, stored="I", increment=1e-9, change=[("<Increment>1e-09</Increment>", "")])
     assert "has whole numbers for Z, but no Increment" in refusal(file(whole, "a.x3p"), read_surface)
     of_a_namespace = [("<p:ISO5436_2 xmlns:p=", "<ISO5436_2 xmlns="), ("</p:ISO", "</ISO")]  # all elements
@@ -693,7 +693,7 @@ def test_increments_of_x3p_multiply_whole_numbers(file):
         assert np.abs(read_surface(path).heights - 1e6 * METRES).max() < 1e-15
 
 
-def test_x3p_profiles_that_do_not_run_along_x_are_refused(file):
+def test_x3p_profiles_not_along_x_are_rejected(file):
     along_y = "<CY><AxisType>A</AxisType><DataType>D</DataType></CY>"
     old = "<CY><AxisType>I</AxisType><DataType>D</DataType><Increment>2e-06</Increment></CY>"
     points = "".join(
@@ -719,7 +719,7 @@ def test_x3p_agrees_with_another_reader(file):
     assert surface.spacing == pytest.approx(tuple(factor * each for each in reversed(other.pixel_size)))
 
 
-def test_missing_points_of_x3p(file):
+def test_x3p_missing_points_are_masked(file):
     valid = np.ones(METRES.shape, dtype=bool)
     valid[2, 4] = False
     path = file(x3p(METRES, valid=valid.ravel()), "a.x3p")
@@ -755,7 +755,7 @@ def test_missing_points_of_x3p(file):
         (("<p:ISO", '<!DOCTYPE a [<!ENTITY b "c">]><p:ISO'), "document type of its own"),
     ],
 )
-def test_x3p_that_contradicts_itself_is_refused(file, change, said):
+def test_x3p_with_contradictions_is_rejected(file, change, said):
     path = file(x3p(METRES, change=[change]), "a.x3p")
     if said is None:
         read_surface(path)
@@ -766,7 +766,7 @@ def test_x3p_that_contradicts_itself_is_refused(file, change, said):
 # ---- Measured files and damaged ones --------------------------------------------------------------------------------
 
 
-def test_a_stylus_profile(measured):
+def test_stylus_profile_is_read(measured):
     path = measured("dektak-1.csv")
     profile = read_profile(path)
     assert len(profile) == 9600
@@ -778,7 +778,7 @@ def test_a_stylus_profile(measured):
     assert "0.1562454 µm, but spacing says 0.156 um" in refusal(path, spacing="0.156 um")
 
 
-def test_a_surface_of_an_atomic_force_microscope(measured):
+def test_surface_of_atomic_force_microscope_is_read(measured):
     pytest.importorskip("SurfaceTopography")
     surface = read_surface(measured("di-4.di"))
     assert surface.heights.shape == (512, 512)
@@ -790,7 +790,7 @@ def test_a_surface_of_an_atomic_force_microscope(measured):
 
 
 @pytest.mark.parametrize("count", [300, pytest.param(1500, marks=pytest.mark.soak)])
-def test_any_damaged_file_is_read_or_refused_in_one_sentence(tmp_path, count):
+def test_damaged_files_are_read_or_rejected_in_one_sentence(tmp_path, count):
     pristine = {
         "a.csv": "".join([TEXTS["text above"], *(f"{i / 10},{i % 7}.5,\n" for i in range(5, 40))]).encode(),
         "b.txt": TEXTS["decimal comma and tab"].encode(), "c.npy": npy(np.arange(20.0)), "d.x3p": x3p(METRES[0]),
@@ -838,12 +838,12 @@ def peak(call):
 @pytest.mark.parametrize(
     "kind", ['<!DOCTYPE a [<!ENTITY b "SUR">]>', '<!DOCTYPE a SYSTEM "file:///etc/passwd">', "<!DOCTYPE a>"]
 )
-def test_a_document_type_is_refused_by_the_parser_in_any_encoding(file, code, kind):
+def test_x3p_with_document_type_is_rejected_in_any_encoding(file, code, kind):
     main = PLAIN.replace("UTF-8", code[:6]).replace("<p:ISO", kind + "<p:ISO").replace(">SUR<", ">&b;<")
     assert "document type of its own" in refusal(file(archive_of(main.encode(code)), "a.x3p"), read_surface)
 
 
-def test_points_are_not_unpacked_beyond_those_that_are_announced(file):
+def test_x3p_unpacks_at_most_the_declared_points(file):
     # 50 MB where 432 bytes are announced; one archive says so, the other lies.
     honest = archive_of(PLAIN, bytes(50_000_000))
     lying = honest.replace((50_000_000).to_bytes(4, "little"), (432).to_bytes(4, "little"))
@@ -858,7 +858,7 @@ def test_points_are_not_unpacked_beyond_those_that_are_announced(file):
 
 
 @pytest.mark.parametrize("number", ["1_0e-6", "١e-6", "0x1p-3", "1e", "1,5", "infinity", "--1", "1e-6e"])
-def test_numbers_of_x3p_are_those_of_xml_schema(file, number):
+def test_x3p_numbers_follow_xml_schema(file, number):
     main = PLAIN.replace("<Increment>1e-06<", f"<Increment>{number}<")
     assert main != PLAIN
     assert "where a number should be" in refusal(file(archive_of(main), "a.x3p"), read_surface)
@@ -867,7 +867,7 @@ def test_numbers_of_x3p_are_those_of_xml_schema(file, number):
         assert read_surface(file(archive_of(main), "a.x3p")).spacing[1] == pytest.approx(1.0)
 
 
-def test_very_long_lines_are_read_in_time(file):
+def test_very_long_lines_are_read(file):
     # A line is looked at whole once, whatever the number of ways in which cells may be parted.
     path = file("\n".join([",".join(["1.5", "2", "0"] * 10_000)] * 4), "a.csv")
     began = time.process_time()
@@ -875,7 +875,7 @@ def test_very_long_lines_are_read_in_time(file):
     assert time.process_time() - began < 4  # 0.4 s in a trial
 
 
-def test_words_beside_the_points_are_bounded(file):
+def test_x3p_metadata_size_is_limited(file):
     few, many, deep = (PLAIN.replace("</p:ISO", f"{words}</p:ISO") for words in (
         "<x/>" * 1000, "<x/>" * 150_000, f"<x>{' ' * 5_000_000}</x>"
     ))  # fmt: skip

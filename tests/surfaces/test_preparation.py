@@ -140,7 +140,7 @@ def test_common_grid_exists_for_any_two_profiles():
 # ---- History --------------------------------------------------------------------------------------------------------
 
 
-def test_each_step_is_in_the_history_and_stays_there():
+def test_history_contains_every_step():
     profile = Profile(rough(100).heights, spacing=0.1, history=("made up",))
     done = cropped(levelled(profile, "quadratic"), 1.0, 9.0).with_amplitude(0.5, "Rq")
     other = on_common_grid(done, rough(200, 0.05))[0]
@@ -162,6 +162,6 @@ def test_profiles_of_a_surface_inherit_its_history():
 
 
 @pytest.mark.parametrize("history", ["levelled", ["levelled"], (1,), None])
-def test_a_history_is_a_tuple_of_strings(history):
+def test_history_is_a_tuple_of_strings(history):
     with pytest.raises(ValueError, match="history must be a tuple of strings"):
         Profile(np.zeros(4), spacing=1.0, history=history)

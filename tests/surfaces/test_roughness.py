@@ -22,7 +22,7 @@ ROUND_OFF = 1e-12
 
 
 class TestParameters:
-    def test_of_a_sinusoid(self):
+    def test_parameters_of_sinusoid_have_closed_forms(self):
         # Even moments of whole waves are exact. |sin| at n points a wave has a mean short of 2/π by π²/3n² of it.
         n = 512
         found = roughness_parameters(wave(n))
@@ -33,7 +33,7 @@ class TestParameters:
         assert found.Pku == pytest.approx(1.5, rel=ROUND_OFF)
 
     @pytest.mark.parametrize(("derivative", "order", "factor"), [("neighbours", 2, 24), ("seven-point", 6, 140)])
-    def test_slope_falls_short_as_its_derivative_does(self, derivative, order, factor):
+    def test_slope_of_sinusoid_has_the_error_of_its_difference(self, derivative, order, factor):
         exact = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
         for n in (16, 32):
             # Long enough that the six points without a seven-point slope weigh little.
@@ -41,7 +41,7 @@ class TestParameters:
             # The next term is about (2π/n)² of this one.
             assert short == pytest.approx((2 * np.pi / n) ** order / factor, rel=(2 * np.pi / n) ** 2, abs=2e-6)
 
-    def test_of_normally_distributed_heights(self):
+    def test_parameters_of_normal_heights_have_closed_forms(self):
         found = roughness_parameters(rough(points=200_000, longest_wavelength=1.0))
         # Some 2000 independent heights: standard errors of 0.05 and 0.11, times four.
         assert found.Psk == pytest.approx(0, abs=0.2)
@@ -49,7 +49,7 @@ class TestParameters:
         assert found.Pa / found.Pq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
 
     @pytest.mark.parametrize("factor", [1e-45, 1e45])
-    def test_scale_with_heights_of_any_size(self, factor):
+    def test_parameters_scale_with_heights(self, factor):
         profile = rough()
         one, other = (
             roughness_parameters(profile),
@@ -60,10 +60,10 @@ class TestParameters:
         assert other.Psk == pytest.approx(one.Psk, rel=1e-9)
         assert other.Pku == pytest.approx(one.Pku, rel=1e-9)
 
-    def test_valleys_deeper_than_peaks_have_negative_skewness(self):
+    def test_skewness_is_negative_for_deep_valleys(self):
         assert roughness_parameters(Profile([0.0] * 20 + [-1.0] + [0.0] * 20, spacing=1.0)).Psk < -1
 
-    def test_bad_arguments_are_named(self):
+    def test_parameters_reject_bad_arguments(self):
         with pytest.raises(ValueError, match="flat"):
             roughness_parameters(Profile([1.0] * 10, spacing=1.0))
         with pytest.raises(ValueError, match="7 points"):
@@ -86,12 +86,12 @@ class TestAgainstSurfaceTopography:
             return levelled(read_profile(request.getfixturevalue("measured")("dektak-1.csv")), "line")
         return levelled(rough(), "mean")
 
-    def test_levelling(self, line_scan, measured):
+    def test_levelling_agrees_with_surface_topography(self, line_scan, measured):
         profile = read_profile(measured("dektak-1.csv"))
         theirs = line_scan(profile.heights.copy(), profile.extent, unit="um").detrend("height")
         assert np.abs(theirs.heights() - levelled(profile, "line").heights).max() < self.CLOSE
 
-    def test_height_and_slope(self, line_scan, profile):
+    def test_height_and_slope_agree_with_surface_topography(self, line_scan, profile):
         theirs = line_scan(profile.heights, profile.extent, unit="um")
         ours = roughness_parameters(profile, derivative="neighbours")
         assert ours.Pq == pytest.approx(theirs.rms_height_from_profile(), rel=self.CLOSE)
@@ -104,7 +104,7 @@ class TestAgainstSurfaceTopography:
         assert periodic.rms_slope_from_profile() == pytest.approx(expected, rel=self.CLOSE)
 
     @pytest.mark.parametrize("periodic", [True, False])
-    def test_spectrum(self, line_scan, profile, periodic):
+    def test_spectrum_agrees_with_surface_topography(self, line_scan, profile, periodic):
         theirs = line_scan(profile.heights, profile.extent, unit="um", periodic=periodic)
         q, density = theirs.power_spectrum_from_profile(resampling_method=None)
         ours = power_spectrum(profile, periodic=periodic)
@@ -143,7 +143,7 @@ def slow(surface):
 
 
 @pytest.mark.parametrize("factor", [1.0, 1e-6])
-def test_heights_slopes_and_area_are_those_of_the_definitions(factor):
+def test_surface_parameters_equal_their_definitions(factor):
     surface = Surface(3.0 + factor * rough_area().heights, spacing=(0.5, 0.25))
     found, wanted = surface_parameters(surface, derivative="neighbours"), slow(surface)
     for name, value in wanted.items():
@@ -152,7 +152,7 @@ def test_heights_slopes_and_area_are_those_of_the_definitions(factor):
         assert getattr(found, name) == pytest.approx(value, rel=loss), name
 
 
-def test_seven_points_are_those_of_the_lines():
+def test_seven_point_slope_equals_that_of_lines():
     surface = rough_area()
     rows = [roughness_parameters(surface.row(index)).Pdq for index in range(40)]
     columns = [roughness_parameters(surface.column(index)).Pdq for index in range(50)]
@@ -160,7 +160,7 @@ def test_seven_points_are_those_of_the_lines():
     assert surface_parameters(surface).Sdq == pytest.approx(wanted, rel=ROUND_OFF)
 
 
-def test_autocorrelation_is_the_mean_product_over_the_overlap():
+def test_autocorrelation_equals_mean_product_over_the_overlap():
     z = rough_area(shape=(9, 12)).heights
     z = z - z.mean()
     found = autocorrelation(z)
@@ -173,7 +173,7 @@ def test_autocorrelation_is_the_mean_product_over_the_overlap():
             assert found[j, shift + 6] == pytest.approx(np.mean(pairs) / np.mean(z**2), abs=ROUND_OFF)
 
 
-def test_lengths_of_a_gaussian_autocorrelation():
+def test_autocorrelation_lengths_of_gaussian_have_closed_forms():
     # exp(-r²/4s²) falls to 0.2 at 2 s sqrt(ln 5); 60 correlation areas leave some per cent.
     surface = rough_area(shape=(600, 700), spacing=0.5, smooth=8.0)
     found = surface_parameters(surface)
@@ -192,7 +192,7 @@ def grooves(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
 
 
 @pytest.mark.parametrize("angle", [0, 31, 90, 135])
-def test_texture_of_grooves(angle):
+def test_texture_parameters_of_grooves_give_their_direction(angle):
     found = surface_parameters(grooves(angle))
     # The cosine falls to 0.2 at arccos(0.2)/2π of the wavelength, but for what the overlap leaves of whole waves.
     assert found.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
@@ -201,7 +201,7 @@ def test_texture_of_grooves(angle):
     assert off <= 3  # a sector of two degrees, and the spread of the window
 
 
-def test_core_of_known_distributions():
+def test_core_of_distributions_has_closed_forms():
     # Heights equally spread: the bearing curve is straight, without peaks or valleys.
     even = Surface(np.random.default_rng(1).permutation(np.linspace(0, 2, 10_000)).reshape(100, 100), spacing=1.0)
     found = surface_parameters(even)
@@ -246,7 +246,7 @@ def test_bearing_curve_returns_heights_at_material_ratios():
         bearing_curve(surface, [1.5])
 
 
-def test_scale_and_turning():
+def test_surface_parameters_scale_and_rotate():
     surface = rough_area()
     one = surface_parameters(surface)
     other = surface_parameters(Surface(1e-3 * surface.heights, spacing=(0.5e-3, 0.25e-3)))
@@ -270,7 +270,7 @@ def test_scale_and_turning():
     assert (over.Spk, over.Ssk, over.Smr1) == pytest.approx((one.Svk, -one.Ssk, 1 - one.Smr2), rel=1e-6)
 
 
-def test_agree_with_surface_topography():
+def test_surface_parameters_agree_with_surface_topography():
     topography = pytest.importorskip("SurfaceTopography")
     surface = rough_area()
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
@@ -289,6 +289,6 @@ def test_agree_with_surface_topography():
         (Surface(np.eye(9), spacing=1.0), {"derivative": "spline"}, "derivative must be one of"),
     ],
 )
-def test_bad_arguments_are_named(surface, options, said):
+def test_surface_parameters_reject_bad_arguments(surface, options, said):
     with pytest.raises(ValueError, match=said):
         surface_parameters(surface, **options)

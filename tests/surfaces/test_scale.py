@@ -27,7 +27,7 @@ ROUND_OFF = 1e-9
 BINS = 0.03  # of a slope between two bins, 48 to a decade
 
 
-def test_all_waves_have_the_moments_of_the_spectrum():
+def test_scale_dependent_roughness_tends_to_moments_of_spectrum():
     profile = rough()
     moments = spectral_moments(profile, periodic=True)
     found = scale_dependent_roughness(profile, periodic=True)
@@ -44,7 +44,7 @@ def test_all_waves_have_the_moments_of_the_spectrum():
     assert found.curvature[-1] ** 2 == pytest.approx(laplacian / 4, rel=ROUND_OFF)
 
 
-def test_counts_the_waves_down_to_a_wavelength():
+def test_scale_dependent_roughness_sums_spectrum_above_wavelength():
     x = np.arange(1000) * 0.1
     long, short = 0.3 * np.sin(2 * np.pi * x / 10), 0.02 * np.sin(2 * np.pi * x / 0.5)
     found = scale_dependent_roughness(Profile(long + short, spacing=0.1), periodic=True)
@@ -57,7 +57,7 @@ def test_counts_the_waves_down_to_a_wavelength():
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.8])
-def test_of_a_power_law_are_its_integrals(hurst):
+def test_scale_dependent_roughness_of_power_law_has_closed_form(hurst):
     longest = 40.0
     profile = self_affine(
         1, hurst_exponent=hurst, rms=0.1, points=2**15, spacing=0.01, longest_wavelength=longest, periodic=True,
@@ -70,7 +70,7 @@ def test_of_a_power_law_are_its_integrals(hurst):
         assert float(found.gradient_at(length)) / found.gradient[-1] == pytest.approx(math.sqrt(ratio), rel=BINS)
 
 
-def test_a_tilt_and_the_window_do_not_matter_and_units_scale():
+def test_scale_dependent_roughness_is_independent_of_tilt_and_window():
     profile = self_affine(
         4, hurst_exponent=0.7, rms=0.1, points=8192, spacing=0.01, longest_wavelength=2.0, shortest_wavelength=0.2
     )
@@ -86,7 +86,7 @@ def test_a_tilt_and_the_window_do_not_matter_and_units_scale():
 
 @pytest.mark.parametrize("hurst", [0.3, 0.8])
 @pytest.mark.parametrize("areal", [True, False])
-def test_is_continued_by_the_power_law(hurst, areal):
+def test_extrapolation_follows_power_law(hurst, areal):
     """What a coarse scan says of waves that only a fine one sees."""
     if areal:
         rough_one = {"hurst_exponent": hurst, "rms": 0.1, "shape": (512, 512), "spacing": 0.01}
@@ -116,7 +116,7 @@ def test_is_continued_by_the_power_law(hurst, areal):
     assert seen.wavelength_of(1e-9) == pytest.approx(seen.wavelength[0], rel=1e-6)
 
 
-def test_the_line_through_an_exponent_of_one_is_the_limit_of_its_neighbours():
+def test_extrapolation_is_continuous_at_exponent_1():
     estimate = replace(estimate_hurst_exponent(rough(points=4096)), value=1.0)
     seen = scale_dependent_roughness(rough(points=4096))
     near = replace(estimate, value=1 + 1e-9)
@@ -124,14 +124,14 @@ def test_the_line_through_an_exponent_of_one_is_the_limit_of_its_neighbours():
 
 
 class TestInstrument:
-    def test_the_smallest_surface_is_limited_by_its_pixels_and_has_no_radial_spectrum(self):
+    def test_smallest_surface_is_limited_by_pixels(self):
         small = Surface([[0.0, 1.0], [2.0, 0.0]], spacing=1.0)
         assert instrument_limit(small).reason == "pixels"
         with pytest.raises(ValueError, match=r"surface must have more than \(2, 2\) points"):
             surface_spectrum(small).radial()
 
     @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
-    def test_a_rough_surface_is_limited_by_its_pixels(self, hurst):
+    def test_rough_surface_is_limited_by_pixels(self, hurst):
         for repetition in range(5):
             profile = self_affine(1, hurst_exponent=hurst, rms=0.1, points=8192, spacing=0.01, repetition=repetition)
             assert instrument_limit(profile).reason == "pixels"
@@ -142,7 +142,7 @@ class TestInstrument:
         assert instrument_limit(folded).reason == "pixels"
 
     @pytest.mark.parametrize("noise", [0.3e-3, 1e-3, 1e-2])
-    def test_a_noise_floor_begins_where_waves_have_some_times_its_power(self, noise):
+    def test_noise_floor_begins_at_multiple_of_its_power(self, noise):
         profile = self_affine(
             1, hurst_exponent=0.9, rms=0.1, points=2**14, spacing=0.01, periodic=True, amplitudes="fixed"
         )
@@ -154,12 +154,12 @@ class TestInstrument:
         power = 0.1**2 * harmonic**-2.8 / (np.arange(1, 2**13) ** -2.8).sum()
         assert 1.2 < power / (noise**2 / 2**13) < 4  # with the noise, four times the lowest of all
 
-    def test_white_heights_are_noise_from_the_longest_wave_on(self):
+    def test_white_heights_are_noise_at_all_wavelengths(self):
         found = instrument_limit(Profile(np.random.default_rng(2).normal(size=4096), spacing=0.1))
         assert found.reason == "noise floor"
         assert found.noise > 10
 
-    def test_a_tip_follows_what_is_less_curved(self):
+    def test_tip_limits_curvature(self):
         surface = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(256, 256), spacing=0.01)
         roughness = scale_dependent_roughness(surface)
         for radius in (0.02, 0.1, 1.0):
@@ -169,7 +169,7 @@ class TestInstrument:
         assert found.reason == "tip"
         assert math.isnan(instrument_limit(surface, tip_radius=1e-5).tip)
 
-    def test_of_a_measured_map(self, measured):
+    def test_instrument_limit_of_measured_map_is_plausible(self, measured):
         surface = read_surface(measured("di-4.di"))
         found = instrument_limit(surface)
         assert found.reason == "noise floor"
@@ -179,7 +179,7 @@ class TestInstrument:
         assert found.slope_fraction == pytest.approx(0.227, abs=0.001)
         assert instrument_limit(read_profile(measured("dektak-1.csv"))).reason == "pixels"
 
-    def test_noise_of_any_colour_but_pink_is_found_and_what_is_left_has_the_slope_of_the_surface(self):
+    def test_coloured_noise_is_detected_and_filtered_slope_is_true(self):
         points, step, acted, right = 4000, 1 / 60, 0, 0
         frequency = np.fft.rfftfreq(points, step)
         colours = {
@@ -210,14 +210,14 @@ class TestInstrument:
         assert acted >= 30
         assert right >= 0.95 * acted
 
-    def test_a_hump_far_above_the_resolution_is_texture(self):
+    def test_hump_far_above_resolution_is_texture(self):
         rough = self_affine(3, hurst_exponent=0.8, rms=0.01, points=8192, spacing=0.1, longest_wavelength=100.0)
         frequency = np.fft.rfftfreq(8192, 0.1)
         transform = np.fft.rfft(rough.heights)
         transform[(frequency > 0.05) & (frequency < 0.12)] *= 30  # 80 to 200 points
         assert instrument_limit(Profile(np.fft.irfft(transform, 8192), spacing=0.1)).reason == "pixels"
 
-    def test_steps_of_heights_are_named(self):
+    def test_height_quantisation_is_named(self):
         smooth = self_affine(
             5, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, longest_wavelength=5.0, shortest_wavelength=0.5
         )
@@ -231,7 +231,7 @@ def body_of(heights, spacing=0.1):
 class TestTexture:
     @pytest.mark.parametrize("dimensions", [1, 2])
     @pytest.mark.parametrize("kind", CLEAN)
-    def test_clean_surface_has_no_wavelengths_of_the_instrument(self, kind, dimensions):
+    def test_clean_surface_has_no_instrument_wavelengths(self, kind, dimensions):
         limits = [
             instrument_limit(body_of(CLEAN[kind](np.random.default_rng([seed, dimensions]), dimensions)))
             for seed in range(8)
@@ -240,7 +240,7 @@ class TestTexture:
         assert sum(limit.matters for limit in limits) <= 1
 
     @pytest.mark.parametrize("feed", [10, 25, 60])
-    def test_feed_of_a_turned_profile_is_found(self, feed):
+    def test_feed_of_turned_profile_is_detected(self, feed):
         heights = turned(np.random.default_rng(1), 1, feed=(feed, feed))
         assert instrument_limit(body_of(heights)).period == pytest.approx(0.1 * feed, rel=0.01)
 
@@ -250,7 +250,7 @@ class TestTexture:
             heights = filtered_noise(np.random.default_rng(seed), (2048,), hurst)
             assert math.isnan(instrument_limit(body_of(heights)).period)
 
-    def test_noise_on_a_turned_profile_is_the_instruments_if_the_texture_is_known(self):
+    def test_noise_on_turned_profile_is_attributed_to_instrument_if_texture_is_declared(self):
         rng = np.random.default_rng(3)
         heights = turned(rng, 1, feed=(40, 40), rough=0.02, wander=0.0)
         noisy = body_of(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
@@ -258,7 +258,7 @@ class TestTexture:
         assert (found.reason, found.origin, found.matters) == ("noise floor", "unknown", True)
         assert instrument_limit(noisy, texture=True).origin == "instrument"
 
-    def test_line_is_of_unknown_origin_unless_the_texture_is_known(self):
+    def test_line_spectrum_is_unattributed_unless_texture_is_declared(self):
         rng = np.random.default_rng(1)
         smooth = filtered_noise(rng, (4096,), 0.8, longest=300, shortest=20)
         humming = body_of(smooth + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
@@ -266,7 +266,7 @@ class TestTexture:
         assert (found.reason, found.origin, found.matters) == ("line", "unknown", True)
         assert instrument_limit(humming, texture=True).reason == "pixels"
 
-    def test_white_noise_of_a_map_is_the_instruments_though_the_texture_is_known(self):
+    def test_white_noise_of_map_is_attributed_to_instrument_with_declared_texture(self):
         rng = np.random.default_rng(2)
         smooth = filtered_noise(rng, (128, 128), 0.8, longest=60, shortest=6)
         noisy = body_of(smooth + 0.05 * rng.normal(size=smooth.shape))
@@ -284,12 +284,12 @@ class TestTexture:
         (instrument_limit, {"body": wave(16), "tip_radius": 0.0}, "tip_radius must be a finite number above 0 µm"),
     ],
 )
-def test_bad_arguments_are_named(function, arguments, said):
+def test_instrument_limit_rejects_bad_arguments(function, arguments, said):
     with pytest.raises(ValueError, match=said):
         function(**arguments)
 
 
-def test_a_wavelength_is_above_zero():
+def test_gradient_and_wavelength_reject_bad_arguments():
     found = scale_dependent_roughness(wave(16))
     with pytest.raises(ValueError, match="wavelength must be above 0"):
         found.gradient_at(0.0)
@@ -298,7 +298,7 @@ def test_a_wavelength_is_above_zero():
 
 
 @pytest.mark.parametrize("colour", ["white", "band"])
-def test_the_cut_off_of_an_instrument_leaves_the_slope_of_the_waves_that_are_trusted(colour):
+def test_cutoff_of_instrument_preserves_slope_of_trusted_wavelengths(colour):
     """A Gaussian takes a part of longer waves: with its wavelength at the limit h' would be a fifth too small."""
     for seed in range(6):
         made = self_affine_surface(

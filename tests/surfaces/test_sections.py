@@ -45,12 +45,12 @@ class TestSinusoid:
         assert found.Rmr == pytest.approx(0.5, abs=0.002)
         assert found.Rdc == pytest.approx(2 * amplitude * math.cos(math.pi * 0.2), rel=0.002)
 
-    def test_s_filter_takes_off_its_share(self):
+    def test_s_filter_removes_its_fraction(self):
         # A wave of the length of λs keeps half of its amplitude.
         found = section_parameters(sinusoid(8.0, waves=700), lc=800, ls=8)
         assert found.Ra == pytest.approx(0.5 * 2 / math.pi, rel=2e-3)
 
-    def test_roughness_and_waviness_are_parted_at_half_the_amplitude(self):
+    def test_roughness_and_waviness_have_half_amplitude_at_cutoff(self):
         found = section_parameters(sinusoid(800.0, waves=40), lc=800, ls=0)
         assert found.Wq == pytest.approx(0.5 / math.sqrt(2), rel=0.02)
         assert found.WSm == pytest.approx(800, rel=0.01)
@@ -108,7 +108,7 @@ def test_profile_elements_ignore_small_hills_and_dales():
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_profile_elements_are_those_of_the_reversed_and_the_flipped_profile(seed):
+def test_profile_elements_are_invariant_under_reversal_and_flip(seed):
     heights = ground(seed).heights
     own = mean_element(heights, 0.5, 0.7)
     assert mean_element(heights[::-1], 0.5, 0.7) == pytest.approx(own, rel=1e-9)
@@ -140,7 +140,7 @@ class TestSettingClass:
         x = 5.0 * np.arange(2000)
         assert section_parameters(Profile(np.sin(2 * np.pi * x / 100), spacing=5.0)).filters.ls is None
 
-    def test_fewer_sections_are_taken_from_a_short_profile(self):
+    def test_short_profile_has_fewer_sections(self):
         found = section_parameters(sinusoid(50.0, waves=39), lc=800)
         assert found.filters.sections == 2
         assert found.filters.stop - found.filters.start == 3200
@@ -180,7 +180,7 @@ def test_section_parameters_reject_bad_arguments(options, message):
         section_parameters(Profile(np.sin(np.arange(100.0)), spacing=0.5), **options)
 
 
-def test_section_parameters_reject_profiles_too_coarse_or_too_short_for_their_class():
+def test_section_parameters_reject_too_coarse_or_short_profiles():
     x = 50.0 * np.arange(1000)
     with pytest.raises(ValueError, match=r"^Ra .* call for a section length of 250 µm; its points are 50 µm apart"):
         section_parameters(Profile(0.05 * np.sin(2 * np.pi * x / 110), spacing=50.0))

@@ -9,7 +9,7 @@ ROUND_OFF = 1e-12  # of sums and transforms of some ten thousand numbers
 CHOICES = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spacing": (0.02, 0.01)}
 
 
-class TestOfAProfile:
+class TestSelfAffineProfile:
     def test_profile_has_requested_spectrum_and_height(self):
         profile = rough(periodic=True, amplitudes="fixed", longest_wavelength=2.0, shortest_wavelength=0.05)
         assert roughness_parameters(profile).Pq == pytest.approx(0.1, rel=ROUND_OFF)
@@ -91,7 +91,7 @@ def test_surface_has_requested_rms_and_zero_mean():
 
 
 @pytest.mark.parametrize("hurst", [0.3, 0.8, 1.5])
-def test_spectrum_is_the_power_law_flat_beyond_the_longest_wavelength_and_zero_below_the_shortest(hurst):
+def test_spectrum_is_power_law_with_plateau_and_cutoff(hurst):
     extents = (5.12, 5.12)
     spectra = []
     for repetition in range(8):
@@ -130,7 +130,7 @@ def test_surface_is_periodic():
     assert np.abs(np.diff(doubled, axis=0))[63].max() <= np.abs(np.diff(made.heights, axis=0)).max() * 1.5
 
 
-def test_a_finer_grid_samples_the_same_surface():
+def test_finer_grid_samples_the_same_surface():
     coarse = surface(shortest_wavelength=0.1, longest_wavelength=0.8)
     fine = surface(shortest_wavelength=0.1, longest_wavelength=0.8, shape=(288, 256), spacing=(0.02 / 3, 0.005))
     assert np.abs(fine.heights[::3, ::2] - coarse.heights).max() < ROUND_OFF
@@ -183,7 +183,7 @@ def test_self_affine_rejects_bad_arguments(changes, match):
 
 
 class TestAmplitude:
-    def test_each_measure_is_as_wanted_about_a_mean_of_zero(self):
+    def test_profile_has_requested_amplitude_and_zero_mean(self):
         made = surface()
         raised = Surface(made.heights + 5.0, spacing=made.spacing, history=("made",))
         for measure, of in (("height", np.ptp), ("Sa", lambda h: np.abs(h).mean()), ("Sq", np.std)):

@@ -27,7 +27,7 @@ LAY = 10.0  # degrees, of maps of some ten of the longest waves that are twice a
 
 
 class TestSpectrum:
-    def test_of_a_sinusoid_is_one_line(self):
+    def test_spectrum_of_sinusoid_is_one_line(self):
         profile = wave(16)
         spectrum = power_spectrum(profile, periodic=True)
         line = int(np.argmax(spectrum.density))
@@ -36,7 +36,7 @@ class TestSpectrum:
         assert np.delete(spectrum.density, line).max() < ROUND_OFF * spectrum.density[line]
 
     @pytest.mark.parametrize("points", [1000, 1001])
-    def test_its_integral_is_the_mean_square_height(self, points):
+    def test_spectrum_integrates_to_mean_square_height(self, points):
         profile = rough(points=points)
         spectrum = power_spectrum(profile, periodic=True)
         mean_square = roughness_parameters(profile).Pq ** 2
@@ -47,7 +47,7 @@ class TestSpectrum:
             assert binned.count.sum() == (points - 1) / 2
             assert (np.diff(binned.wave_number) > 0).all()
 
-    def test_is_the_sum_it_is_defined_by(self):
+    def test_spectrum_equals_its_definition(self):
         profile = rough(points=64)
         window = np.sqrt(8 / 3) * np.sin(np.pi * np.arange(64) / 64) ** 2
         for periodic in (True, False):
@@ -57,7 +57,7 @@ class TestSpectrum:
                 transform = profile.spacing * (heights * np.exp(-1j * q * profile.x)).sum()
                 assert density == pytest.approx(abs(transform) ** 2 / profile.extent, rel=1e-9)
 
-    def test_window_keeps_the_level_and_removes_the_leakage_of_the_jump_at_the_ends(self):
+    def test_window_preserves_level_and_removes_leakage(self):
         profiles = [rough(repetition=r, points=4096, longest_wavelength=4.0) for r in range(40)]
         windowed, plain = (
             np.mean([power_spectrum(p, periodic=periodic).density for p in profiles], axis=0)
@@ -73,7 +73,7 @@ class TestSpectrum:
         assert np.mean(plain[high] / wanted[high]) > 1.3
 
     @pytest.mark.parametrize("bad", [{"periodic": "yes"}, {"periodic": None}])
-    def test_bad_arguments_are_named(self, bad):
+    def test_spectrum_rejects_bad_arguments(self, bad):
         for function in (power_spectrum, estimate_hurst_exponent, spectral_moments):
             with pytest.raises(ValueError, match="periodic"):
                 function(rough(), **bad)
@@ -81,8 +81,8 @@ class TestSpectrum:
             power_spectrum(rough()).in_bins(0)
 
 
-class TestMoments:
-    def test_of_a_sinusoid(self):
+class TestSpectralMoments:
+    def test_moments_of_sinusoid_have_closed_forms(self):
         found = spectral_moments(wave(16), periodic=True)
         q = 2 * np.pi / WAVELENGTH
         for order, value in enumerate((found.height, found.slope, found.curvature)):
@@ -90,7 +90,7 @@ class TestMoments:
             assert value == pytest.approx(AMPLITUDE**2 / 2 * q ** (2 * order), rel=1e-10)
         assert found.nayak_parameter == pytest.approx(1, rel=1e-10)
 
-    def test_bands_add_up(self):
+    def test_moments_of_bands_add_up(self):
         profile = rough()
         whole = spectral_moments(profile)
         # 0.35 µm is no wavelength of the profile, so nothing is counted twice.
@@ -98,7 +98,7 @@ class TestMoments:
         for name in ("height", "slope", "curvature"):
             assert sum(getattr(part, name) for part in parts) == pytest.approx(getattr(whole, name), rel=ROUND_OFF)
 
-    def test_bad_arguments_are_named(self):
+    def test_moments_reject_bad_arguments(self):
         with pytest.raises(ValueError, match="longest_wavelength must be above"):
             spectral_moments(rough(), shortest_wavelength=2.0, longest_wavelength=1.0)
         with pytest.raises(ValueError, match="no wavelength of the profile"):
@@ -107,7 +107,7 @@ class TestMoments:
             spectral_moments(Profile([1.0] * 10, spacing=1.0))
 
 
-def test_is_the_sum_it_is_defined_by():
+def test_areal_spectrum_equals_its_definition():
     surface = self_affine_map(1, 0.7, (8, 9), spacing=(0.5, 0.25))
     window = [np.sqrt(8 / 3) * np.sin(np.pi * np.arange(n) / n) ** 2 for n in (8, 9)]
     for periodic in (True, False):
@@ -141,7 +141,7 @@ def test_moments_are_variances_along_any_direction():
     assert found.nayak_parameter == pytest.approx(1, rel=1e-9)
 
 
-def test_steepest_direction_is_across_a_lay():
+def test_steepest_direction_is_across_lay():
     waves = np.arange(128)[:, np.newaxis] * 0.2 * np.pi * 5 / 32 + np.arange(128) * 0.2 * np.pi * 10 / 32
     spectrum = surface_spectrum(Surface(np.cos(waves), spacing=1.0))
     assert spectrum.steepest_direction() == pytest.approx(math.degrees(math.atan2(1, 2)), abs=0.5)
@@ -153,7 +153,7 @@ def test_steepest_direction_is_across_a_lay():
             assert abs(off) < LAY
 
 
-def test_radial_spectrum_holds_every_wave_once():
+def test_radial_spectrum_counts_every_coefficient_once():
     surface = self_affine_map(3, 0.6, (64, 81), spacing=(0.5, 0.3))
     spectrum = surface_spectrum(surface, periodic=True)
     q, angle, density = spectrum.waves()
@@ -169,7 +169,7 @@ def test_radial_spectrum_holds_every_wave_once():
     assert (radial.density * radial.count).sum() == pytest.approx(density.sum(), rel=AREA_ROUND_OFF)
 
 
-def test_agrees_with_surface_topography():
+def test_radial_spectrum_agrees_with_surface_topography():
     topography = pytest.importorskip("SurfaceTopography")
     surface = self_affine_map(4, 0.8, (96, 128))
     other = topography.Topography(surface.heights.T - surface.heights.mean(), (64.0, 48.0), periodic=True)
@@ -184,7 +184,7 @@ def test_agrees_with_surface_topography():
         assert density[index] == pytest.approx(values[ring].mean(), rel=0.35)
 
 
-def test_of_eq_1_are_its_exact_ones():
+def test_moments_of_eq_1_equal_exact_moments():
     # Half of Σ a² k^(2j); 20 profiles of some hundred independent wavelengths each leave a few per cent.
     options = {"convention": "classical"}
     exact = weierstrass_mandelbrot_moments(1.2, shortest_wavelength=0.02, **options)

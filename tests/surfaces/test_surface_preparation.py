@@ -154,7 +154,7 @@ def test_rotated_rejects_narrow_strip():
 
 
 @pytest.mark.parametrize("shape", [(40, 50), (41, 50), (40, 51), (41, 51)])
-def test_a_surrogate_of_a_periodic_surface_has_its_spectrum(shape):
+def test_surrogate_of_periodic_surface_has_its_spectrum(shape):
     surface = Surface(3.0 + np.random.default_rng(1).normal(size=shape), spacing=(0.2, 0.1))
     other = surrogate(surface, 7, periodic=True)
     one, again = (surface_spectrum(each, periodic=True).density for each in (surface, other))
@@ -166,7 +166,7 @@ def test_a_surrogate_of_a_periodic_surface_has_its_spectrum(shape):
     assert not np.array_equal(surrogate(surface, 7, repetition=1, periodic=True).heights, other.heights)
 
 
-def test_a_surrogate_keeps_lay_height_and_slopes():
+def test_surrogate_preserves_lay_height_and_slopes():
     # A lay at 31 degrees, which an image in both axes would mix with one at -31.
     size = 256
     q_y, q_x = 2 * np.pi * np.fft.fftfreq(2 * size)[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(2 * size)

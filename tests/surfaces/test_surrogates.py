@@ -102,7 +102,7 @@ def known(hurst, side="lower", shape=(256, 2048), spacing=0.1):
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
-def test_spectrum_of_a_surface_comes_back_from_that_of_its_sections(hurst):
+def test_surface_spectrum_is_recovered_from_sections(hurst):
     """C1D(k) by summing a known C2D over all waves of the grid across; a profile with exactly that, without scatter."""
     points, spacing = 512, 0.5
     q = 2 * np.pi * np.fft.fftfreq(points, spacing)
@@ -120,7 +120,7 @@ def test_spectrum_of_a_surface_comes_back_from_that_of_its_sections(hurst):
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
-def test_gradient_is_that_of_the_surface_of_which_it_is_a_section(hurst):
+def test_gradient_of_section_equals_that_of_surface(hurst):
     body = known(hurst)
     own = surface_spectrum(body, periodic=True)
     gradient = np.sqrt(own.moments(0).slope + own.moments(90).slope)
@@ -134,7 +134,7 @@ def test_gradient_is_that_of_the_surface_of_which_it_is_a_section(hurst):
         assert again.moments(0).slope == pytest.approx(again.moments(90).slope, rel=2 * SCATTER)
 
 
-def test_mean_spectrum_is_that_of_the_fit():
+def test_mean_spectrum_equals_fit():
     section = known(0.7, shape=(64, 512)).row(3)
     fitted = isotropic_spectrum(section, periodic=True)
     slopes = [
