@@ -14,10 +14,12 @@ from stiction import Study, effective_modulus, run, self_affine, self_affine_sur
 from stiction._errors import ArgumentError
 from stiction.cli.application import app, tell
 from stiction.cli.options import announce_reader
+from stiction.cli.pair_options import given_options
 from stiction.studies import store
 from stiction.studies.at_load import at_load
 from stiction.studies.members import bodies_of
-from stiction.studies.pair import ARGUMENTS, Pair
+from stiction.studies.pair import Pair
+from stiction.studies.pair_options import read_options
 from stiction.studies.pressed import pressed_to_loads
 from stiction.studies.store import export
 from stiction.studies.values import StudyError
@@ -63,7 +65,7 @@ def asked(where, *arguments):
     group = typer.main.get_command(app)
     command = group.get_command(group.context_class(group), "pair")
     with contextlib.chdir(where), command.make_context("pair", [str(each) for each in arguments]) as context:
-        return Pair(**{name: value for name, value in context.params.items() if name in ARGUMENTS})
+        return Pair(read_options(given_options(context)))
 
 
 def study_of(where, *arguments):
@@ -649,7 +651,7 @@ def test_scan_with_unattributed_hump_is_also_computed_filtered(tmp_path):
     noisy = stiction.Profile(clean.heights + 1.3e-4 * noise / noise.std(), spacing=0.0167)
     asked = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
     studies = {
-        name: Pair(upper=body, lower=body, **asked, **more).study
+        name: Pair.of(upper=body, lower=body, **asked, **more).study
         for name, body, more in (
             ("clean", clean, {}), ("noisy", noisy, {}), ("vouched", noisy, {"cutoff": "none"}),
             ("cut", noisy, {"cutoff": "0.3 um"}),
@@ -674,7 +676,7 @@ def test_noise_floor_is_filtered_from_its_scan_and_reported():
     limit = stiction.instrument_limit(noisy)
     assert (limit.origin, limit.matters) == ("instrument", True)
     asked = {"load": "10 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "offsets": 8}
-    study = Pair(upper=noisy, lower=clean, **asked).study
+    study = Pair.of(upper=noisy, lower=clean, **asked).study
     assert [float(each) for each in study.surfaces.cut_off] == [limit.cut_off, 0.0]
     assert study.surfaces.both_readings
     assert [float(each.max_cut_off) for each in (study.surfaces.upper, study.surfaces.lower)] == [limit.cut_off, 0.0]
@@ -696,10 +698,10 @@ def test_declared_texture_preserves_its_line_and_unknown_texture_is_rejected():
     _, clean = noisy_and_clean()
     humming = stiction.Profile(clean.heights + 2e-4 * np.sin(2 * np.pi * np.arange(1500) / 8), spacing=0.0167)
     asked = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
-    study = Pair(upper=humming, lower=clean, **asked).study
+    study = Pair.of(upper=humming, lower=clean, **asked).study
     assert float(study.surfaces.cut_off[0]) == 0.0
     assert study.surfaces.both_readings
-    ground = Pair(upper=humming, lower=clean, texture="ground", **asked).study
+    ground = Pair.of(upper=humming, lower=clean, texture="ground", **asked).study
     assert [float(each) for each in ground.surfaces.cut_off] == [0.0]
     assert [ground.surfaces.upper.texture, ground.surfaces.lower.texture] == ["ground", "ground"]
     assert not any(each.severity == "fault" for each in doubts_of_inputs(humming, clean, ground))

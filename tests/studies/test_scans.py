@@ -192,7 +192,7 @@ def test_doubts_about_files_are_caveats_of_a_pair_until_they_are_settled(tmp_pat
 
     def of_files(**options):
         given = {"load": "1 mN", "mu0": "0.3", "effective_modulus": "10 GPa", "missing": "interpolate", **options}
-        study = Pair(upper="codes.csv", lower="codes.csv", **given).study
+        study = Pair.of(upper="codes.csv", lower="codes.csv", **given).study
         return [each for each in doubts_of_study(study) if "(repeated-extreme)" in each.cure]
 
     (doubt,) = of_files()

@@ -164,7 +164,7 @@ def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(whole
         asked = READ | ASKED | refused
         asked.pop("onset")
         with pytest.raises(ValueError, match=why):  # before anything is computed
-            Pair(upper=path, lower=path, missing="mask", **asked)
+            Pair.of(upper=path, lower=path, missing="mask", **asked)
 
 
 @pytest.mark.parametrize("mask", [np.ones(4, bool), np.zeros(5, bool), np.zeros(4)])

@@ -9,6 +9,7 @@ from typing import Any
 
 from stiction.app.jobs import FAULTS, without_paths
 from stiction.studies.pair import Pair
+from stiction.studies.pair_options import OPTIONS, name_on_command_line
 from stiction.studies.result import Result, open_result
 from stiction.studies.runner import first_result
 from stiction.studies.study import Study
@@ -17,21 +18,15 @@ from stiction.views.files import result_csv
 from stiction.views.report import report_page
 from stiction.views.rows import answer_record, record_text
 
-_ARGUMENTS = {"upper": "upper_material", "lower": "lower_material", "adhesion": "work_of_adhesion"}
-"""Arguments of `Pair` that are called otherwise than their options."""
-
-_REPEATED = ("load", "unit", "spacing", "channel", "columns", "missing_value", "accept", "tip")
-"""Arguments whose options may be given more than once."""
-
 
 def first_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
     """The study of a first answer, by asperities, of what a command line of `pair` would ask for with these options."""
-    given: dict[str, Any] = {}
-    for name, text in options:
-        given.setdefault(_ARGUMENTS.get(name, name.replace("-", "_")), []).append(text)
-    asked = {name: each if name in _REPEATED else each[0] for name, each in given.items()}
-    asked |= {name: kind(asked[name]) for name, kind in (("shifts", int), ("rotate", float)) if name in asked}
-    return Pair(upper=files[0], lower=files[1], **asked).first_study
+    fields = {name_on_command_line(name): name for name in OPTIONS}
+    values: dict[str, list[str]] = {}
+    for flag, text in options:
+        values.setdefault(fields[f"--{flag}"], []).append(text)
+    chosen = {name: texts if OPTIONS[name].is_repeatable else texts[0] for name, texts in values.items()}
+    return Pair.of(upper=files[0], lower=files[1], **chosen).first_study
 
 
 def main() -> None:

@@ -12,7 +12,7 @@ import sys
 import textwrap
 import warnings
 from _thread import interrupt_main, start_new_thread
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, cast
@@ -133,8 +133,20 @@ _RANGE = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
 _TYPE = re.compile(r" <[\w\[\] ]+>$")  # what typer adds to a help text, and to a name
 
 
+SHOW_ALL = "stiction.show_all"
+"""Key of a context's `meta`, set where the help lists all options."""
+
+
+def option_was_given(context: typer.Context, name: str) -> bool:
+    """Return whether the command line has an option or argument, with whatever value."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name != "DEFAULT"
+
+
 class _Command(TyperCommand):
     """Names arguments and options by what they are called alone, and lists options in their panels."""
+
+    common: Collection[str] = ()  # parameters that the short help lists, of a command with many
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         texts = [each.partition("=")[2] if each.startswith("--") and "=" in each else each for each in args]
@@ -154,7 +166,8 @@ class _Command(TyperCommand):
         for each in self.get_params(ctx):
             usual = "Arguments" if each.param_type_name == "argument" else "Options"
             title = getattr(each, "rich_help_panel", None) or usual
-            if record := each.get_help_record(ctx):
+            is_listed = SHOW_ALL in ctx.meta or not self.common or each.name in (*self.common, "help")
+            if is_listed and (record := each.get_help_record(ctx)):
                 text = _RANGE.sub("", _DEFAULT.sub(r"[default: \1", record[1])).replace("[]", "").rstrip()
                 panels.setdefault(title, []).append((_TYPE.sub("", record[0]), text))
         for title, rows in panels.items():
@@ -174,7 +187,9 @@ class _Commands(TyperGroup):
             return None
         with end_at_interrupt():
             import_module(f"stiction.cli.{modules[cmd_name]}")
-        return typer.main.get_command(_ADDED[cmd_name])
+        added = cast("_Command", typer.main.get_command(_ADDED[cmd_name]))
+        added.common = _COMMON.get(cmd_name, ())
+        return added
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         for title, group in COMMANDS.items():
@@ -211,17 +226,25 @@ app = typer.Typer(
 _ADDED: dict[str, typer.Typer] = {}  # each command that has been added
 
 
-def command(name: str, *lines: str) -> Callable[[Function], Function]:
-    """Add a command whose help ends with these examples."""
+_COMMON: dict[str, Collection[str]] = {}  # parameters in the short help, of commands with many
+
+
+def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[Function], Function]:
+    """Add a command whose help ends with these examples, and lists the common parameters alone unless all are."""
     own = _ADDED[name] = typer.Typer(**_PLAIN)
+    _COMMON[name] = common
     return own.command(name, cls=_Command, epilog=examples(*lines))
 
 
-_OPTIONS = {
-    "upper": "UPPER", "lower": "LOWER", "upper_material": "--upper", "lower_material": "--lower",
-    "work_of_adhesion": "--adhesion", "height_scale": "--scale-heights", "compute=True": "--compute",
-}  # fmt: skip
-"""Options that are called otherwise than their arguments."""
+_OPTIONS = {"height_scale": "--scale-heights", "compute=True": "--compute"}
+"""Options of `at` that are called otherwise than the arguments of `Result.at`."""
+
+
+def _option_name(argument: str) -> str:
+    """Return how the command line names an argument."""
+    from stiction.studies.pair_options import name_on_command_line
+
+    return _OPTIONS.get(argument) or name_on_command_line(argument)
 
 
 def start() -> int:
@@ -254,7 +277,7 @@ def start() -> int:
         about = f"{printable_path(error.filename)}: " if isinstance(error.filename, str) else ""
         say(f"{about}{describe_os_error(error)}")
     except ArgumentError as error:
-        say(error.with_names(lambda name: _OPTIONS.get(name, f"--{name.replace('_', '-')}")))
+        say(error.with_names(_option_name))
     except (ValueError, ImportError) as error:
         say(str(error) or type(error).__name__)
     except (RuntimeError, SystemError) as error:  # no thread can be started, or a library had no memory to say so

@@ -9,7 +9,8 @@ import typer
 
 from stiction._arguments import parse_quantity
 from stiction.cli.application import command, say, tell
-from stiction.cli.options import ELASTICITY, MATERIALS, Json, option, refuse, with_options
+from stiction.cli.options import Json, option, refuse
+from stiction.cli.pair_options import option_of
 from stiction.cli.showing import opened, said_by
 
 _TESTS = 'Tests, a row each: "load (mN)", "force (mN)" or coefficient; uncertainty, pair, run, slid, wait.'
@@ -23,6 +24,7 @@ Tau0 = Annotated[str | None, option("--tau0 PRESSURE", "Where it is known.", Fal
 Sliding = Annotated[str, option("--sliding all|opposing|both", "Which contacts rub.")]
 Common = Annotated[float, option("--common NUMBER", "Relative uncertainty that all tests share: gain, load.")]
 Outliers = Annotated[bool, option("--outliers", "There may be outliers among the tests.")]
+_MATERIALS = ("effective_modulus", "young", "poisson", "upper_material", "lower_material")
 Output = Annotated[Path | None, option("--output -o NAME", "Keep it for --interface, with a picture NAME.png.", False)]
 
 
@@ -32,7 +34,6 @@ Output = Annotated[Path | None, option("--output -o NAME", "Keep it for --interf
     "stiction calibrate forces.csv --ball '5 mm' --upper PMMA --lower glass",
     "stiction calibrate --pair ground --load '10 MPa' --measured '0.25±0.01'",
 )
-@with_options(ELASTICITY, MATERIALS)
 def calibrate(
     context: typer.Context,
     forces: Forces = None,
@@ -46,9 +47,13 @@ def calibrate(
     sliding: Sliding = "both",
     common: Common = 0.02,
     outliers: Outliers = False,
+    effective_modulus: Annotated[str | None, option_of("effective_modulus")] = None,
+    young: Annotated[str | None, option_of("young")] = None,
+    poisson: Annotated[str | None, option_of("poisson")] = None,
+    upper_material: Annotated[str | None, option_of("upper_material")] = None,
+    lower_material: Annotated[str | None, option_of("lower_material")] = None,
     output: Output = None,
     as_json: Json = False,
-    **asked: Any,
 ) -> None:
     """Find mu0 and tau0 of an interface from friction tests on surfaces that were pressed, or on a ball.
 
@@ -67,9 +72,12 @@ def calibrate(
         raise ValueError("--pair must be folders of different names: by these the column pair calls them")
     if ball is not None:
         radius = parse_quantity("ball", ball, "length")
-        bodies["ball"] = Ball(float(radius), **asked)
+        bodies["ball"] = Ball(
+            float(radius), effective_modulus, young=young, poisson=poisson, upper_material=upper_material,
+            lower_material=lower_material,
+        )  # fmt: skip
     else:
-        refuse(context, "is for --ball", *asked)
+        refuse(context, "is for --ball", *_MATERIALS)
     if not bodies:
         raise ValueError("give what was tested: --pair DIR, or --ball RADIUS")
     if forces is not None:

@@ -12,8 +12,9 @@ import typer
 from stiction._arguments import parse_quantity
 from stiction._files import check_replaceable
 from stiction._text import MAX_PATH_LENGTH, printable, printable_path
-from stiction.cli.application import command, say, tell
-from stiction.cli.options import FILE, Json, given, measurement, option, with_options
+from stiction.cli.application import command, option_was_given, say, tell
+from stiction.cli.options import Json, measurement, option
+from stiction.cli.pair_options import option_of
 from stiction.studies.measured_surfaces import TEXTURES
 from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
 from stiction.surfaces.profile import Profile
@@ -68,7 +69,6 @@ Output = Annotated[
     "stiction characterise coarse.x3p fine.di --together",
     "stiction characterise first.di second.di --repeated",
 )
-@with_options(FILE)
 def characterise(
     context: typer.Context,
     files: Annotated[list[Path], typer.Argument(metavar="FILE", help="Measured profiles or surfaces.")],
@@ -86,7 +86,17 @@ def characterise(
     dry_run: DryRun = False,
     output: Output = None,
     as_json: Json = False,
-    **reading: Any,
+    unit: Annotated[str | None, option_of("unit", repeatable=False)] = None,
+    spacing: Annotated[str | None, option_of("spacing", repeatable=False)] = None,
+    missing: Annotated[str | None, option_of("missing")] = None,
+    missing_value: Annotated[str | None, option_of("missing_value", repeatable=False)] = None,
+    outliers: Annotated[str | None, option_of("outliers")] = None,
+    crop: Annotated[str | None, option_of("crop", repeatable=False)] = None,
+    channel: Annotated[str | None, option_of("channel", repeatable=False)] = None,
+    columns: Annotated[str | None, option_of("columns", repeatable=False)] = None,
+    accept: Annotated[str | None, option_of("accept", repeatable=False)] = None,
+    texture: Annotated[str | None, option_of("texture", repeatable=False)] = None,
+    tip: Annotated[str | None, option_of("tip", repeatable=False)] = None,
 ) -> None:
     """Show what a measured profile or surface is like: parameters, spectrum, Hurst exponent.
 
@@ -99,13 +109,16 @@ def characterise(
     from stiction.views.rows import record
     from stiction.views.style import save_picture
 
+    reading = {
+        "unit": unit, "spacing": spacing, "missing": missing, "missing_value": missing_value,
+        "outliers": outliers, "crop": crop, "channel": channel, "columns": columns, "accept": accept,
+    }  # fmt: skip
     outputs = (
         [] if dry_run or (as_json and output is None) else _outputs(files, output, together=together, repeated=repeated)
     )
     fitted = _band(band)
     shortest = None if cutoff is None else parse_quantity("cutoff", cutoff, "length")
     filters = _filters(lc, ls, robust=robust, joined=together or repeated)
-    tip, texture = reading.pop("tip"), reading.pop("texture")
     if texture is not None and texture not in TEXTURES:
         raise ValueError(f"--texture must be {', '.join(TEXTURES)}, got {texture!r}")
     radius = None if tip is None else parse_quantity("tip", tip, "length")
@@ -151,7 +164,7 @@ def characterise(
             what = ", the page alone" if len(outputs) == 1 else ""
             same = ["stiction", "characterise", files[0].name]  # without the folders of the file and of the output
             for each in context.command.params:
-                if each.name not in ("files", "output", "as_json") and given(context, each.name):
+                if each.name not in ("files", "output", "as_json") and option_was_given(context, each.name):
                     same += [each.opts[0], str(context.params[each.name])]
             table = reading_table(readings[0], reading)
             name = printable(files[0].name)

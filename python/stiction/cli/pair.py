@@ -7,144 +7,24 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from stiction._text import printable
 from stiction.cli.application import command, is_watched, say, tell
-from stiction.cli.options import (
-    ELASTICITY,
-    FILES,
-    MATERIALS,
-    Json,
-    Verbose,
-    announce_reader,
-    option,
-    optional,
-    with_options,
-)
+from stiction.cli.options import Json, Verbose, announce_reader, option
+from stiction.cli.pair_options import COMMON, HelpAll, argument_of, given_options, option_of
 from stiction.cli.running import Part, Scheduler, Workers, check_folder, executor_of, fill_folder, part_of
-from stiction.studies.measured_surfaces import SHIFTS
-from stiction.studies.pair import LAW, Pair
+from stiction.studies.pair import Pair
+from stiction.studies.pair_options import read_options
 from stiction.studies.result import Result
 from stiction.studies.store import STUDY
-from stiction.studies.study import SEED, Study
+from stiction.studies.study import Study
 
-UpperFile = Annotated[str | None, typer.Argument(
-    metavar="UPPER", help="A measured profile or surface: the slider. Scans of several places: a.csv,b.csv or a folder."
-)]  # fmt: skip
-LowerFile = Annotated[str | None, typer.Argument(
-    metavar="LOWER", help="What it is carried over; the same file may be both."
-)]  # fmt: skip
-_motion = partial(optional, panel="Load and motion")
-_material = partial(optional, panel="Material")
-_pressed = partial(optional, panel="What is pressed")
-_of_lines = partial(optional, panel="Only for lines")
-_of_areas = partial(optional, panel="Only for areas")
+UpperFile = Annotated[str | None, argument_of("upper")]
+LowerFile = Annotated[str | None, argument_of("lower")]
 _output = partial(option, panel="Output")
-
-MOTION = {
-    "load": Annotated[list[str], option(
-        "--load PRESSURE", 'Normal load over the nominal area, "10 MPa", or a force, "0.1 mN". Repeatable.',
-        panel="Load and motion",
-    )],
-    "width": _motion("--width LENGTH", "Of two profiles, the width across them that a force is on.", "1 um"),
-    "mu0": _motion("--mu0 NUMBERS", 'Molecular friction coefficients, "0.3" or "0.3,0.4".', False),
-    "tau0": _motion("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "0 MPa"),
-    "interface": _motion(
-        "--interface NAME|FILE", "Instead of both: as stiction calibrate kept them or interfaces lists them.", False
-    ),
-    "direction": _motion(
-        "--direction DEGREES", 'Of areas, where the upper is about to move, from +x towards +y: "0,90".',
-        "the compass in 30",
-    ),
-    "tilt": _motion(
-        "--tilt fixed|free", "Whether the slider turns until the load is in its middle, as on a ball joint.", "fixed"
-    ),
-}  # fmt: skip
-
-STRENGTH = {
-    "hardness": _material(
-        "--hardness PRESSURE",
-        "Of the softer body: the most that the pressure can be; for jackson-green 2.84 yield strengths.", False,
-    ),
-    "junction_growth": _material(
-        "--junction-growth NUMBER", "α by which plastic contacts grow under shear, \"9\" or \"0..27\"; 0 for none.",
-        "0..27 of metals by name",
-    ),
-    "wait": _material(
-        "--wait TIMES", 'Under load before it is sheared, "1 min,1 h"; the hardness is that after 1 s.', False
-    ),
-    "creep": _material(
-        "--creep NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": hardness (t/1 s)^-m.', False
-    ),
-    "work_of_adhesion": _material(
-        "--adhesion ENERGY", 'Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" says that there is none.', "taken as 0",
-    ),
-    "adhesion_range": _material("--adhesion-range LENGTH", "Gap over which the attraction falls off.", "0.5 nm"),
-    "law": _material("--law hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", LAW),
-    "yield_strength": _material("--yield-strength PRESSURE", "Of the softer body, for jackson-green.", False),
-}  # fmt: skip
-
-PRESSED = {
-    "gap": _pressed(
-        "--gap FILE", "In place of UPPER and LOWER: a map that is the gap of two faces, as of a fracture.", False
-    ),
-    "mechanics": _pressed(
-        "--mechanics half-space|asperities", "The exact elastic answer (of lines: of half-planes), or a fast one.",
-        "asperities of lines, but of two profiles of metals",
-    ),
-    "check": Annotated[
-        bool, option("--check", "Press by the other mechanics as well, into DIR/NAME.", panel="What is pressed")
-    ],
-    "lines": _pressed(
-        "--lines N",
-        "Press this many pairs of lines of two maps, not their areas; also the number of surrogates of lines.",
-        "128 of surrogates, and of a map and a profile", kind=int, least=1,
-    ),
-    "lay": _pressed(
-        "--lay grooves|isotropic",
-        "Of two profiles: across grooves, pressed as lines; or of surfaces alike in all directions, as areas.", "lines",
-    ),
-    "surrogates": _pressed(
-        "--surrogates N|none|upper|lower|both",
-        "Of areas: press this many pairs of random surfaces of equal spectrum as well. Of lines: the body to replace.",
-    ),
-    "seed": _pressed("--seed N", "Where the random phases of surrogates start.", str(SEED), kind=int, least=0),
-    "level": _pressed(
-        "--level TREND",
-        "What is taken off each line: mean, line, quadratic or none; off each map: mean, plane or quadratic.",
-        "line, plane",
-    ),
-    "cutoff": _pressed(
-        "--cutoff LENGTHS",
-        'Take off waves shorter than this (Gaussian), "0.1 um"; several are pressed each; none vouches for all.',
-        "waves that are hardly the surface's, off and on",
-    ),
-    "curvature": _pressed(
-        "--curvature convex|signed", "Whether cups count as well as summits.", "convex of lines, signed of areas"
-    ),
-}  # fmt: skip
-
-LINES = {
-    "offsets": _of_lines(
-        "--offsets N", "Positions along the lower profile.", "64, or 1 for several lines", kind=int, least=1
-    ),
-    "travel": _of_lines("--travel LENGTH", "The largest offset.", "half the length"),
-    "along": _of_lines("--along x|y", "Direction of the lines of maps.", "x"),
-    "detection": _of_lines("--detection gap-minimum|cell", "How contacts of asperities are found.", "gap-minimum"),
-}  # fmt: skip
-
-AREAS = {
-    "shifts": _of_areas("--shifts N", "Relative positions of maps.", str(SHIFTS), kind=int, least=1),
-    "rotate": _of_areas("--rotate DEGREES", "Turn the upper map in its plane.", False, kind=float),
-}
-
-OnsetMembers = Annotated[int | None, option(
-    "--onset N", "Members of which it is computed how they begin to slide; 0 for none.",
-    "16, of areas by the half-space 4", panel="What is pressed", least=0,
-)]  # fmt: skip
 Folder = Annotated[Path, _output("--output -o DIR", "Where the results go.")]
 Replace = Annotated[bool, _output("--replace", "Write over the results of another pair.")]
 
@@ -158,13 +38,61 @@ Replace = Annotated[bool, _output("--replace", "Write over the results of anothe
     "stiction pair scan.csv scan.csv --surrogates both \\",
     "    --effective-modulus '10 GPa' --mu0 0.3 --load '1 mN' --json",
     "stiction run pair --set ensemble.repetitions=200   # more positions",
+    common=COMMON,
 )
-@with_options(MOTION, ELASTICITY, MATERIALS, STRENGTH, PRESSED, LINES, AREAS, FILES)
 def pair(
+    context: typer.Context,
     upper: UpperFile = None,
     lower: LowerFile = None,
     *,
-    onset: OnsetMembers = None,
+    load: Annotated[list[str], option_of("load")],
+    width: Annotated[str | None, option_of("width")] = None,
+    mu0: Annotated[str | None, option_of("mu0")] = None,
+    tau0: Annotated[str | None, option_of("tau0")] = None,
+    interface: Annotated[str | None, option_of("interface")] = None,
+    direction: Annotated[str | None, option_of("direction")] = None,
+    upper_material: Annotated[str | None, option_of("upper_material")] = None,
+    lower_material: Annotated[str | None, option_of("lower_material")] = None,
+    effective_modulus: Annotated[str | None, option_of("effective_modulus")] = None,
+    young: Annotated[str | None, option_of("young")] = None,
+    poisson: Annotated[str | None, option_of("poisson")] = None,
+    hardness: Annotated[str | None, option_of("hardness")] = None,
+    yield_strength: Annotated[str | None, option_of("yield_strength")] = None,
+    junction_growth: Annotated[str | None, option_of("junction_growth")] = None,
+    wait: Annotated[str | None, option_of("wait")] = None,
+    creep: Annotated[str | None, option_of("creep")] = None,
+    work_of_adhesion: Annotated[str | None, option_of("work_of_adhesion")] = None,
+    adhesion_range: Annotated[str | None, option_of("adhesion_range")] = None,
+    check: Annotated[bool, option_of("check")] = False,
+    mechanics: Annotated[str | None, option_of("mechanics")] = None,
+    tilt: Annotated[str | None, option_of("tilt")] = None,
+    law: Annotated[str | None, option_of("law")] = None,
+    detection: Annotated[str | None, option_of("detection")] = None,
+    curvature: Annotated[str | None, option_of("curvature")] = None,
+    gap: Annotated[str | None, option_of("gap")] = None,
+    lay: Annotated[str | None, option_of("lay")] = None,
+    lines: Annotated[str | None, option_of("lines")] = None,
+    along: Annotated[str | None, option_of("along")] = None,
+    level: Annotated[str | None, option_of("level")] = None,
+    cutoff: Annotated[str | None, option_of("cutoff")] = None,
+    rotate: Annotated[str | None, option_of("rotate")] = None,
+    shifts: Annotated[str | None, option_of("shifts")] = None,
+    offsets: Annotated[str | None, option_of("offsets")] = None,
+    travel: Annotated[str | None, option_of("travel")] = None,
+    surrogates: Annotated[str | None, option_of("surrogates")] = None,
+    seed: Annotated[str | None, option_of("seed")] = None,
+    unit: Annotated[list[str] | None, option_of("unit")] = None,
+    spacing: Annotated[list[str] | None, option_of("spacing")] = None,
+    missing: Annotated[str | None, option_of("missing")] = None,
+    missing_value: Annotated[list[str] | None, option_of("missing_value")] = None,
+    outliers: Annotated[str | None, option_of("outliers")] = None,
+    crop: Annotated[list[str] | None, option_of("crop")] = None,
+    channel: Annotated[list[str] | None, option_of("channel")] = None,
+    columns: Annotated[list[str] | None, option_of("columns")] = None,
+    accept: Annotated[list[str] | None, option_of("accept")] = None,
+    texture: Annotated[list[str] | None, option_of("texture")] = None,
+    tip: Annotated[list[str] | None, option_of("tip")] = None,
+    onset: Annotated[str | None, option_of("onset")] = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
     part: Part = None,
@@ -172,7 +100,7 @@ def pair(
     replace: Replace = False,
     verbose: Verbose = False,
     as_json: Json = False,
-    **asked: Any,
+    help_all: HelpAll = False,
 ) -> None:
     """Static friction of two measured profiles or surfaces at given loads, with intervals.
 
@@ -188,7 +116,7 @@ def pair(
     chosen, said = part_of(part), said_by(as_json)
     check_folder(output)
     check_files(output, VIEWS)
-    bodies = Pair(upper=upper, lower=lower, **asked)
+    bodies = Pair(read_options(given_options(context)))
     for file in bodies.files:
         announce_reader(Path(file.file))
     studies = bodies.studies
@@ -216,7 +144,14 @@ def pair(
         for study in studies:
             folder = output / study.contact.mechanics if results else output
             result = fill_folder(
-                study, folder, executor, said=said, part=chosen, replace=replace, onset=onset, answered=answered
+                study,
+                folder,
+                executor,
+                said=said,
+                part=chosen,
+                replace=replace,
+                onset=bodies.options.onset,
+                answered=answered,
             )
             for rest in rests[len(results) :]:
                 rest()

@@ -14,7 +14,8 @@ from stiction._arguments import (
     split_values,
 )
 from stiction.cli.application import command, tell
-from stiction.cli.options import ELASTICITY, option, with_options
+from stiction.cli.options import option
+from stiction.cli.pair_options import option_of
 from stiction.cli.running import Scheduler, Workers
 from stiction.studies.store import SEAL
 
@@ -28,7 +29,6 @@ MARKS = {TABLE: SEAL, NUMBERS: b"stiffness over area (GPa/um)", LAWS: b"b of k/A
     "stiction table --effective-modulus '10 GPa' --hurst 0.8 --rms '20 nm,50 nm'",
     "stiction table --young '70 GPa' --poisson 0.2 --load '1 MPa,9 MPa' --mu0 0.4",
 )
-@with_options(ELASTICITY)
 def table_command(
     *,
     hurst: Annotated[str, option("--hurst NUMBERS", "Hurst exponents of the surfaces.")] = ("0.5,0.7,0.9"),
@@ -48,7 +48,9 @@ def table_command(
     workers: Workers = None,
     scheduler: Scheduler = None,
     output: Annotated[Path, option("--output -o DIR", "Where the results go.")] = Path("table"),
-    **asked: Any,
+    effective_modulus: Annotated[str | None, option_of("effective_modulus")] = None,
+    young: Annotated[str | None, option_of("young")] = None,
+    poisson: Annotated[str | None, option_of("poisson")] = None,
 ) -> None:
     """Friction, true area and stiffness of self-affine surfaces for the contact law of another code.
 
@@ -62,7 +64,7 @@ def table_command(
     from stiction.views.files import check_files, replace_text
     from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
 
-    modulus = elasticity_of(**asked).effective_modulus
+    modulus = elasticity_of(effective_modulus, young, poisson).effective_modulus
     lengths = parse_quantities("wavelengths", wavelengths, "length")
     if len(lengths) != 2:
         raise ValueError(f'--wavelengths needs two lengths, as in "0.3 um,2.5 um", got {wavelengths!r}')

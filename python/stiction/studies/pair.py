@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 import math
-import re
-from collections.abc import Callable
-from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -23,11 +19,11 @@ from stiction._arguments import (
     reject_negative,
     split_values,
 )
-from stiction._checks import Floats, number, whole_number
+from stiction._checks import Floats
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, exact_text, quantity, short_repr
+from stiction._units import Quantity, exact_text, quantity
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
-from stiction.mechanics.law import NAMED, JacksonGreen
+from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.materials import material, softer_material
 from stiction.mechanics.model import THICKNESS
 from stiction.studies.contact_tables import ladder
@@ -36,10 +32,11 @@ from stiction.studies.interfaces import Interface, interface, interfaces, median
 from stiction.studies.known import KINDS, NO_NUMBER, Known, read_known
 from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, About, Body, MeasuredFile
 from stiction.studies.members import about
+from stiction.studies.pair_options import CHECKED, MECHANICS, OPTIONS, Kind, Mechanics, PairOptions, read_options
 from stiction.studies.study import SEED, Study
 from stiction.studies.values import StudyError, validated
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
-from stiction.surfaces.pairing import DEFAULT_LINES, SIDES
+from stiction.surfaces.pairing import DEFAULT_LINES, SIDES, Surrogates
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
@@ -49,108 +46,49 @@ LIGHTER = 4  # loads below those asked for of bodies that adhere, over two decad
 NO_LOAD = 1e-3  # load of bodies that are not loaded over the attraction of one point, which holds them at least
 LAW = "hertz-sphere"  # contact law of asperities by default
 HARDNESS = 2.84  # hardness over yield strength, of the law of Jackson and Green at small contact radii
-MECHANICS = ("half-space", "asperities")
 
 OF_A_GAP = (
     "A gap does not say how its faces lean: contacts were taken to slide on half of its slopes. Closure, stiffness and "
     "area do not depend on that."
 )
 
-Several = Any  # one value or several: a number, a text with its unit, texts between commas, a list or an array
 
-
-@dataclass(frozen=True, kw_only=True)
 class Pair:
-    """Two bodies and what is asked of them, in core units; None is the usual, a wrong one an `ArgumentError`."""
+    """Two bodies and what is asked of them, in core units; a wrong option is an `ArgumentError`."""
 
-    upper: Any = None  # a file, or a Profile, Surface or JoinedSpectrum as it was scanned, or several: the slider
-    lower: Any = None  # what it is carried over
-    gap: Any = None  # in place of both: one map that is the gap of two faces
-    load: Several
-    width: Any = None  # across two profiles, that forces are on; else a strip 1 µm wide
-    mu0: Several = None
-    tau0: Several = None  # 0
-    interface: Any = None  # name or file of both
-    direction: Several = None
-    effective_modulus: Any = None
-    young: Several = None
-    poisson: Several = None
-    upper_material: str | None = None
-    lower_material: str | None = None
-    hardness: Any = None
-    junction_growth: Any = None  # α
-    wait: Several = None
-    creep: Any = None
-    work_of_adhesion: Any = None
-    adhesion_range: Any = None
-    law: str | None = None
-    yield_strength: Any = None
-    mechanics: str | None = None
-    check: bool = False
-    lines: int | None = None
-    lay: str | None = None
-    surrogates: int | str | None = None
-    seed: int | None = None
-    level: str | None = None
-    cutoff: Several = None
-    offsets: int | None = None
-    travel: Any = None
-    along: str | None = None
-    detection: str | None = None
-    curvature: str | None = None
-    shifts: int | None = None
-    rotate: float | None = None
-    tilt: str | None = None
-    unit: Several = None
-    spacing: Several = None
-    missing: str | None = None
-    outliers: str | None = None
-    crop: Several = None
-    channel: Several = None
-    columns: Several = None
-    missing_value: Several = None
-    accept: Several = None
-    tip: Several = None
-    texture: Several = None
-
-    def __post_init__(self) -> None:
-        bodies = (self.upper is not None) + (self.lower is not None)
-        if bodies != (2 if self.gap is None else 0):
+    def __init__(self, options: PairOptions) -> None:
+        self.options = options
+        bodies = (options.upper is not None) + (options.lower is not None)
+        if bodies != (2 if options.gap is None else 0):
             more = "; {upper_material} and {lower_material} are materials, such as steel; the files come first"
-            more = "" if self.upper_material is None and self.lower_material is None else more
+            more = "" if options.upper_material is None and options.lower_material is None else more
             raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{more}")
-        for name, allowed in _CHOICES.items():
-            if (value := getattr(self, name)) is not None and value not in allowed:
-                near = difflib.get_close_matches(str(value), allowed, n=1)
-                hint = f"; did you mean {near[0]}?" if near else ""
-                raise ArgumentError(f"{{{name}}} must be {' or '.join(allowed)}, got {{got}}{hint}", got=repr(value))
-        if self.rotate is not None:
-            number("rotate", self.rotate, unit="degrees")
-        for name in (
-            "hardness",
-            "junction_growth",
-            "creep",
-            "work_of_adhesion",
-            "adhesion_range",
-            "yield_strength",
-            "travel",
-        ):
-            if isinstance(getattr(self, name), (list, tuple)):
-                raise ArgumentError(f"{{{name}}} must be one value, got {{got}}", got=short_repr(getattr(self, name)))
-        for name, least in (("shifts", 1), ("lines", 1), ("offsets", 1), ("seed", 0)):
-            if (value := getattr(self, name)) is not None:
-                try:
-                    whole_number("", value, minimum=least)
-                except ValueError as error:
-                    raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
-        if self.mu0 is None and self.interface is None:
+        if options.mu0 is None and options.interface is None:
             raise ArgumentError("give {mu0}, or the {interface} that has it")
-        for names, applies, why in _APPLY:
-            for name in names:
-                value = getattr(self, name)
-                if value is not None and value is not False and not applies(self):
+        for name in CHECKED:
+            if (value := options.given(name)) is None:
+                continue
+            for each in OPTIONS[name].applies:
+                if not each.holds(self):
                     shown = "" if value is True else f" {value}"
-                    raise ArgumentError(f"{{{name}}} {why}, got {{{name}}}{{shown}}", shown=shown)
+                    raise ArgumentError(f"{{{name}}} {each.message}, got {{{name}}}{{shown}}", shown=shown)
+
+    @classmethod
+    def of(cls, **values: object) -> Pair:
+        """Return a pair by options that are not checked yet, named as the fields of `PairOptions`."""
+        return cls(read_options(values))
+
+    def _kind(self, name: str) -> Kind:
+        kind = OPTIONS[name].kind
+        assert kind is not None, f"{name} is declared without a kind of quantity"
+        return kind
+
+    def _quantity(self, name: str, value: object) -> Quantity:
+        """Return a value of an option as a quantity of the kind of that option."""
+        return parse_quantity(name, value, self._kind(name))
+
+    def _quantities(self, name: str, values: object) -> list[Quantity]:
+        return parse_quantities(name, values, self._kind(name))
 
     # ---- Bodies ------------------------------------------------------------------------------------------------------
 
@@ -159,49 +97,55 @@ class Pair:
         """Where both bodies are, and how they are read."""
         parts = []
         for index, side in enumerate(SIDES):
-            given = getattr(self, side) if self.gap is None else self.gap
-            name = side if self.gap is None else "gap"
+            given = self.options.given(side) if self.options.gap is None else self.options.gap
+            name = side if self.options.gap is None else "gap"
             first, *others = (self._file(side, index, scan) for scan in _scans_of(name, given))
             parts.append(first.model_copy(update={"others": tuple(others) or None}))
         return parts[0], parts[1]
 
     def _file(self, side: str, index: int, body: Any) -> MeasuredFile:
-        """One body; what says how files are read is for both, or for one after the other."""
-        names = ("unit", "spacing", "channel", "columns", "missing_value", "accept")
-        table: dict[str, Any] = {
-            "file": str(body), "missing": self.missing or "error", "outliers": self.outliers or "keep",
-        }  # fmt: skip
-        crops = list(self.crop) if isinstance(self.crop, (list, tuple)) else [self.crop] if self.crop else []
-        if crops:
-            table["crop"] = crops[index % len(crops)]
-        if self.tip is not None and np.size(self.tip):  # of the command none is an empty list
-            radii = parse_quantities("tip", self.tip, "length")
-            table["tip"] = radii[index % len(radii)]
-        if processes := split_values(self.texture or ()):
-            table["texture"] = self._process(processes[index % len(processes)])
-        if is_array := isinstance(body, np.ndarray):
-            body = self._from_array(side, index, body)
+        """Return one body as a file and how it is read, or as a body in memory."""
+        options = self.options
+        own: dict[str, Any] = {}
+        if options.tip is not None:
+            radii = self._quantities("tip", options.tip)
+            own["tip"] = radii[index % len(radii)]
+        if processes := split_values(options.texture or ()):
+            own["texture"] = self._process(processes[index % len(processes)])
+        is_array = isinstance(body, np.ndarray)
         if not isinstance(body, (str, Path)):
-            for name in (*(names[2:] if is_array else names), "missing", "outliers", "crop"):
-                if np.size(getattr(self, name) or ()) and getattr(self, name) not in ("error", "keep"):
+            for name in _OF_FILES if is_array else ("unit", "spacing", *_OF_FILES):
+                if options.given(name) not in (None, "error", "keep"):
                     raise ArgumentError(
                         f"{{{name}}} is for files: read them first where only one of both is one, got {{{name}}}"
                     )
-            own: dict[str, Any] = {name: table[name] for name in ("tip", "texture") if name in table}
+            body = self._from_array(side, index, body) if is_array else body
             return MeasuredFile.holding(body, side).model_copy(update=own)
-        for name in names:
-            values = getattr(self, name)
-            several = list(values) if isinstance(values, (list, tuple)) else [values]
-            if len(several) > 2:
-                raise ArgumentError(
-                    f"{{{name}}} is for both files, or given twice for one after the other, got {len(several)}"
-                )
-            value = several[index % len(several)] if several else None
-            if value is None or value == "":
+        table = own | {
+            "file": str(body), "missing": options.missing or "error", "outliers": options.outliers or "keep",
+        }  # fmt: skip
+        for name in ("unit", "spacing", "crop", "channel", "columns", "missing_value", "accept"):
+            if (value := self._of_body(name, index)) in (None, ""):
                 continue
             text = value if isinstance(value, str) else exact_text(value, "um") if name == "spacing" else str(value)
-            table[name] = split_values(text) if "," in text and name != "channel" else text
-        return validated(MeasuredFile, table, f"pair: {side}")
+            table[name] = split_values(text) if "," in text and name not in ("channel", "crop") else text
+        try:
+            return validated(MeasuredFile, table, f"pair: {side}")
+        except StudyError as error:
+            key, why = error.faults[0]
+            if key not in OPTIONS:
+                raise
+            raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=why) from None
+
+    def _of_body(self, name: str, index: int) -> Any:
+        """Return the value of an option for one of both bodies: that of both, or the first or second of two."""
+        given = self.options.given(name)
+        values = given if isinstance(given, list) else [given]
+        if len(values) > 2:
+            raise ArgumentError(
+                f"{{{name}}} is for both files, or given twice for one after the other, got {len(values)}"
+            )
+        return values[index % len(values)] if values else None
 
     def _process(self, name: Any) -> Any:
         if name not in TEXTURES:
@@ -212,13 +156,10 @@ class Pair:
 
     def _from_array(self, side: str, index: int, heights: Any) -> Body:
         """Return an array as a body; its spacing and unit are for both bodies, or for one after the other."""
-        given: list[Any] = []
-        for values in (self.spacing, self.unit):
-            several = list(values) if isinstance(values, (list, tuple)) else [values]
-            value = several[index % len(several)] if several else None
-            given.append(split_values(value) if isinstance(value, str) and "," in value else value)
+        spacing: Any = self._of_body("spacing", index)
+        unit: Any = self._of_body("unit", index) or "um"
         try:
-            return as_body(side, heights, spacing=given[0], unit=given[1] or "um")  # type: ignore[no-any-return]
+            return as_body(side, heights, spacing=_parts(spacing), unit=_parts(unit))  # type: ignore[no-any-return]
         except ValueError as error:
             raise ArgumentError(f"{{{side}}}{{why}}", why=str(error).removeprefix(side)) from None
 
@@ -243,6 +184,12 @@ class Pair:
         """Whether one of both is a spectrum of several scans."""
         return any(isinstance(body, JoinedSpectrum) for body in self.bodies)
 
+    @property
+    def scan_counts(self) -> tuple[int, int]:
+        """Number of scans of the upper and of the lower body."""
+        upper, lower = self.files
+        return len(upper.scans), len(lower.scans)
+
     # ---- What is pressed, and how ------------------------------------------------------------------------------------
 
     @property
@@ -253,22 +200,22 @@ class Pair:
     @property
     def press(self) -> str:
         """How members are made: "areas", "lines" or "surrogates"."""
-        if self.has_spectrum or self.lay == "isotropic":
+        if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
-        return "areas" if self.are_maps and self.lines is None else "lines"
+        return "areas" if self.are_maps and self.options.lines is None else "lines"
 
     @property
-    def by(self) -> tuple[str, ...]:
+    def by(self) -> tuple[Mechanics, ...]:
         """The mechanics, of which the first is that of the answer."""
-        usual = "half-space" if self.press != "lines" or self.has_holes or self._yields else "asperities"
-        if self.check:
+        usual: Mechanics = "half-space" if self.press != "lines" or self.has_holes or self._yields else "asperities"
+        if self.options.check:
             return usual, MECHANICS[1 - MECHANICS.index(usual)]
-        return (self.mechanics or usual,)
+        return (self.options.mechanics or usual,)
 
     @property
     def _yields(self) -> bool:
         """Whether two profiles are of materials with a hardness, and nothing asks for a law of asperities."""
-        of_asperities = (self.law, self.yield_strength, self.detection, self.curvature)
+        of_asperities = (self.options.law, self.options.yield_strength, self.options.detection, self.options.curvature)
         if not self.are_profiles or any(each is not None for each in of_asperities):
             return False
         return self.elasticity.hardness is not None
@@ -276,25 +223,25 @@ class Pair:
     @property
     def contact_law(self) -> str:
         """Name of the contact law of asperities."""
-        return self.law or ("hertz-cylinder" if self.lay == "grooves" else LAW)
+        return self.options.law or ("hertz-cylinder" if self.options.lay == "grooves" else LAW)
 
     @property
     def has_surrogates(self) -> bool:
         """Whether anything is pressed that was not scanned."""
-        return self.press == "surrogates" or self.surrogates not in (None, "none")
+        return self.press == "surrogates" or self.options.surrogates not in (None, "none")
 
     @cached_property
     def elasticity(self) -> Elasticity:
         """What both bodies are made of, at the middle of what is known."""
         modulus, young, poisson = (self._middle(name) for name in ("effective_modulus", "young", "poisson"))
-        return elasticity_of(modulus, young, poisson, self.upper_material, self.lower_material)
+        return elasticity_of(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
 
     @cached_property
     def known(self) -> dict[str, list[Known]]:
         """What is known of inputs that were given as ranges or with an uncertainty, by their names."""
         found: dict[str, list[Known]] = {}
         for name in KINDS:
-            texts = [each for each in split_values(getattr(self, name)) if each is not None]
+            texts = [each for each in split_values(self.options.given(name)) if each is not None]
             if not any(isinstance(each, str) and NO_NUMBER.search(each) for each in texts):
                 continue
             if len(texts) > (2 if name in ("young", "poisson") else 1):
@@ -304,19 +251,19 @@ class Pair:
 
     def _read(self, name: str) -> list[Known]:
         try:
-            return [read_known(name, each) for each in split_values(getattr(self, name)) if each is not None]
+            return [read_known(name, each) for each in split_values(self.options.given(name)) if each is not None]
         except ValueError as error:
             raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
 
     @cached_property
     def strength(self) -> Interface | None:
         """mu0 and tau0 jointly, where an interface is given."""
-        if self.interface is None:
+        if self.options.interface is None:
             return None
-        if not isinstance(self.interface, (str, Path)):
+        if not isinstance(self.options.interface, (str, Path)):
             raise ArgumentError("{interface} must be a name or a file that write_interface wrote")
         try:
-            return interface(self.interface)
+            return interface(self.options.interface)
         except ValueError as error:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
@@ -324,18 +271,18 @@ class Pair:
         """An argument as it was given, or the middle of what is known, in four digits."""
         if name in ("mu0", "tau0") and self.strength is not None:
             return medians(self.strength)[name == "tau0"]
-        if name == "tau0" and self.tau0 is None:
+        if name == "tau0" and self.options.tau0 is None:
             return 0.0
         if name not in self.known:
-            return getattr(self, name)
+            return self.options.given(name)
         middle = [float(f"{each.value:.4g}") for each in self.known[name]]
         return middle if len(middle) > 1 else middle[0]
 
     @property
     def _known_table(self) -> dict[str, Any]:
         """What a study says of what is known; moduli with Poisson's ratios, of either of which it is the range."""
-        names = set(self.known) | {name for name in ("hardness", "creep") if getattr(self, name) is not None}
-        if names & {"young", "poisson"} and self.young is not None and self.poisson is not None:
+        names = set(self.known) | {name for name in ("hardness", "creep") if self.options.given(name) is not None}
+        if names & {"young", "poisson"} and self.options.young is not None and self.options.poisson is not None:
             names |= {"young", "poisson"}
         table: dict[str, Any] = {}
         for name in sorted(names):
@@ -344,7 +291,7 @@ class Pair:
         if self.by[0] == "half-space" and (growth := self._growth) is not None and not growth.is_exact:
             table["junction_growth"] = growth.text
         if self.strength is not None:
-            name = str(self.interface)
+            name = str(self.options.interface)
             table["interface"] = name if name in interfaces() else str(Path(name).resolve())
             mu0, tau0 = self.strength.strength_intervals
             for name, interval, scale, unit in (("mu0", mu0, 1.0, ""), ("tau0", tau0, 1e3, " MPa")):
@@ -356,7 +303,7 @@ class Pair:
     def loads(self) -> list[Quantity]:
         """The loads that are asked for, mN, in rising order; of pressures those on the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._asked_loads) else 1.0
-        strip = 1.0 if self.width is None else THICKNESS / self._width
+        strip = 1.0 if self.options.width is None else THICKNESS / self._width
         # A product has a last digit that nobody asked for.
         forces = {
             float(load) if (factor := area if per_area else strip) == 1 else float(f"{load * factor:.12g}")
@@ -382,19 +329,19 @@ class Pair:
     @property
     def _width(self) -> float:
         """Width that forces on profiles are on, µm."""
-        width = parse_quantity("width", self.width, "length")
+        width = self._quantity("width", self.options.width)
         if not width > 0:
-            raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.width))
+            raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
         if all(per_area for _, per_area in self._asked_loads):
-            raise ArgumentError("{width} is for a load that is a force, got {load} {got}", got=repr(self.load))
+            raise ArgumentError("{width} is for a load that is a force, got {load} {got}", got=repr(self.options.load))
         return float(width)
 
     @cached_property
     def _asked_loads(self) -> list[tuple[Quantity, bool]]:
         """Loads as they were given, mN or GPa of the slider's area, and whether they are that."""
-        if not (loads := split_values(self.load)):
-            raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.load))
-        reject_decimal_commas("load", self.load)
+        if not (loads := split_values(self.options.load)):
+            raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
+        reject_decimal_commas("load", self.options.load)
         return [parse_load("load", load, or_zero=bool(self._adhesion.get("work_of_adhesion"))) for load in loads]
 
     # ---- Studies -----------------------------------------------------------------------------------------------------
@@ -422,23 +369,23 @@ class Pair:
     def remarks(self) -> list[str]:
         """What is worth knowing of materials, and of profiles whose lay is not said."""
         known, remarks = self.elasticity, []
-        if known.source and self.hardness is None:
+        if known.source and self.options.hardness is None:
             remarks.append(f"{known.source}, {known.hardness_source}")
         elif known.source:
             remarks.append(f"{known.source}; the hardness is that of --hardness")
         remarks += [known.renamed] if known.renamed else []
-        if self.gap is not None:
+        if self.options.gap is not None:
             remarks.append(OF_A_GAP)
         return remarks
 
     def _study(self, contact: dict[str, Any]) -> Study:
-        strengths = reject_negative("tau0", parse_quantities("tau0", self._middle("tau0"), "pressure"), self.tau0)
+        strengths = reject_negative("tau0", self._quantities("tau0", self._middle("tau0")), self.options.tau0)
         coefficients = parse_coefficients("mu0", self._middle("mu0"))
         friction = {"mu0": sorted(set(coefficients)), "tau0": _rising(strengths), "load": self.loads}
-        if self.wait is not None and contact["mechanics"] == "half-space":
+        if self.options.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
                 raise ArgumentError("{wait} needs {hardness}: bodies that do not yield do not creep into each other")
-            friction["wait"] = _rising(parse_quantities("wait", self.wait, "time"))
+            friction["wait"] = _rising(self._quantities("wait", self.options.wait))
         data = {
             "surfaces": self._surfaces(), "contact": contact, "friction": friction, "ensemble": self._ensemble(),
             "known": self._known_table,
@@ -446,26 +393,31 @@ class Pair:
         return _study_of(data).with_known_files()
 
     def _surfaces(self) -> dict[str, Any]:
-        press, level = self.press, self.level
+        press, level = self.press, self.options.level
         table: dict[str, Any] = {"kind": "measured", "press": press, "upper": self.files[0], "lower": self.files[1]}
-        if self.cutoff == "none":
+        if self.options.cutoff == "none":
             table["vouched"] = True
-        elif self.cutoff is None:
+        elif self.options.cutoff is None:
             table |= self._both_readings
         else:
-            table["cut_off"] = _rising(parse_quantities("cutoff", self.cutoff, "length"))
-        if level is None and self.gap is not None and self.tilt == "fixed":
+            table["cut_off"] = _rising(self._quantities("cutoff", self.options.cutoff))
+        if level is None and self.options.gap is not None and self.options.tilt == "fixed":
             level = "mean"  # the faces stay as they were measured
         if level is not None:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
-            table |= {"rotate": float(self.rotate or 0.0), "surrogates": self._number_of_surrogates(0)}
-            table |= {} if self.gap is None else {"gap": True}
+            table |= {"rotate": float(self.options.rotate or 0.0), "surrogates": self._number_of_surrogates(0)}
+            table |= {} if self.options.gap is None else {"gap": True}
         if press == "lines":
-            replaced = "none" if self.surrogates is None else str(self.surrogates)
-            table |= {"along": self.along or "x", "replace": replaced, "offsets": self._positions()[1]}
-            if self.travel is not None:
-                table["travel"] = parse_quantity("travel", self.travel, "length")
+            replaced = "none" if self.options.surrogates is None else str(self.options.surrogates)
+            if replaced not in get_args(Surrogates):
+                allowed = ", ".join(get_args(Surrogates))
+                raise ArgumentError(
+                    f"{{surrogates}} of lines must be one of {allowed}, got {{got}}", got=repr(replaced)
+                )
+            table |= {"along": self.options.along or "x", "replace": replaced, "offsets": self._positions()[1]}
+            if self.options.travel is not None:
+                table["travel"] = self._quantity("travel", self.options.travel)
         return table
 
     @cached_property
@@ -502,24 +454,31 @@ class Pair:
         elif self.press == "surrogates":
             repetitions = self._number_of_surrogates(SURROGATES)
         else:
-            repetitions = (1 if self.gap is not None else self.shifts or SHIFTS) + self._number_of_surrogates(0)
-        pairs = 1 if self.gap is not None else math.prod(len(file.scans) for file in self.files)  # each as often
-        return {"repetitions": -(-repetitions // pairs) * pairs, "seed": SEED if self.seed is None else self.seed}
+            repetitions = (
+                1 if self.options.gap is not None else self.options.shifts or SHIFTS
+            ) + self._number_of_surrogates(0)
+        pairs = (
+            1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
+        )  # each as often
+        return {
+            "repetitions": -(-repetitions // pairs) * pairs,
+            "seed": SEED if self.options.seed is None else self.options.seed,
+        }
 
     def _positions(self) -> tuple[int, int]:
         """How many pairs of lines there are, and how many positions on each."""
-        lines, offsets = self.lines or DEFAULT_LINES, self.offsets
+        lines, offsets = self.options.lines or DEFAULT_LINES, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             return 1, OFFSETS if offsets is None else offsets
         if not self.has_surrogates:
-            axis = 1 if self.along == "y" else 0
+            axis = 1 if self.options.along == "y" else 0
             lines = min(lines, *(scan.heights.shape[axis] for scan in self.bodies if isinstance(scan, Surface)))
-        if (offsets or 1) > 1 and self.travel is None:
+        if (offsets or 1) > 1 and self.options.travel is None:
             raise ArgumentError(f"{{offsets}} {offsets} needs a {{travel}} LENGTH, for which the slider is shortened")
         return lines, offsets or 1
 
     def _number_of_surrogates(self, default: int) -> int:
-        text = "none" if self.surrogates is None else str(self.surrogates)
+        text = "none" if self.options.surrogates is None else str(self.options.surrogates)
         if text == "none":
             return default
         if not text.isdecimal() or not int(text):
@@ -536,45 +495,49 @@ class Pair:
         for name, value in (("materials", known.materials), ("poisson_ratio", known.poisson_ratios)):
             if value is not None:
                 table[name] = list(value)
-        if self.direction is not None:
-            table["direction"] = parse_numbers("direction", self.direction, integers=True)
+        if self.options.direction is not None:
+            table["direction"] = parse_numbers("direction", self.options.direction, integers=True)
         if mechanics == "half-space":
             table["compliance_share"] = known.compliance_share
-            table |= {} if self.tilt is None else {"tilt": self.tilt}
+            table |= {} if self.options.tilt is None else {"tilt": self.options.tilt}
             if (hardness := self._hardness) is not None:
                 table["hardness"] = hardness
             if (growth := self._growth) is not None:
                 table["junction_growth"] = growth.value
-            elif self.junction_growth is not None:
+            elif self.options.junction_growth is not None:
                 table["junction_growth"] = 0.0
             table |= self._adhesion
         else:
-            table |= {"law": self._law(), "detection": self.detection or "gap-minimum"}
-            if self.curvature is not None:
-                table["curvature"] = self.curvature
+            table |= {"law": self._law(), "detection": self.options.detection or "gap-minimum"}
+            if self.options.curvature is not None:
+                table["curvature"] = self.options.curvature
         return table
 
     @property
     def _adhesion(self) -> dict[str, Quantity]:
         """Work of adhesion and its range, of which no range of values is taken: solutions over it are other studies."""
         found = {}
-        for name, kind in (("work_of_adhesion", "work of adhesion"), ("adhesion_range", "length")):
-            if (value := getattr(self, name)) is None:
+        for name in ("work_of_adhesion", "adhesion_range"):
+            if (value := self.options.given(name)) is None:
                 continue
             if isinstance(value, str) and NO_NUMBER.search(value):
                 said = f"{{{name}}} must be one value; press at both ends of a range, got {{got}}"
                 raise ArgumentError(said, got=repr(value))
-            found[name] = parse_quantity(name, value, kind)
+            found[name] = self._quantity(name, value)
             reject_negative(name, [found[name]], value)
         return found
 
     @property
     def _growth(self) -> Known | None:
         """Return α of junction growth, by default that of the softer material; None where contacts do not grow."""
-        given = self.junction_growth
+        given = self.options.junction_growth
         if given is None:
             # An interface is calibrated without growth, and applied without it.
-            grows = self._hardness is not None and self.interface is None and not self._adhesion.get("work_of_adhesion")
+            grows = (
+                self._hardness is not None
+                and self.options.interface is None
+                and not self._adhesion.get("work_of_adhesion")
+            )
             softer = softer_material(*map(material, self.elasticity.materials or ())) if grows else None
             value = softer and softer.junction_growth
             given = f"{value.low:g}..{value.high:g}" if value else 0.0
@@ -591,22 +554,22 @@ class Pair:
     @property
     def _hardness(self) -> Quantity | None:
         """That which is given, or else that of the materials."""
-        if self.hardness is None:
+        if self.options.hardness is None:
             known = self.elasticity.hardness
             return None if known is None else quantity(exact_text(known, "GPa"), "pressure")
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
         self._read("hardness")  # whose errors name scales of hardness as well
-        hardness = parse_quantity("hardness", self._middle("hardness"), "pressure")
+        hardness = self._quantity("hardness", self._middle("hardness"))
         if not hardness > 0:
-            raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.hardness))
+            raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.options.hardness))
         return hardness
 
     def _law(self) -> Any:
         """The contact law of asperities, with its parameters."""
         if self.contact_law != JacksonGreen.name:
             return self.contact_law
-        strength, ratio = self.yield_strength, self.elasticity.poisson_ratio
+        strength, ratio = self.options.yield_strength, self.elasticity.poisson_ratio
         if strength is None and self._hardness is None:
             raise ArgumentError("{law} jackson-green needs {yield_strength} or {hardness}, one of them")
         if ratio is None:
@@ -614,7 +577,7 @@ class Pair:
         if strength is None:
             strength = exact_text(float(self._hardness or 0.0) / HARDNESS, "GPa")
         else:
-            strength = parse_quantity("yield_strength", strength, "pressure")
+            strength = self._quantity("yield_strength", strength)
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
     def _ladder(self, contacts: list[dict[str, Any]]) -> Floats:
@@ -654,31 +617,45 @@ class Pair:
 
 
 def _study_of(data: dict[str, Any]) -> Study:
-    """Return a study of tables; a fault at a key that an argument sets is an `ArgumentError` of the argument."""
+    """Return a study of tables; a fault at a key that an option sets is an `ArgumentError` of the option."""
     try:
         return validated(Study, data, "pair")
     except StudyError as error:
-        match = _AT_KEY.match(str(error))
-        if match is None or (name := _ARGUMENT_OF_KEY.get(match["key"], match["key"])) not in ARGUMENTS:
+        key, why = error.faults[0]
+        if (name := _option_of_key(key)) is None:
             raise
-        raise ArgumentError(f"{{{name}}} {{why}}", why=match["why"]) from None
+        raise ArgumentError(f"{{{name}}} {{why}}", why=why) from None
 
 
-_AT_KEY = re.compile(r"pair: (?:contact|friction|ensemble|known)\.(?P<key>\w+)(?:\[\d+\])?: (?P<why>.+)")
-"""A line of a fault of a study, without where in a list it is."""
+def _option_of_key(key: str) -> str | None:
+    """Return the option that sets a key of a study, "friction.mu0[0]", or None."""
+    key = key.partition("[")[0]
+    last = key.rpartition(".")[2]
+    return next((name for name, option in OPTIONS.items() if option.key == key), last if last in OPTIONS else None)
 
-_ARGUMENT_OF_KEY = {"repetitions": "shifts", "materials": "upper_material", "poisson_ratio": "poisson"}
-"""Arguments that have other names than the keys that they set."""
+
+def pair_study(upper: object = None, lower: object = None, **options: object) -> Study:
+    """Return the study of two bodies, files or in memory, by options as fields of `PairOptions`.
+
+    Raises a `ValueError` if it cannot be pressed.
+    """
+    return study_of_options(read_options({"upper": upper, "lower": lower, **options}))
 
 
-def pair_study(upper: Any = None, lower: Any = None, **asked: Any) -> Study:
-    """The study of two bodies, files or in memory, by arguments of `Pair`; a `ValueError` if it cannot be pressed."""
-    study = Pair(upper=upper, lower=lower, **asked).study
+def study_of_options(options: PairOptions) -> Study:
+    """Return the study of two bodies, files or in memory; a `ValueError` if it cannot be pressed."""
+    study = Pair(options).study
     about(study)
     return study
 
 
-ARGUMENTS = tuple(each.name for each in fields(Pair))  # names of what may be asked of a pair
+_OF_FILES = ("channel", "columns", "missing_value", "accept", "missing", "outliers", "crop")
+"""Options that apply to files alone."""
+
+
+def _parts(value: Any) -> Any:
+    """Return a text between commas as a list, and any other value unchanged."""
+    return split_values(value) if isinstance(value, str) and "," in value else value
 
 
 def _scans_of(side: str, given: Any) -> list[Any]:
@@ -717,61 +694,3 @@ def _rising(values: list[Quantity]) -> list[Quantity]:
     """Quantities in rising order, each once; of equal ones the last."""
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]
-
-
-_CHOICES: dict[str, tuple[str, ...]] = {
-    "mechanics": MECHANICS,
-    "lay": ("grooves", "isotropic"),
-    "law": (*NAMED, JacksonGreen.name),
-    "along": ("x", "y"),
-    "tilt": ("fixed", "free"),
-    "detection": ("gap-minimum", "cell"),
-    "curvature": ("convex", "signed"),
-    "missing": ("error", "interpolate", "mask"),
-    "outliers": ("keep", "mask"),
-}
-
-_APPLY: tuple[tuple[tuple[str, ...], Callable[[Pair], bool], str], ...] = (
-    (("width",), lambda asked: asked.are_profiles and asked.press == "lines",
-     "is for two profiles, which are pressed as lines; other bodies have an area"),
-    (("lay",), lambda asked: asked.are_profiles, "is for two profiles; a map has its lay in it"),
-    (("mechanics", "check"), lambda asked: not asked.has_holes or "asperities" not in asked.by,
-     "presses asperities, which take whole scans: points of one are masked"),
-    (("surrogates", "lay"), lambda asked: not (asked.has_holes and asked.has_surrogates),
-     "makes surfaces of a spectrum, which takes whole scans: points of one are masked"),
-    (("work_of_adhesion",), lambda asked: not asked.has_holes,
-     "takes whole scans: points of one are masked; {missing} interpolate fills them, and {crop} leaves them out"),
-    (("mechanics",), lambda asked: not asked.check, "must not be given beside {check}, which is both"),
-    (("lines",), lambda asked: not asked.has_spectrum, "is not for a spectrum, of which surfaces are made"),
-    (("lines",), lambda asked: not asked.are_profiles or (asked.press == "lines" and asked.has_surrogates),
-     "is for surfaces and surrogates; two profiles are one pair"),
-    (("offsets", "travel"), lambda asked: asked.press == "lines", "is for lines; of maps give {lines} as well"),
-    (("along",), lambda asked: asked.press == "lines" and not asked.are_profiles, "is for lines of surfaces"),
-    (("shifts", "rotate", "lines", "surrogates"), lambda asked: asked.gap is None,
-     "is not for the {gap} of two faces, which belong together"),
-    (("gap",), lambda asked: asked.are_maps and len(asked.files[0].scans) == 1, "must be one map"),
-    (("tilt",), lambda asked: "half-space" in asked.by, "is for {mechanics} half-space"),
-    (("shifts", "rotate"), lambda asked: asked.press == "areas", "is for the areas of two maps, without {lines}"),
-    (("direction",), lambda asked: asked.press != "lines", "is for areas; lines are moved both ways"),
-    (("seed",), lambda asked: asked.has_surrogates, "is for {surrogates}"),
-    (("law", "detection", "curvature", "yield_strength"), lambda asked: "asperities" in asked.by,
-     "is for {mechanics} asperities"),
-    (("law",), lambda asked: asked.lay != "grooves" or asked.contact_law == "hertz-cylinder",
-     "must not be given beside {lay} grooves, which presses cylinders"),
-    (("mu0", "tau0"), lambda asked: asked.interface is None, "must not be given beside {interface}, which has both"),
-    (("yield_strength",), lambda asked: asked.contact_law == JacksonGreen.name, "is for {law} jackson-green"),
-    (("yield_strength",), lambda asked: asked.hardness is None or "half-space" in asked.by,
-     "must not be given beside {hardness}, which says it"),
-    (("hardness",), lambda asked: "half-space" in asked.by or asked.contact_law == JacksonGreen.name,
-     "is for {mechanics} half-space, and for {law} jackson-green"),
-    (("junction_growth",), lambda asked: "half-space" in asked.by, "is for {mechanics} half-space"),
-    (("wait",), lambda asked: asked.creep is not None, "needs {creep}, the exponent of indentation creep"),
-    (("creep",), lambda asked: asked.wait is not None, "is for {wait}"),
-    (("wait",), lambda asked: asked.by[0] == "half-space", "is for {mechanics} half-space"),
-    (("work_of_adhesion", "adhesion_range"), lambda asked: asked.by == ("half-space",),
-     "is for {mechanics} half-space alone"),
-    (("adhesion_range",), lambda asked: asked.work_of_adhesion is not None, "is for {work_of_adhesion}"),
-    (("poisson",), lambda asked: asked.young is not None or asked.contact_law == JacksonGreen.name,
-     "is for {young} and {law} jackson-green"),
-)  # fmt: skip
-"""Arguments that do not always apply: where they apply, and the message where they do not."""

@@ -285,7 +285,17 @@ _Kind = TypeVar("_Kind", bound=Table)
 
 
 class StudyError(ValueError):
-    """A study that cannot be: one line per fault, each naming its key."""
+    """A study that cannot be: one line per fault, each naming its key.
+
+    Attributes
+    ----------
+    faults : tuple of (str, str)
+        A dotted key, empty for the whole study, and the message about it, of each fault.
+    """
+
+    def __init__(self, message: str, faults: tuple[tuple[str, str], ...] = ()) -> None:
+        super().__init__(message)
+        self.faults = faults or (("", message),)
 
 
 def as_toml(value: Any) -> str:
@@ -321,11 +331,14 @@ def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
     try:
         return kind.model_validate(data)
     except ValidationError as error:
-        faults = error.errors(include_url=False)
-        lines = [f"{printable_path(source)}: {_fault(kind, fault)}" for fault in faults[:5]]
+        faults = [_fault(kind, fault) for fault in error.errors(include_url=False)]
+        lines = [
+            f"{printable_path(source)}: {key}: {why}" if key else f"{printable_path(source)}: {why}"
+            for key, why in faults[:5]
+        ]
         if len(faults) > 5:
             lines.append(f"{printable_path(source)}: ... and {len(faults) - 5} more")
-        raise StudyError("\n".join(lines)) from None
+        raise StudyError("\n".join(lines), tuple(faults)) from None
 
 
 _WORDS = {
@@ -341,14 +354,15 @@ _WORDS = {
 """Messages of the kinds of faults that pydantic finds."""
 
 
-def _fault(kind: type[Table], fault: ErrorDetails) -> str:
+def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
+    """Return the key of a fault and the message about it."""
     location = [part for part in fault["loc"] if part not in (RANGE, LIST)]
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).removeprefix(".")
     if fault["type"] == "key":
         key += f".{fault['ctx']['key']}"
     key = printable(key)
     if fault["type"] == "extra_forbidden":
-        return f"{key}: unknown key{_suggestion(kind, location)}"
+        return key, f"unknown key{_suggestion(kind, location)}"
     message = fault["msg"].removeprefix("Value error, ")
     if fault["type"] == "model_type":
         message = "must be a table"
@@ -360,7 +374,7 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> str:
         message = words.format_map(fault.get("ctx", {}))
     if fault["type"] not in ("value_error", "missing", "range_or_list", "key", "too_short", "too_long"):
         message = f"{message[0].lower()}{message[1:]}, got {short_repr(fault['input'])}"
-    return f"{key}: {message}" if key else message
+    return key, message
 
 
 MAX_SUGGESTIONS = 3  # largest number of keys that are suggested in place of an unknown one

@@ -5,83 +5,95 @@ from __future__ import annotations
 import atexit
 import shutil
 import tempfile
-from collections.abc import Sequence
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING
 from warnings import warn
 
-from stiction._checks import whole_number
 from stiction._errors import ArgumentError
+from stiction.mechanics.half_space import Tilt
+from stiction.mechanics.model import Curvature, Detection
 from stiction.studies.interfaces import Interface, write_interface
-from stiction.studies.pair import ARGUMENTS, pair_study
-from stiction.surfaces.joined_spectrum import JoinedSpectrum
-from stiction.surfaces.profile import Profile
-from stiction.surfaces.surface import Surface
+from stiction.studies.pair import study_of_options
+from stiction.studies.pair_options import (
+    Count,
+    Degrees,
+    Gap,
+    InterfaceName,
+    LawChoice,
+    Lay,
+    Level,
+    Mechanics,
+    PairOptions,
+    Part,
+    Seed,
+    SurrogateChoice,
+    Value,
+    Values,
+    argument_errors,
+    name_in_python,
+)
+from stiction.surfaces.measured.interpret import Missing, Outliers
+from stiction.surfaces.profile import Along
 
 if TYPE_CHECKING:
     from stiction.studies.result import Result
 
-Body = str | Path | Profile | Surface | JoinedSpectrum | Sequence[Any] | Any
-Quantity = str | float  # a text with a unit, such as "10 MPa", or a number in the library's units (µm, mN, GPa)
 
-_NAMES = {"upper": "first", "lower": "second", "upper_material": "upper", "lower_material": "lower"}
-"""Arguments of this function that `Pair` calls otherwise."""
-
-
+# packaging/pair_options.py writes the parameters, their descriptions, and the call of `PairOptions`.
 def pair(
-    first: Body | None = None,
-    second: Body | None = None,
+    first: Part | None = None,
+    second: Part | None = None,
     *,
-    gap: str | Path | Surface | None = None,
-    load: Quantity | Sequence[Quantity],
-    width: Quantity | None = None,
-    mu0: float | Sequence[float] | None = None,
-    tau0: Quantity | Sequence[Quantity] | None = None,
-    interface: str | Path | Interface | None = None,
+    load: Values,
+    width: Value | None = None,
+    mu0: Values | None = None,
+    tau0: Values | None = None,
+    interface: InterfaceName | None = None,
+    direction: Values | None = None,
     upper: str | None = None,
     lower: str | None = None,
-    effective_modulus: Quantity | None = None,
-    young: Quantity | Sequence[Quantity] | None = None,
-    poisson: float | Sequence[float] | None = None,
-    hardness: Quantity | None = None,
-    junction_growth: float | str | None = None,
-    wait: Quantity | Sequence[Quantity] | None = None,
-    creep: float | str | None = None,
-    work_of_adhesion: Quantity | None = None,
-    adhesion_range: Quantity | None = None,
-    mechanics: Literal["half-space", "asperities"] | None = None,
-    law: str | None = None,
-    yield_strength: Quantity | None = None,
-    cutoff: Quantity | Sequence[Quantity] | None = None,
-    level: str | None = None,
-    lay: Literal["grooves", "isotropic"] | None = None,
-    shifts: int | None = None,
-    rotate: float | None = None,
-    tilt: Literal["fixed", "free"] | None = None,
-    direction: Sequence[float] | None = None,
-    lines: int | None = None,
-    along: Literal["x", "y"] | None = None,
-    offsets: int | None = None,
-    travel: Quantity | None = None,
-    detection: str | None = None,
-    curvature: str | None = None,
-    surrogates: int | str | None = None,
-    seed: int | None = None,
-    unit: str | Sequence[str] | None = None,
-    spacing: Quantity | Sequence[Quantity] | None = None,
-    missing: Literal["error", "mask", "interpolate"] | None = None,
-    outliers: Literal["keep", "mask"] | None = None,
-    crop: str | Sequence[str] | None = None,
-    channel: str | Sequence[str] | None = None,
-    columns: str | Sequence[str] | None = None,
-    missing_value: str | Sequence[str] | None = None,
-    accept: str | Sequence[str] | None = None,
-    tip: Quantity | Sequence[Quantity] | None = None,
-    texture: str | Sequence[str] | None = None,
+    effective_modulus: Value | None = None,
+    young: Values | None = None,
+    poisson: Values | None = None,
+    hardness: Value | None = None,
+    yield_strength: Value | None = None,
+    junction_growth: Value | None = None,
+    wait: Values | None = None,
+    creep: Value | None = None,
+    work_of_adhesion: Value | None = None,
+    adhesion_range: Value | None = None,
+    mechanics: Mechanics | None = None,
+    tilt: Tilt | None = None,
+    law: LawChoice | None = None,
+    detection: Detection | None = None,
+    curvature: Curvature | None = None,
+    gap: Gap | None = None,
+    lay: Lay | None = None,
+    lines: Count | None = None,
+    along: Along | None = None,
+    level: Level | None = None,
+    cutoff: Values | None = None,
+    rotate: Degrees | None = None,
+    shifts: Count | None = None,
+    offsets: Count | None = None,
+    travel: Value | None = None,
+    surrogates: SurrogateChoice | None = None,
+    seed: Seed | None = None,
+    unit: Values | None = None,
+    spacing: Values | None = None,
+    missing: Missing | None = None,
+    missing_value: Values | None = None,
+    outliers: Outliers | None = None,
+    crop: Values | None = None,
+    channel: Values | None = None,
+    columns: Values | None = None,
+    accept: Values | None = None,
+    texture: Values | None = None,
+    tip: Values | None = None,
+    onset: Seed | None = None,
     directory: str | Path | None = None,
     replace: bool = False,
-    onset: int | None = None,
     executor: Executor | None = None,
     progress: bool = False,
 ) -> Result:
@@ -89,56 +101,118 @@ def pair(
 
     Parameters
     ----------
-    first, second : str, path, Profile, Surface or JoinedSpectrum
-        The slider and what it is carried over, as files or as bodies; heights of both point out of the material, as
-        they were scanned. Bodies of other libraries are taken as `Surface.from_` takes them. Of a spectrum random
-        surfaces are pressed, and another scan beside it is taken by its own spectrum. A list, or a folder, has scans of
-        several places on one part: all pairs of them are pressed, and the interval is of the parts.
-    gap : str, path or Surface
-        In place of both: one map that is the gap of two faces, as of a fracture, pressed at this position alone.
+    first : str, path, Profile, Surface, JoinedSpectrum or array, or several
+        The slider: a measured profile or surface. Several scans of one part are a list, a folder, or names between
+        commas.
+    second : str, path, Profile, Surface, JoinedSpectrum or array, or several
+        The counterface; both may be the same file.
     load : str or float, or several, mN
-        Normal load over the nominal area, "10 MPa", or a force, "10 mN"; numbers are mN.
-    width : str or float, µm
-        Of two profiles, the width across them that forces are on, "5 mm"; by default the strip of 1 µm of the paper.
-    mu0 : float, or several
-        Molecular friction coefficient.
-    tau0 : str or float, or several, GPa
-        Adhesive shear strength, "50 MPa"; numbers are GPa. By default 0.
-    interface : str, path or Interface
-        In place of both, which it has jointly: a name of `interfaces`, a file that `write_interface` wrote, or what
-        `calibrate` gave.
-    upper, lower : str
-        Materials by their names, see `materials`; one name is that of both.
-    effective_modulus, young, hardness : str or float, GPa
-    poisson : float, or two
-        In place of materials, or beside them the hardness. One of effective_modulus, young with poisson, or materials
-        is needed: nothing is assumed of a measured body.
-    junction_growth : float or str
-        α of p² + α s² = H² for pressure and shear in plastic contacts, a number or a range, "0..27": contacts that have
-        yielded grow under shear. By default "0..27" of metals by name, and 0 of other bodies.
-    wait : str or float, or several, s
-        Times under load before the pair is sheared, "1 h"; the hardness is that after 1 s and falls as t**-creep.
-    creep : float or str
-        Exponent of indentation creep of the softer body, 0.03 or "0.02..0.05".
-    work_of_adhesion : str or float, kJ/m²
-        Energy that parts an area, "50 mJ/m^2", of the half-space; the load is then pressed from outside, and the result
-        has the pull-off force and the friction at no load. Not given it is taken as 0, and doubted where it decides.
-    adhesion_range : str or float, µm
-        Gap over which the attraction falls off by 1/e; by default "0.5 nm", one to two distances of atoms.
-    mechanics : {"half-space", "asperities"}
-        By default the half-space of maps, and of two profiles whose materials have a hardness; else asperities.
-    law, yield_strength, cutoff, level, lay, shifts, rotate, tilt, direction, lines, along, offsets, travel, \
-    detection, curvature, surrogates, seed, missing, outliers, crop, channel, columns, missing_value, \
-    accept, tip, texture
-        As the options of `stiction pair`.
-    unit, spacing : str, float (µm) or a sequence of two, optional
-        As the options of `stiction pair`; of arrays the unit of heights (µm by default), and the distance of points.
+        Normal load over the nominal area, "10 MPa", or a force, "0.1 mN".
+    width : str or float, µm, optional
+        Width across two profiles that a force acts on. By default 1 um.
+    mu0 : str or float, or several, optional
+        Molecular friction coefficients, "0.3" or "0.3,0.4".
+    tau0 : str or float, or several, GPa, optional
+        Adhesive shear strengths, "0 MPa,50 MPa". By default 0 MPa.
+    interface : str, path or Interface, optional
+        Both `mu0` and `tau0`: a file of stiction calibrate, or a name that stiction interfaces lists.
+    direction : str or float, or several, optional
+        Directions of motion of the upper body, from +x towards +y, "0,90". By default every 30 degrees.
+    upper : str, optional
+        Material of the slider by name, as in steel; or give `young` and `poisson`.
+    lower : str, optional
+        Material of the counterface; that of `upper` by default.
+    effective_modulus : str or float, GPa, optional
+        Effective modulus E*, "10 GPa", instead of materials.
+    young : str or float, or several, GPa, optional
+        Young's modulus of both bodies, or of one after the other, "200 GPa,70 GPa".
+    poisson : str or float, or several, optional
+        Poisson's ratios, "0.3" or "0.3,0.33".
+    hardness : str or float, GPa, optional
+        Hardness of the softer body, "2 GPa" or "150 HV": the largest contact pressure. By default that of the material.
+    yield_strength : str or float, GPa, optional
+        Yield strength of the softer body, for `law` jackson-green. By default the hardness over 2.84.
+    junction_growth : str or float, optional
+        α of p² + α s² = H², by which plastic contacts grow under shear, "9" or "0..27"; 0 for none. By default 0..27
+        for metals by name.
+    wait : str or float, or several, s, optional
+        Dwell times under load before sliding, "1 min,1 h"; the hardness is that after 1 s.
+    creep : str or float, optional
+        Exponent m of indentation creep, "0.03" or "0.02..0.05": the hardness falls as (t/1 s)^-m.
+    work_of_adhesion : str or float, kJ/m², optional
+        Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" declares that there is none. By default taken as 0.
+    adhesion_range : str or float, µm, optional
+        Gap over which the attraction falls off by 1/e. By default 0.5 nm.
+    mechanics : {"half-space", "asperities"}, optional
+        The elastic half-space (half-plane for lines), or isolated asperities (fast). By default asperities for lines,
+        except two profiles of metals.
+    tilt : {"fixed", "free"}, optional
+        Whether the slider keeps its orientation, or turns until the load is in its middle, as on a ball joint. By
+        default fixed.
+    law : {"hertz-sphere", "hertz-cylinder", "jackson-green"}, optional
+        Contact law of asperities. By default hertz-sphere.
+    detection : {"cell", "gap-minimum"}, optional
+        How contacts of asperities are found. By default gap-minimum.
+    curvature : {"convex", "signed"}, optional
+        Whether concave contact points count as well as convex ones. By default convex for lines, signed for areas.
+    gap : str, path, Surface or array, optional
+        A map of the gap between two faces, as of a fracture, instead of `first` and `second`.
+    lay : {"grooves", "isotropic"}, optional
+        Lay of two profiles: measured across grooves, or of surfaces alike in all directions, which are then pressed as
+        areas. By default pressed as lines.
+    lines : int, optional
+        Press this many pairs of lines of two maps instead of their areas; for surrogates of profiles, the number of
+        surrogates. By default 128 of surrogates, and of a map and a profile.
+    along : {"x", "y"}, optional
+        Direction of the lines of maps. By default x.
+    level : {"mean", "line", "plane", "quadratic", "none"}, optional
+        Trend to subtract from each line (mean, line, quadratic or none) or map (mean, plane or quadratic). By default
+        line for profiles, plane for maps.
+    cutoff : str or float, or several, µm, optional
+        Cutoff wavelength of a Gaussian low-pass filter, "0.1 um"; several give a result each, and none accepts all
+        wavelengths. By default unfiltered; filtered as well where wavelengths are doubtful.
+    rotate : float, optional
+        Rotate the upper map in its plane. By default 0.
+    shifts : int, optional
+        Relative positions of two maps. By default 16.
+    offsets : int, optional
+        Positions along the lower profile. By default 64, or 1 for several lines.
+    travel : str or float, µm, optional
+        The largest offset. By default half the length.
+    surrogates : int or str, optional
+        For areas, press this many pairs of random surfaces of equal spectrum as well; for lines, the body to replace by
+        random ones. By default none.
+    seed : int, optional
+        Seed of the random phases of surrogates. By default 2016.
+    unit : str or float, or several, optional
+        Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where the file has none.
+    spacing : str or float, or several, µm, optional
+        Distance of neighboring points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where the file has
+        none.
+    missing : {"error", "interpolate", "mask"}, optional
+        Points without a height: reject the file, press what is there, or interpolate. By default error.
+    missing_value : str or float, or several, optional
+        Numbers or words that mark points without a height, "-9999".
+    outliers : {"keep", "mask"}, optional
+        Treat up to 4 adjacent points beyond 6 robust deviations of their neighbors as missing. By default keep.
+    crop : str or float, or several, µm, optional
+        Part of the file to read: "10 um,60 um", of a map along x and y.
+    channel : str or float, or several, optional
+        Channel or sheet to read, by its name or number from 0. By default the first of heights.
+    columns : str or float, or several, optional
+        Columns of a table, names or numbers from 0: of heights, or of positions and heights.
+    accept : str or float, or several, optional
+        Caveats about a file that are settled, by their names, "whole-numbers".
+    texture : str or float, or several, optional
+        Machining process (turned, milled, ground, ...): lines and humps of the spectrum then belong to the surface.
+    tip : str or float, or several, µm, optional
+        Radius of the stylus or probe, "10 nm", which limits the curvature that it can follow.
+    onset : int, optional
+        Members whose onset of sliding is computed; 0 for none. By default 16, or 4 for areas by the half-space.
     directory : path, optional
         Where the result is kept, as by ``--output``; by default as long as Python runs.
     replace : bool
         Whether another result in that directory is replaced.
-    onset : int, optional
-        Members whose onset of sliding is computed besides, as by ``--onset``; 0 for none.
     executor : concurrent.futures.Executor, optional
         Where members are computed; a thread for each core by default.
     progress : bool
@@ -168,12 +242,8 @@ def pair(
     from stiction.studies.complete import complete
     from stiction.studies.executors import given_or_threads
 
-    given = locals()
-    if onset is not None:
-        whole_number("onset", onset, minimum=0)
-    asked = {name: value for name in ARGUMENTS if (value := given.get(_NAMES.get(name, name))) is not None}
-    for name in ("first", "second"):
-        if any(step == "turned over" for step in getattr(given[name], "history", ())):
+    for name, body in (("first", first), ("second", second)):
+        if any(step == "turned over" for step in getattr(body, "history", ())):
             warn(
                 f"{name} was turned over, and pair turns the first body over itself: give both as they were scanned, "
                 "heights out of the material",
@@ -182,14 +252,67 @@ def pair(
     folder = Path(tempfile.mkdtemp(prefix="stiction-") if directory is None else directory)
     if directory is None:  # it is gone when Python ends
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    if isinstance(interface, Interface):  # kept beside the result, which names it
-        folder.mkdir(parents=True, exist_ok=True)
-        write_interface(interface, folder / "interface.csv")
-        asked["interface"] = folder / "interface.csv"
     try:
-        study = pair_study(**asked)
+        with argument_errors():
+            options = PairOptions(
+                load=load,
+                width=width,
+                mu0=mu0,
+                tau0=tau0,
+                interface=interface,
+                direction=direction,
+                upper_material=upper,
+                lower_material=lower,
+                effective_modulus=effective_modulus,
+                young=young,
+                poisson=poisson,
+                hardness=hardness,
+                yield_strength=yield_strength,
+                junction_growth=junction_growth,
+                wait=wait,
+                creep=creep,
+                work_of_adhesion=work_of_adhesion,
+                adhesion_range=adhesion_range,
+                mechanics=mechanics,
+                tilt=tilt,
+                law=law,
+                detection=detection,
+                curvature=curvature,
+                upper=first,
+                lower=second,
+                gap=gap,
+                lay=lay,
+                lines=lines,
+                along=along,
+                level=level,
+                cutoff=cutoff,
+                rotate=rotate,
+                shifts=shifts,
+                offsets=offsets,
+                travel=travel,
+                surrogates=surrogates,
+                seed=seed,
+                unit=unit,
+                spacing=spacing,
+                missing=missing,
+                missing_value=missing_value,
+                outliers=outliers,
+                crop=crop,
+                channel=channel,
+                columns=columns,
+                accept=accept,
+                texture=texture,
+                tip=tip,
+                onset=onset,
+            )
+        if isinstance(interface, Interface):  # kept beside the result, which names it
+            folder.mkdir(parents=True, exist_ok=True)
+            write_interface(interface, folder / "interface.csv")
+            options = options.model_copy(update={"interface": folder / "interface.csv"})
+        study = study_of_options(options)
         with given_or_threads(executor) as workers:
             return complete(study, folder, workers, replace=replace, onset=onset, progress=progress)
+    except ArgumentError as error:
+        raise ValueError(error.with_names(name_in_python)) from None
     except ValueError as error:
-        said = error.with_names(lambda name: _NAMES.get(name, name)) if isinstance(error, ArgumentError) else str(error)
-        raise ValueError("; ".join(said.splitlines())) from None
+        raise ValueError("; ".join(str(error).splitlines())) from None

@@ -1,0 +1,154 @@
+#!/usr/bin/env python3
+"""Write what follows from the options of a pair: parameters of `stiction.pair` and of the command, and descriptions.
+
+pair_options.py            write both files
+pair_options.py --check    end with status 1 if a file differs from what would be written
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+from stiction.studies import pair_options
+from stiction.studies.pair_options import GROUPS, OPTIONS, UNITS, PairOptions, choices_of, name_in_python
+
+ROOT = Path(__file__).resolve().parent.parent
+FUNCTION = ROOT / "python/stiction/views/pair.py"
+COMMAND = ROOT / "python/stiction/cli/pair.py"
+WIDTH = 120
+BODIES = ("upper", "lower")
+IN_PYTHON = [name for name, option in OPTIONS.items() if option.is_in_python]
+
+WORDS = {
+    "Part": "str, path, Profile, Surface, JoinedSpectrum or array, or several",
+    "Gap": "str, path, Surface or array",
+    "InterfaceName": "str, path or Interface",
+    "Value": "str or float",
+    "Values": "str or float, or several",
+    "Count": "int",
+    "Seed": "int",
+    "Degrees": "float",
+    "SurrogateChoice": "int or str",
+    "str": "str",
+    "bool": "bool",
+}
+"""Types as docstrings write them, by their names in the model."""
+
+
+def declared_types() -> dict[str, str]:
+    """Return the type of each option as the model declares it, "Value | None"."""
+    types = {}
+    for node in ast.parse(inspect.getsource(pair_options)).body:
+        for entry in node.body if isinstance(node, ast.ClassDef) else ():
+            if isinstance(entry, ast.AnnAssign) and isinstance(entry.target, ast.Name) and entry.target.id in OPTIONS:
+                declared = entry.annotation
+                assert isinstance(declared, ast.Subscript)
+                assert isinstance(declared.slice, ast.Tuple)
+                types[entry.target.id] = ast.unparse(declared.slice.elts[0])
+    return types
+
+
+def default_of(name: str) -> str:
+    """Return the default of an option as an assignment, empty for a required one."""
+    field = PairOptions.model_fields[name]
+    return "" if field.is_required() else f" = {field.default!r}"
+
+
+def parameters_in_python() -> str:
+    """Return the parameters of `stiction.pair`, the two bodies first."""
+    types = declared_types()
+    lines = [f"    {name_in_python(name)}: {types[name]}{default_of(name)},\n" for name in IN_PYTHON]
+    bodies = [line for line in lines if line.lstrip().startswith(("first:", "second:"))]
+    return "".join([*bodies, "    *,\n", *(line for line in lines if line not in bodies)])
+
+
+def descriptions() -> str:
+    """Return the entries of the docstring, two bodies first, then group by group."""
+    types = declared_types()
+    order = [
+        "upper",
+        "lower",
+        *(name for group in GROUPS for name in group.model_fields if name in IN_PYTHON and name not in BODIES),
+    ]
+    lines = []
+    for name in order:
+        option, declared = OPTIONS[name], types[name].removesuffix(" | None")
+        choices = ", ".join(f'"{choice}"' for choice in choices_of(name))
+        kind = f"{{{choices}}}" if choices and declared != "InterfaceName" else WORDS[declared]
+        unit = f", {UNITS[option.kind]}" if option.kind else ""
+        optional = "" if PairOptions.model_fields[name].is_required() or name in BODIES else ", optional"
+        text = option.help.format_map(Names()) + (f" By default {option.usual}." if option.usual else "")
+        lines.append(f"    {name_in_python(name)} : {kind}{unit}{optional}")
+        lines += textwrap.wrap(text, WIDTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
+    return "\n".join(lines) + "\n"
+
+
+class Names(dict[str, str]):
+    """Names of options in Python, for the placeholders of a help line."""
+
+    def __missing__(self, name: str) -> str:
+        return f"`{name_in_python(name)}`"
+
+
+def call() -> str:
+    """Return the arguments with which `stiction.pair` makes the model."""
+    return "".join(f"                {name}={name_in_python(name)},\n" for name in IN_PYTHON)
+
+
+def parameters_of_command() -> str:
+    """Return the parameters of the command `pair`."""
+    lines = []
+    for name, option in OPTIONS.items():
+        if name in BODIES:
+            continue
+        is_switch = PairOptions.model_fields[name].annotation is bool
+        kind = "bool" if is_switch else "list[str]" if option.is_repeatable else "str"
+        kind += "" if is_switch or not default_of(name) else " | None"
+        lines.append(f'    {name}: Annotated[{kind}, option_of("{name}")]{default_of(name)},\n')
+    return "".join(lines)
+
+
+def replaced(text: str, start: str, end: str, new: str) -> str:
+    """Return a text with what is between a start and an end replaced."""
+    head, found, rest = text.partition(start)
+    _, closed, tail = rest.partition(end)
+    assert found, start
+    assert closed, end
+    return head + start + new + end + tail
+
+
+def written() -> dict[Path, str]:
+    """Return the text of each file as it should be."""
+    function = FUNCTION.read_text("utf-8")
+    function = replaced(function, "def pair(\n", "    directory: str", parameters_in_python())
+    function = replaced(function, "    Parameters\n    ----------\n", "    directory : path", descriptions())
+    function = replaced(function, "options = PairOptions(\n", "            )\n", call())
+    command = COMMAND.read_text("utf-8")
+    command = replaced(command, "    lower: LowerFile = None,\n    *,\n", "    workers:", parameters_of_command())
+    return {path: formatted(text) for path, text in ((FUNCTION, function), (COMMAND, command))}
+
+
+def formatted(text: str) -> str:
+    """Return a text as ruff formats it."""
+    ruff = Path(sys.executable).with_name("ruff")
+    line = [str(ruff), "format", "--stdin-filename", str(FUNCTION), "-"]
+    return subprocess.run(line, input=text, capture_output=True, text=True, check=True, cwd=ROOT).stdout
+
+
+def main() -> None:
+    """Write the files, or compare them."""
+    differing = [path for path, text in written().items() if path.read_text("utf-8") != text]
+    if "--check" in sys.argv:
+        names = ", ".join(str(path.relative_to(ROOT)) for path in differing)
+        sys.exit(f"{names}: run packaging/pair_options.py" if differing else 0)
+    for path, text in written().items():
+        path.write_text(text, "utf-8")
+
+
+if __name__ == "__main__":
+    main()

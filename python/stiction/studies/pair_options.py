@@ -1,0 +1,762 @@
+"""Options of a pair of measured bodies, each declared once: type, unit, default, help, and where it applies."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, ClassVar, Literal, Protocol, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, PlainValidator, SkipValidation, ValidationError
+from pydantic.fields import FieldInfo
+
+from stiction._checks import number, scalar, whole_number
+from stiction._errors import ArgumentError
+from stiction._units import short_repr
+from stiction.mechanics.half_space import Tilt
+from stiction.mechanics.law import JacksonGreen
+from stiction.mechanics.model import Curvature, Detection
+from stiction.studies.interfaces import Interface
+from stiction.surfaces.joined_spectrum import JoinedSpectrum
+from stiction.surfaces.measured.interpret import Missing, Outliers
+from stiction.surfaces.pairing import Surrogates
+from stiction.surfaces.profile import Along, Profile
+from stiction.surfaces.surface import Surface
+
+# ---- Types of values -------------------------------------------------------------------------------------------------
+
+
+class HeightData(Protocol):
+    """Heights of another library with their data: of surfalize or xarray."""
+
+    @property
+    def data(self) -> object:
+        """Heights as an array."""
+
+
+class Topography(Protocol):
+    """A topography of SurfaceTopography."""
+
+    def heights(self) -> object:
+        """Heights as an array."""
+
+
+def _read_value(value: object) -> object:
+    value = scalar(value)
+    if isinstance(value, (list, tuple, range, np.ndarray)):
+        raise ValueError(f"must be one value, got {short_repr(value)}")
+    if not isinstance(value, (str, int, float)):
+        raise ValueError(f"must be a number or a text, got {short_repr(value)}")
+    return value
+
+
+def _read_values(value: object) -> object:
+    value = scalar(value)
+    items = value.tolist() if isinstance(value, np.ndarray) else value
+    return [_read_value(item) for item in items] if isinstance(items, (list, tuple, range)) else _read_value(value)
+
+
+def _read_whole_number(value: object, least: int) -> int:
+    if isinstance(value, str) and value.strip().removeprefix("-").isdecimal():
+        value = int(value)
+    try:
+        return whole_number("", value, minimum=least)
+    except ValueError as error:
+        raise ValueError(str(error).strip()) from None
+
+
+def _read_count(value: object) -> int:
+    return _read_whole_number(value, 1)
+
+
+def _read_number_from_0(value: object) -> int:
+    return _read_whole_number(value, 0)
+
+
+def _read_degrees(value: object) -> float:
+    try:
+        return number("", float(value) if isinstance(value, str) else value)
+    except ValueError:
+        raise ValueError(f"must be a finite number of degrees, got {short_repr(scalar(value))}") from None
+
+
+def _read_surrogates(value: object) -> object:
+    value = scalar(value)
+    if isinstance(value, bool) or not isinstance(value, (str, int)):
+        allowed = ", ".join(get_args(Surrogates))
+        raise ValueError(f"must be a number of pairs, or one of {allowed}, got {short_repr(value)}")
+    return value
+
+
+HeightMap: TypeAlias = str | Path | Profile | Surface | NDArray[np.generic] | HeightData | Topography
+"""A measured profile or surface: a file, a body of this library or of another, or an array of heights."""
+Scan: TypeAlias = HeightMap | JoinedSpectrum
+Part: TypeAlias = Annotated[Scan | Sequence[Scan], SkipValidation]
+"""One scan of a part, or scans of several places on it."""
+Gap: TypeAlias = Annotated[HeightMap, SkipValidation]
+InterfaceName: TypeAlias = Annotated[str | Path | Interface, SkipValidation]
+Value: TypeAlias = Annotated[str | float, PlainValidator(_read_value)]
+"""A number, in the unit of the option, or a text with a unit."""
+Values: TypeAlias = Annotated[
+    str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_read_values)
+]  # fmt: skip
+"""One value or several; a text may have several between commas."""
+Count: TypeAlias = Annotated[int, PlainValidator(_read_count)]
+Seed: TypeAlias = Annotated[int, PlainValidator(_read_number_from_0)]
+Degrees: TypeAlias = Annotated[float, PlainValidator(_read_degrees)]
+SurrogateChoice: TypeAlias = Annotated[int | str, PlainValidator(_read_surrogates)]
+
+Mechanics = Literal["half-space", "asperities"]
+MECHANICS: tuple[Mechanics, ...] = get_args(Mechanics)
+Lay = Literal["grooves", "isotropic"]
+LawChoice = Literal["hertz-sphere", "hertz-cylinder", "jackson-green"]
+Level = Literal["mean", "line", "plane", "quadratic", "none"]
+
+
+# ---- Where options apply ---------------------------------------------------------------------------------------------
+
+
+class PairFacts(Protocol):
+    """Facts about a pair, by which it is decided whether an option applies."""
+
+    @property
+    def options(self) -> PairOptions:
+        """All options."""
+
+    @property
+    def are_maps(self) -> bool:
+        """Whether both bodies are height maps."""
+
+    @property
+    def are_profiles(self) -> bool:
+        """Whether both bodies are profiles."""
+
+    @property
+    def has_spectrum(self) -> bool:
+        """Whether a body is a spectrum of several scans."""
+
+    @property
+    def has_holes(self) -> bool:
+        """Whether a body has masked points."""
+
+    @property
+    def has_surrogates(self) -> bool:
+        """Whether surrogates are pressed."""
+
+    @property
+    def scan_counts(self) -> tuple[int, int]:
+        """Number of scans of the upper and of the lower body."""
+
+    @property
+    def press(self) -> str:
+        """How members are made: "areas", "lines" or "surrogates"."""
+
+    @property
+    def by(self) -> tuple[Mechanics, ...]:
+        """Contact models, the first of which gives the result."""
+
+    @property
+    def contact_law(self) -> str:
+        """Name of the contact law of asperities."""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A condition under which an option applies, and the message where it does not hold."""
+
+    holds: Callable[[PairFacts], bool]
+    message: str  # follows the name of the option; other options are written as {name}
+
+
+def condition(message: str) -> Callable[[Callable[[PairFacts], bool]], Condition]:
+    """Make a condition of a named function and a message."""
+
+    def make(holds: Callable[[PairFacts], bool]) -> Condition:
+        return Condition(holds, message)
+
+    return make
+
+
+@condition("must be one map")
+def is_one_map(pair: PairFacts) -> bool:
+    """Return whether the gap is a single height map."""
+    return pair.are_maps and pair.scan_counts == (1, 1)
+
+
+@condition("is not for the {gap} of two faces, which belong together")
+def has_two_bodies(pair: PairFacts) -> bool:
+    """Return whether two bodies are given, and not the gap between them."""
+    return pair.options.gap is None
+
+
+@condition("is for two profiles; a map has its lay in it")
+def has_two_profiles(pair: PairFacts) -> bool:
+    """Return whether both bodies are profiles."""
+    return pair.are_profiles
+
+
+@condition("is for two profiles, which are pressed as lines; other bodies have an area")
+def presses_profiles_as_lines(pair: PairFacts) -> bool:
+    """Return whether two profiles are pressed as lines, which have no width."""
+    return pair.are_profiles and pair.press == "lines"
+
+
+@condition("makes surfaces of a spectrum, which takes whole scans: points of one are masked")
+def makes_surrogates_of_whole_scans(pair: PairFacts) -> bool:
+    """Return whether no surrogates are made of scans with masked points."""
+    return not (pair.has_holes and pair.has_surrogates)
+
+
+@condition("presses asperities, which take whole scans: points of one are masked")
+def presses_asperities_of_whole_scans(pair: PairFacts) -> bool:
+    """Return whether asperities are not pressed on scans with masked points."""
+    return not pair.has_holes or "asperities" not in pair.by
+
+
+@condition("takes whole scans: points of one are masked; {missing} interpolate fills them, and {crop} leaves them out")
+def has_whole_scans(pair: PairFacts) -> bool:
+    """Return whether no points are masked."""
+    return not pair.has_holes
+
+
+@condition("is not for a spectrum, of which surfaces are made")
+def has_no_spectrum(pair: PairFacts) -> bool:
+    """Return whether no body is a spectrum of several scans."""
+    return not pair.has_spectrum
+
+
+@condition("is for surfaces and surrogates; two profiles are one pair")
+def has_several_pairs_of_lines(pair: PairFacts) -> bool:
+    """Return whether there are several pairs of lines: of surfaces, or of surrogates of profiles."""
+    return not pair.are_profiles or (pair.press == "lines" and pair.has_surrogates)
+
+
+@condition("is for lines; of maps give {lines} as well")
+def presses_lines(pair: PairFacts) -> bool:
+    """Return whether lines are pressed."""
+    return pair.press == "lines"
+
+
+@condition("is for lines of surfaces")
+def presses_lines_of_surfaces(pair: PairFacts) -> bool:
+    """Return whether lines of height maps are pressed."""
+    return pair.press == "lines" and not pair.are_profiles
+
+
+@condition("is for the areas of two maps, without {lines}")
+def presses_areas(pair: PairFacts) -> bool:
+    """Return whether the areas of two height maps are pressed."""
+    return pair.press == "areas"
+
+
+@condition("is for areas; lines are moved both ways")
+def moves_areas(pair: PairFacts) -> bool:
+    """Return whether the members are areas."""
+    return pair.press != "lines"
+
+
+@condition("is for {surrogates}")
+def presses_surrogates(pair: PairFacts) -> bool:
+    """Return whether surrogates are pressed."""
+    return pair.has_surrogates
+
+
+@condition("must not be given beside {check}, which is both")
+def presses_by_one_model(pair: PairFacts) -> bool:
+    """Return whether the pair is not pressed by both contact models."""
+    return not pair.options.check
+
+
+@condition("is for {mechanics} half-space")
+def presses_half_space(pair: PairFacts) -> bool:
+    """Return whether the half-space is pressed, for the result or as a check."""
+    return "half-space" in pair.by
+
+
+@condition("is for {mechanics} half-space")
+def has_result_by_half_space(pair: PairFacts) -> bool:
+    """Return whether the result is that of the half-space."""
+    return pair.by[0] == "half-space"
+
+
+@condition("is for {mechanics} half-space alone")
+def presses_half_space_alone(pair: PairFacts) -> bool:
+    """Return whether the half-space is pressed, and no asperities as a check."""
+    return pair.by == ("half-space",)
+
+
+@condition("is for {mechanics} asperities")
+def presses_asperities(pair: PairFacts) -> bool:
+    """Return whether asperities are pressed, for the result or as a check."""
+    return "asperities" in pair.by
+
+
+@condition("must not be given beside {lay} grooves, which presses cylinders")
+def suits_grooves(pair: PairFacts) -> bool:
+    """Return whether the contact law is that of cylinders where the lay is grooves."""
+    return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
+
+
+@condition("is for {law} jackson-green")
+def has_law_with_yield(pair: PairFacts) -> bool:
+    """Return whether asperities yield by the law of Jackson and Green."""
+    return pair.contact_law == JacksonGreen.name
+
+
+@condition("must not be given beside {hardness}, which says it")
+def has_no_hardness_for_asperities(pair: PairFacts) -> bool:
+    """Return whether no hardness sets the yield strength of asperities."""
+    return pair.options.hardness is None or "half-space" in pair.by
+
+
+@condition("is for {mechanics} half-space, and for {law} jackson-green")
+def has_plastic_contacts(pair: PairFacts) -> bool:
+    """Return whether the contact model has a hardness."""
+    return "half-space" in pair.by or pair.contact_law == JacksonGreen.name
+
+
+@condition("needs {creep}, the exponent of indentation creep")
+def has_creep(pair: PairFacts) -> bool:
+    """Return whether an exponent of creep is given."""
+    return pair.options.creep is not None
+
+
+@condition("is for {wait}")
+def has_dwell_times(pair: PairFacts) -> bool:
+    """Return whether dwell times are given."""
+    return pair.options.wait is not None
+
+
+@condition("is for {work_of_adhesion}")
+def has_work_of_adhesion(pair: PairFacts) -> bool:
+    """Return whether a work of adhesion is given."""
+    return pair.options.work_of_adhesion is not None
+
+
+@condition("must not be given beside {interface}, which has both")
+def has_no_interface(pair: PairFacts) -> bool:
+    """Return whether no interface gives mu0 and tau0 jointly."""
+    return pair.options.interface is None
+
+
+@condition("is for {young} and {law} jackson-green")
+def needs_poisson_ratio(pair: PairFacts) -> bool:
+    """Return whether Poisson's ratio is used: with Young's modulus, or by the law of Jackson and Green."""
+    return pair.options.young is not None or pair.contact_law == JacksonGreen.name
+
+
+# ---- Declaration of an option ----------------------------------------------------------------------------------------
+
+Kind = Literal["length", "pressure", "force", "time", "work of adhesion"]
+UNITS: dict[Kind, str] = {
+    "length": "µm", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m²",
+}  # fmt: skip
+"""Unit of a plain number of each kind of quantity."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FormField:
+    """The field of an option in the form of the app."""
+
+    label: str
+    example: str = ""
+    empty: str = ""  # first entry of a list of choices, for the default
+    choices: tuple[tuple[str, str], ...] = ()  # values and their texts, of a field that is a list of choices
+    size: int = 0  # width of the field in characters, 0 for any
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option of a pair, as the command, the function, the study file and the app present it."""
+
+    value: str  # metavariable of the command line, "PRESSURE"; empty for a switch
+    help: str  # a sentence or two; other options are written as {name}
+    kind: Kind | None = None
+    usual: str = ""  # the default in words
+    flag: str = ""  # name on the command line where it differs from the field
+    argument: str = ""  # name in Python where it differs from the field
+    key: str = ""  # key of a study that it sets
+    field: FormField | None = None
+    applies: tuple[Condition, ...] = ()
+    is_common: bool = False  # in the short help
+    is_repeatable: bool = False  # on the command line
+    is_in_python: bool = True  # a parameter of `stiction.pair`
+
+
+class Options(BaseModel):
+    """A group of options; None stands for the default."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, arbitrary_types_allowed=True)
+
+    title: ClassVar[str]
+
+
+class SurfaceOptions(Options):
+    """Options of the two bodies and of how their scans are prepared."""
+
+    title: ClassVar[str] = "Surfaces"
+
+    upper: Annotated[Part | None, Option(
+        "UPPER", "The slider: a measured profile or surface. Several scans of one part are a list, a folder, or "
+        "names between commas.", flag="UPPER", argument="first",
+    )] = None  # fmt: skip
+    lower: Annotated[Part | None, Option(
+        "LOWER", "The counterface; both may be the same file.", flag="LOWER", argument="second",
+    )] = None  # fmt: skip
+    gap: Annotated[Gap | None, Option(
+        "FILE", "A map of the gap between two faces, as of a fracture, instead of {upper} and {lower}.",
+        applies=(is_one_map,),
+    )] = None  # fmt: skip
+    lay: Annotated[Lay | None, Option(
+        "grooves|isotropic", "Lay of two profiles: measured across grooves, or of surfaces alike in all directions, "
+        "which are then pressed as areas.", usual="pressed as lines",
+        applies=(has_two_profiles, makes_surrogates_of_whole_scans),
+        field=FormField(
+            label="lay of profiles", empty="not given",
+            choices=(("grooves", "across grooves"), ("isotropic", "none, isotropic")),
+        ),
+    )] = None  # fmt: skip
+    lines: Annotated[Count | None, Option(
+        "N", "Press this many pairs of lines of two maps instead of their areas; for surrogates of profiles, the "
+        "number of surrogates.", usual="128 of surrogates, and of a map and a profile",
+        applies=(has_no_spectrum, has_several_pairs_of_lines, has_two_bodies),
+    )] = None  # fmt: skip
+    along: Annotated[Along | None, Option(
+        "x|y", "Direction of the lines of maps.", usual="x", key="surfaces.along", applies=(presses_lines_of_surfaces,),
+    )] = None  # fmt: skip
+    level: Annotated[Level | None, Option(
+        "TREND", "Trend to subtract from each line (mean, line, quadratic or none) or map (mean, plane or "
+        "quadratic).", usual="line for profiles, plane for maps", key="surfaces.level",
+        field=FormField(
+            label="level", empty="plane or line", choices=(("quadratic", "quadratic"), ("mean", "mean")),
+        ),
+    )] = None  # fmt: skip
+    cutoff: Annotated[Values | None, Option(
+        "LENGTHS", 'Cutoff wavelength of a Gaussian low-pass filter, "0.1 um"; several give a result each, and none '
+        "accepts all wavelengths.", kind="length", usual="unfiltered; filtered as well where wavelengths are doubtful",
+        key="surfaces.cut_off", field=FormField(label="cutoff wavelength", example="0.5 um, or none"),
+    )] = None  # fmt: skip
+    rotate: Annotated[Degrees | None, Option(
+        "DEGREES", "Rotate the upper map in its plane.", usual="0", key="surfaces.rotate",
+        applies=(has_two_bodies, presses_areas), field=FormField(label="turn upper, °", example="0"),
+    )] = None  # fmt: skip
+
+
+class ReadingOptions(Options):
+    """Options of how files are read; each is for both files, or given twice for one after the other."""
+
+    title: ClassVar[str] = "Reading files"
+
+    unit: Annotated[Values | None, Option(
+        "UNIT", 'Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where the file '
+        "has none.", is_repeatable=True, is_common=True,
+        field=FormField(
+            label="unit", empty="its own", choices=(
+                ("nm", "nm"), ("um", "um"), ("mm", "mm"), ("m", "m"), ("mm,um", "mm, heights µm"),
+                ("mm,nm", "mm, heights nm"), ("um,nm", "µm, heights nm"),
+            ),
+        ),
+    )] = None  # fmt: skip
+    spacing: Annotated[Values | None, Option(
+        "LENGTH", 'Distance of neighboring points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where '
+        "the file has none.", kind="length", is_repeatable=True, is_common=True,
+        field=FormField(label="spacing", example="0.5 um", size=7),
+    )] = None  # fmt: skip
+    missing: Annotated[Missing | None, Option(
+        "error|mask|interpolate", "Points without a height: reject the file, press what is there, or interpolate.",
+        usual="error", is_common=True,
+        field=FormField(label="missing points", empty="are an error", choices=(("interpolate", "fill them"),)),
+    )] = None  # fmt: skip
+    missing_value: Annotated[Values | None, Option(
+        "NUMBERS|WORDS", 'Numbers or words that mark points without a height, "-9999".', is_repeatable=True,
+        field=FormField(label="missing value", example="-9999", size=9),
+    )] = None  # fmt: skip
+    outliers: Annotated[Outliers | None, Option(
+        "keep|mask", "Treat up to 4 adjacent points beyond 6 robust deviations of their neighbors as missing.",
+        usual="keep",
+    )] = None  # fmt: skip
+    crop: Annotated[Values | None, Option(
+        "X0,X1[,Y0,Y1]", 'Part of the file to read: "10 um,60 um", of a map along x and y.', kind="length",
+        is_repeatable=True,
+    )] = None  # fmt: skip
+    channel: Annotated[Values | None, Option(
+        "NAME|NUMBER", "Channel or sheet to read, by its name or number from 0.", usual="the first of heights",
+        is_repeatable=True, field=FormField(label="channel", example="name or number", size=9),
+    )] = None  # fmt: skip
+    columns: Annotated[Values | None, Option(
+        "Z|X,Z|X,Y,Z", "Columns of a table, names or numbers from 0: of heights, or of positions and heights.",
+        is_repeatable=True, field=FormField(label="columns", example="0,1 or names", size=9),
+    )] = None  # fmt: skip
+    accept: Annotated[Values | None, Option(
+        "NAMES", 'Caveats about a file that are settled, by their names, "whole-numbers".', is_repeatable=True,
+        field=FormField(label="settled caveats", example="whole-numbers", size=9),
+    )] = None  # fmt: skip
+    texture: Annotated[Values | None, Option(
+        "PROCESS", "Machining process (turned, milled, ground, ...): lines and humps of the spectrum then belong to "
+        "the surface.", is_repeatable=True,
+    )] = None  # fmt: skip
+    tip: Annotated[Values | None, Option(
+        "RADIUS", 'Radius of the stylus or probe, "10 nm", which limits the curvature that it can follow.',
+        kind="length", is_repeatable=True, field=FormField(label="tip radius", example="10 nm"),
+    )] = None  # fmt: skip
+
+
+class MaterialOptions(Options):
+    """Options of the materials; effective_modulus, young with poisson, or names of materials are required."""
+
+    title: ClassVar[str] = "Materials"
+
+    upper_material: Annotated[str | None, Option(
+        "MATERIAL", "Material of the slider by name, as in steel; or give {young} and {poisson}.", flag="--upper",
+        argument="upper", is_common=True, key="contact.materials",
+    )] = None  # fmt: skip
+    lower_material: Annotated[str | None, Option(
+        "MATERIAL", "Material of the counterface; that of {upper_material} by default.", flag="--lower",
+        argument="lower", is_common=True,
+    )] = None  # fmt: skip
+    effective_modulus: Annotated[Value | None, Option(
+        "PRESSURE", 'Effective modulus E*, "10 GPa", instead of materials.', kind="pressure",
+        key="contact.effective_modulus",
+    )] = None  # fmt: skip
+    young: Annotated[Values | None, Option(
+        "PRESSURES", 'Young\'s modulus of both bodies, or of one after the other, "200 GPa,70 GPa".', kind="pressure",
+        is_common=True, field=FormField(label="E", example=""),
+    )] = None  # fmt: skip
+    poisson: Annotated[Values | None, Option(
+        "NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', is_common=True, key="contact.poisson_ratio",
+        applies=(needs_poisson_ratio,),
+    )] = None  # fmt: skip
+    hardness: Annotated[Value | None, Option(
+        "PRESSURE", 'Hardness of the softer body, "2 GPa" or "150 HV": the largest contact pressure.',
+        kind="pressure", usual="that of the material", is_common=True, key="contact.hardness",
+        applies=(has_plastic_contacts,), field=FormField(label="hardness, GPa", example="of the softer, 2 or 1.5..2.5"),
+    )] = None  # fmt: skip
+    yield_strength: Annotated[Value | None, Option(
+        "PRESSURE", "Yield strength of the softer body, for {law} jackson-green.", kind="pressure",
+        usual="the hardness over 2.84",
+        applies=(presses_asperities, has_law_with_yield, has_no_hardness_for_asperities),
+    )] = None  # fmt: skip
+    junction_growth: Annotated[Value | None, Option(
+        "NUMBER", 'α of p² + α s² = H², by which plastic contacts grow under shear, "9" or "0..27"; 0 for none.',
+        usual="0..27 for metals by name", key="contact.junction_growth", applies=(presses_half_space,),
+    )] = None  # fmt: skip
+    wait: Annotated[Values | None, Option(
+        "TIMES", 'Dwell times under load before sliding, "1 min,1 h"; the hardness is that after 1 s.', kind="time",
+        key="friction.wait", applies=(has_creep, has_result_by_half_space),
+    )] = None  # fmt: skip
+    creep: Annotated[Value | None, Option(
+        "NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": the hardness falls as (t/1 s)^-m.',
+        key="known.creep", applies=(has_dwell_times,),
+    )] = None  # fmt: skip
+    work_of_adhesion: Annotated[Value | None, Option(
+        "ENERGY", 'Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" declares that there is none.', kind="work of adhesion",
+        usual="taken as 0", flag="--adhesion", key="contact.work_of_adhesion",
+        applies=(has_whole_scans, presses_half_space_alone),
+        field=FormField(label="work of adhesion, mJ/m²", example="0, or 50"),
+    )] = None  # fmt: skip
+    adhesion_range: Annotated[Value | None, Option(
+        "LENGTH", "Gap over which the attraction falls off by 1/e.", kind="length", usual="0.5 nm",
+        key="contact.adhesion_range", applies=(presses_half_space_alone, has_work_of_adhesion),
+    )] = None  # fmt: skip
+
+
+class FrictionOptions(Options):
+    """Options of the load, the interface and the motion."""
+
+    title: ClassVar[str] = "Load and friction"
+
+    load: Annotated[Values, Option(
+        "PRESSURE", 'Normal load over the nominal area, "10 MPa", or a force, "0.1 mN".', kind="force",
+        key="friction.load", is_common=True, is_repeatable=True,
+        field=FormField(label="load", example="10 MPa or 5 mN"),
+    )]  # fmt: skip
+    width: Annotated[Value | None, Option(
+        "LENGTH", "Width across two profiles that a force acts on.", kind="length", usual="1 um",
+        applies=(presses_profiles_as_lines,), field=FormField(label="width of profiles", example="1 mm"),
+    )] = None  # fmt: skip
+    mu0: Annotated[Values | None, Option(
+        "NUMBERS", 'Molecular friction coefficients, "0.3" or "0.3,0.4".', key="friction.mu0", is_common=True,
+        applies=(has_no_interface,), field=FormField(label="μ0", example="0.2 or 0.15..0.25"),
+    )] = None  # fmt: skip
+    tau0: Annotated[Values | None, Option(
+        "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', kind="pressure", usual="0 MPa", key="friction.tau0",
+        is_common=True, applies=(has_no_interface,), field=FormField(label="τ0, MPa", example="50 or 20..80"),
+    )] = None  # fmt: skip
+    interface: Annotated[InterfaceName | None, Option(
+        "NAME|FILE", "Both {mu0} and {tau0}: a file of stiction calibrate, or a name that stiction interfaces lists.",
+        key="known.interface",
+    )] = None  # fmt: skip
+    direction: Annotated[Values | None, Option(
+        "DEGREES", 'Directions of motion of the upper body, from +x towards +y, "0,90".', usual="every 30 degrees",
+        key="contact.direction", applies=(moves_areas,),
+    )] = None  # fmt: skip
+
+
+class ContactOptions(Options):
+    """Options of the contact model."""
+
+    title: ClassVar[str] = "Contact model"
+
+    check: Annotated[bool, Option(
+        "", "Press by the other contact model as well, into DIR/NAME.", is_in_python=False,
+        applies=(presses_asperities_of_whole_scans,),
+    )] = False  # fmt: skip
+    mechanics: Annotated[Mechanics | None, Option(
+        "half-space|asperities", "The elastic half-space (half-plane for lines), or isolated asperities (fast).",
+        usual="asperities for lines, except two profiles of metals", key="contact.mechanics",
+        applies=(presses_asperities_of_whole_scans, presses_by_one_model),
+        field=FormField(
+            label="contact model", empty="the usual one",
+            choices=(("half-space", "half-space (exact)"), ("asperities", "asperities (fast)")),
+        ),
+    )] = None  # fmt: skip
+    tilt: Annotated[Tilt | None, Option(
+        "fixed|free", "Whether the slider keeps its orientation, or turns until the load is in its middle, as on a "
+        "ball joint.", usual="fixed", key="contact.tilt", applies=(presses_half_space,),
+    )] = None  # fmt: skip
+    law: Annotated[LawChoice | None, Option(
+        "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", usual="hertz-sphere",
+        key="contact.law", applies=(presses_asperities, suits_grooves),
+    )] = None  # fmt: skip
+    detection: Annotated[Detection | None, Option(
+        "gap-minimum|cell", "How contacts of asperities are found.", usual="gap-minimum", key="contact.detection",
+        applies=(presses_asperities,),
+    )] = None  # fmt: skip
+    curvature: Annotated[Curvature | None, Option(
+        "convex|signed", "Whether concave contact points count as well as convex ones.",
+        usual="convex for lines, signed for areas", key="contact.curvature", applies=(presses_asperities,),
+    )] = None  # fmt: skip
+
+
+class EnsembleOptions(Options):
+    """Options of how many relative positions and surrogates are pressed."""
+
+    title: ClassVar[str] = "Ensemble"
+
+    shifts: Annotated[Count | None, Option(
+        "N", "Relative positions of two maps.", usual="16", key="ensemble.repetitions",
+        applies=(has_two_bodies, presses_areas), field=FormField(label="positions", example="16"),
+    )] = None  # fmt: skip
+    offsets: Annotated[Count | None, Option(
+        "N", "Positions along the lower profile.", usual="64, or 1 for several lines", key="surfaces.offsets",
+        applies=(presses_lines,),
+    )] = None  # fmt: skip
+    travel: Annotated[Value | None, Option(
+        "LENGTH", "The largest offset.", kind="length", usual="half the length", key="surfaces.travel",
+        applies=(presses_lines,),
+    )] = None  # fmt: skip
+    surrogates: Annotated[SurrogateChoice | None, Option(
+        "N|none|upper|lower|both", "For areas, press this many pairs of random surfaces of equal spectrum as well; "
+        "for lines, the body to replace by random ones.", usual="none", key="surfaces.replace",
+        applies=(makes_surrogates_of_whole_scans, has_two_bodies),
+    )] = None  # fmt: skip
+    seed: Annotated[Seed | None, Option(
+        "N", "Seed of the random phases of surrogates.", usual="2016", key="ensemble.seed",
+        applies=(presses_surrogates,),
+    )] = None  # fmt: skip
+
+
+class ComputingOptions(Options):
+    """Options of what is computed besides."""
+
+    title: ClassVar[str] = "Computing"
+
+    onset: Annotated[Seed | None, Option(
+        "N", "Members whose onset of sliding is computed; 0 for none.", usual="16, or 4 for areas by the half-space",
+    )] = None  # fmt: skip
+
+
+class PairOptions(
+    SurfaceOptions, ReadingOptions, MaterialOptions, FrictionOptions, ContactOptions, EnsembleOptions, ComputingOptions
+):
+    """All options of a pair of measured bodies."""
+
+    title: ClassVar[str] = "Options of a pair"
+
+    def given(self, name: str) -> object:
+        """Return the value of an option, or None where it has its default."""
+        value: object = getattr(self, name)
+        return None if value is False else value
+
+
+GROUPS: tuple[type[Options], ...] = (
+    FrictionOptions, MaterialOptions, ContactOptions, SurfaceOptions, EnsembleOptions, ReadingOptions, ComputingOptions,
+)  # fmt: skip
+"""Groups in the order of the help."""
+
+
+def _option_of(field: FieldInfo) -> Option:
+    return next(item for item in field.metadata if isinstance(item, Option))
+
+
+OPTIONS: dict[str, Option] = {
+    name: _option_of(field) for group in GROUPS for name, field in group.model_fields.items()
+}  # fmt: skip
+"""Every option by the name of its field."""
+
+CHECKED: tuple[str, ...] = tuple(
+    name
+    for group in (SurfaceOptions, ContactOptions, EnsembleOptions, FrictionOptions, MaterialOptions)
+    for name in group.model_fields
+)
+"""Options in the order in which it is checked whether they apply: bodies and model before what depends on them."""
+
+
+def choices_of(name: str) -> tuple[str, ...]:
+    """Return the values that an option may have, if these are a few words."""
+    annotation = PairOptions.model_fields[name].annotation
+    literal = next((each for each in get_args(annotation) if get_args(each)), annotation)
+    return tuple(each for each in get_args(literal) if isinstance(each, str))
+
+
+# ---- Names of options, as the caller writes them ---------------------------------------------------------------------
+
+
+def name_on_command_line(name: str) -> str:
+    """Return how a command line names an option: "--hardness"."""
+    option = OPTIONS.get(name)
+    return option.flag if option and option.flag else f"--{name.replace('_', '-')}"
+
+
+def name_in_python(name: str) -> str:
+    """Return how a call of `stiction.pair` names an option: "hardness"."""
+    option = OPTIONS.get(name)
+    return option.argument if option and option.argument else name
+
+
+@contextmanager
+def argument_errors() -> Iterator[None]:
+    """Raise the first fault that pydantic finds in options as an `ArgumentError`."""
+    try:
+        yield
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        name, given = str(fault["loc"][0]) if fault["loc"] else "", fault["input"]
+        match fault["type"]:
+            case "literal_error":
+                allowed = choices_of(name)
+                near = difflib.get_close_matches(str(given), allowed, n=1)
+                hint = f"; did you mean {near[0]}?" if near else ""
+                why = f"must be {' or '.join(allowed)}, got {short_repr(given)}{hint}"
+            case "string_type":
+                why = f"must be a text, got {short_repr(given)}"
+            case "bool_type":
+                why = f"must be True or False, got {short_repr(given)}"
+            case "missing":
+                why = "must be given"
+            case "extra_forbidden":
+                near = difflib.get_close_matches(name, PairOptions.model_fields, n=1)
+                why = f"is no option of a pair{f'; is it {near[0]}?' if near else ''}"
+            case _:
+                why = fault["msg"].removeprefix("Value error, ")
+        raise ArgumentError(f"{{{name}}} {{why}}", why=why) from None
+
+
+def read_options(values: dict[str, object]) -> PairOptions:
+    """Return options from values by the names of their fields; an `ArgumentError` if one is wrong."""
+    with argument_errors():
+        return PairOptions.model_validate(values)

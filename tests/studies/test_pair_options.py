@@ -1,0 +1,124 @@
+"""Options of a pair: one declaration each, from which the command, the function, the study keys and the form follow."""
+
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import stiction
+import typer
+from stiction import Study
+from stiction._errors import ArgumentError
+from stiction.cli.application import app
+from stiction.studies.known import KINDS
+from stiction.studies.pair_options import (
+    GROUPS,
+    OPTIONS,
+    PairOptions,
+    name_in_python,
+    name_on_command_line,
+    read_options,
+)
+from stiction.studies.values import tables_of
+
+ROOT = Path(__file__).parent.parent.parent
+
+
+def command():
+    group = typer.main.get_command(app)
+    return group.get_command(group.context_class(group), "pair")
+
+
+def test_generated_signatures_match_the_options():
+    """Fails if packaging/pair_options.py has not been run after a change of an option."""
+    script = ROOT / "packaging/pair_options.py"
+    done = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_function_has_a_documented_parameter_for_each_option():
+    parameters = inspect.signature(stiction.pair).parameters
+    for name, option in OPTIONS.items():
+        if not option.is_in_python:
+            assert name not in parameters
+            continue
+        assert parameters[name_in_python(name)].default in (None, inspect.Parameter.empty)
+        assert f"\n    {name_in_python(name)} : " in stiction.pair.__doc__
+
+
+def test_command_has_an_option_for_each_option_of_a_pair():
+    parameters = {each.name: each for each in command().params}
+    for name in OPTIONS:
+        names = (*parameters[name].opts, parameters[name].metavar)
+        assert name_on_command_line(name) in names
+
+
+def test_groups_share_no_option():
+    names = [name for group in GROUPS for name in group.model_fields]
+    assert len(names) == len(set(names)) == len(PairOptions.model_fields)
+
+
+@pytest.mark.parametrize("name", [name for name, option in OPTIONS.items() if option.key])
+def test_option_sets_a_key_that_studies_have(name):
+    tables = [Study]
+    for part in OPTIONS[name].key.split("."):
+        fields = [table.model_fields[part] for table in tables if part in table.model_fields]
+        assert fields, OPTIONS[name].key
+        tables = [table for field in fields for table in tables_of(field.annotation)]
+
+
+def test_placeholders_of_help_and_conditions_name_options():
+    for option in OPTIONS.values():
+        for text in (option.help, *(each.message for each in option.applies)):
+            assert text.format_map({name: name for name in OPTIONS})
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_input_that_may_be_a_range_is_an_option(name):
+    assert name in OPTIONS
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"mechanics": "halfspace"}, "--mechanics must be half-space or asperities, got 'halfspace'; did you mean"),
+        ({"shifts": 0}, "--shifts must be a whole number of at least 1, got 0"),
+        ({"shifts": "2.5"}, "--shifts must be a whole number of at least 1, got '2.5'"),
+        ({"shifts": True}, "--shifts must be a whole number of at least 1, got True"),
+        ({"seed": -1}, "--seed must be a whole number of at least 0, got -1"),
+        ({"rotate": float("nan")}, "--rotate must be a finite number of degrees, got nan"),
+        ({"hardness": [1, 2]}, "--hardness must be one value, got [1, 2]"),
+        ({"work_of_adhesion": {}}, "--adhesion must be a number or a text, got {}"),
+        ({"upper_material": 3}, "--upper must be a text, got 3"),
+        ({"surrogates": 2.5}, "--surrogates must be a number of pairs, or one of none, upper, lower, both, got 2.5"),
+        ({"load": None}, "--load must be a number or a text, got None"),
+        ({"hardnes": 1}, "--hardnes is no option of a pair; is it hardness?"),
+    ],
+)
+def test_wrong_value_is_reported_by_the_name_on_the_command_line(values, message):
+    with pytest.raises(ArgumentError) as caught:
+        read_options({"load": "1 mN", **values})
+    assert caught.value.with_names(name_on_command_line).startswith(message)
+
+
+def test_option_without_value_has_its_default():
+    options = read_options({"load": 1.0, "shifts": None, "check": False})
+    assert all(options.given(name) is None for name in OPTIONS if name != "load")
+
+
+def test_short_help_lists_twelve_options(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    pair = command()
+    short = pair.get_help(pair.context_class(pair, info_name="stiction pair"))
+    listed = [line.split()[0] for line in short.splitlines() if line.startswith("  --")]
+    assert len(short.splitlines()) <= 100
+    assert len([name for name in listed if name not in ("--help-all", "--help")]) == 11  # and -o, --output
+    assert "--cutoff" not in short
+
+
+def test_long_help_lists_all_options(capsys):
+    with pytest.raises(typer.Exit):
+        command().make_context("stiction pair", ["--help-all"])
+    text = capsys.readouterr().out
+    assert all(name_on_command_line(name) in text for name in OPTIONS)
