@@ -44,7 +44,7 @@ def sticky():
     return pressed(**WORK)
 
 
-def test_a_member_is_the_half_space_of_its_bodies(sticky):
+def test_member_equals_half_space_of_its_surfaces(sticky):
     data, contact = sticky.dataset.isel(cut_off=0, repetition=1), sticky.study.contact
     bodies = bodies_of(sticky.study).member(1, 0.0).pair
     directions = {"direction": data["direction"].values.tolist(), "sliding": "all"}
@@ -59,7 +59,7 @@ def test_a_member_is_the_half_space_of_its_bodies(sticky):
     assert friction.mean() == pytest.approx(0.3 * free.contact_load[0] + 0.02 * free.contact_area[0], rel=0.05)
 
 
-def test_the_coefficient_is_force_over_load_and_rises_at_light_loads(sticky):
+def test_friction_coefficient_increases_at_light_loads(sticky):
     at = at_load(sticky.source, sticky.study.contact.steps()).isel(cut_off=0, mu0=0, tau0=0)
     value = at["friction_all_round"].sel(sliding="all", statistic="mean").values
     assert (np.diff(value) < 0).all()
@@ -70,7 +70,7 @@ def test_the_coefficient_is_force_over_load_and_rises_at_light_loads(sticky):
     assert at["mean_pressure"].sel(statistic="mean").values == pytest.approx(carried / area, rel=0.2)
 
 
-def test_rows_text_page_and_figure_have_it(sticky, tmp_path):
+def test_pull_off_is_in_rows_text_report_and_figure(sticky, tmp_path):
     said = repr(sticky)
     assert said.startswith("Sticks without a load: yes. Pull-off force ")
     for words in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
@@ -95,7 +95,7 @@ def test_rows_text_page_and_figure_have_it(sticky, tmp_path):
     assert len(sticky.figure("adhesion").axes) == 2
 
 
-def test_pair_without_load_answers_whether_bodies_stick(sticky):
+def test_pair_without_load_assesses_sticking(sticky):
     free, mixed = (pressed(load=load, **WORK) for load in (0, ["0", "20 MPa"]))
     (answer,) = free.answers
     assert answer.unloaded
@@ -124,12 +124,12 @@ def test_pair_without_load_answers_whether_bodies_stick(sticky):
         ((2e-8, np.nan, np.nan), False, "no"),
     ],
 )
-def test_sticking_is_judged_by_the_interval_of_the_pull_off_pressure(pressure, is_bound, sticks):
+def test_sticking_follows_interval_of_pull_off_pressure(pressure, is_bound, sticks):
     one = Sticking(pull_off=(1e-6, 1e-6, 1e-6), pressure=pressure, friction=(1e-6, 1e-6, 1e-6), is_bound=is_bound)
     assert one.sticks == sticks
 
 
-def test_none_is_as_it_was_and_who_says_so_is_not_doubted(sticky):
+def test_explicit_zero_adhesion_changes_nothing_and_has_no_caveat(sticky):
     words = "would add"
     silent, none = pressed(), pressed(work_of_adhesion="0 mJ/m^2")
     for name in silent.dataset.data_vars:
@@ -145,7 +145,7 @@ def test_none_is_as_it_was_and_who_says_so_is_not_doubted(sticky):
 
 
 @pytest.mark.parametrize("surfaces", ["surface", "profile"])
-def test_generated_bodies_adhere_too(surfaces):
+def test_generated_surfaces_accept_adhesion(surfaces):
     study = Study().with_changes({"surfaces.kind": surfaces, "contact.mechanics": "half-space"})
     changes = {
         "contact.work_of_adhesion": "50 mJ/m^2", "contact.boundary": "periodic", "contact.effective_modulus": "80 GPa",
@@ -177,12 +177,12 @@ def test_generated_bodies_adhere_too(surfaces):
         (WORK | {"hardness": "90 MPa"}, "hardness must be above work_of_adhesion over adhesion_range, 0.1 GPa"),
     ],
 )
-def test_refusals_say_what_is_wrong(changes, words):
+def test_pair_rejects_bad_adhesion(changes, words):
     with pytest.raises(ValueError, match=words):
         pressed(**changes)
 
 
-def test_a_grid_that_decides_the_range_and_what_the_interval_leaves_out_are_said():
+def test_adhesion_range_limited_by_grid_is_a_caveat():
     asked = ASKED | {"effective_modulus": "1.5..2.5 GPa", "load": "2 MPa"}
     with pytest.warns(UserWarning, match="adhesion_range = 0.5 nm is raised to"):
         result = pair(rough("upper", 0.01), rough("lower", 0.01), **asked, **WORK)
@@ -193,7 +193,7 @@ def test_a_grid_that_decides_the_range_and_what_the_interval_leaves_out_are_said
 
 @pytest.mark.soak
 @pytest.mark.filterwarnings("ignore:adhesion_range")
-def test_what_adhesion_would_add_is_found_without_it():
+def test_estimated_effect_of_adhesion_agrees_with_solution():
     """60 pairs about the limit, with and without hardness: none is wrong beyond a factor of two."""
     draw, wrong, flat = np.random.default_rng(7), [], {"hurst_exponent": 0.8, "rms": 1.0, "shape": (64, 64)}
     for _ in range(60):

@@ -93,7 +93,7 @@ def curves_of(study, upper, lower):
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_every_sum_is_that_of_its_pair(name):
+def test_sums_equal_those_of_each_pair(name):
     study = STUDIES[name]
     dataset = run(study).dataset
     step = study.contact.step
@@ -112,7 +112,7 @@ def test_every_sum_is_that_of_its_pair(name):
     assert (dataset["normal_elastic"].values.max(axis=-1) > 0).all()
 
 
-def test_pairs_are_surfaces_of_their_study():
+def test_pairs_have_surfaces_of_their_study():
     for body, side in zip(pair_of(SURFACES, 7, fractal_dimension=1.3, amplitude=0.1), ("upper", "lower"), strict=True):
         alone = weierstrass_mandelbrot_surface(
             random_phases(2016, repetition=7, side=side), 1.3, shape=(24, 32), extent=(1.5, 2.0), band_limit="nyquist"
@@ -127,7 +127,7 @@ def test_pairs_are_surfaces_of_their_study():
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_stores_hold_and_continue_them(name, tmp_path):
+def test_stored_areal_study_is_read_and_continued(name, tmp_path):
     study = STUDIES[name]
     whole = run(study).dataset
     with ThreadPoolExecutor(2) as pool:
@@ -140,7 +140,7 @@ def test_stores_hold_and_continue_them(name, tmp_path):
         run(other, store=tmp_path / "r")
 
 
-def test_maps_have_rules_and_directions_and_are_those_of_each(result):
+def test_maps_equal_maps_of_each_rule_and_direction(result):
     elastic = result["normal_elastic"].mean("repetition")
     load = float(elastic.isel({elastic.dims[-1]: -2}).min())
     maps = friction_map(result, [load])
@@ -154,7 +154,7 @@ def test_maps_have_rules_and_directions_and_are_those_of_each(result):
     assert np.array_equal(without.values, maps["friction_coefficient"].values, equal_nan=True)
 
 
-def test_friction_at_a_load_of_the_half_space_is_the_ratio_of_means():
+def test_friction_map_of_half_space_is_ratio_of_means():
     """Without friction in the normal load (mu0 = tau0 = 0) a load of the study is reached exactly at its own step."""
     dataset = run(HALF_SPACES).dataset
     loads = HALF_SPACES.contact.steps()
@@ -166,7 +166,7 @@ def test_friction_at_a_load_of_the_half_space_is_the_ratio_of_means():
     )
 
 
-def test_stiffness_by_the_half_space_is_that_of_the_approaches():
+def test_stiffness_map_of_half_space_is_derivative_of_approach():
     dataset = run(HALF_SPACES.with_changes({"contact.sliding": "all", "contact.direction": 90})).dataset
     loads = HALF_SPACES.contact.steps()
     stiffness = stiffness_map(dataset, [loads[1]], mu0=[0.0], tau0=[0.0])["normal_stiffness"].squeeze()
@@ -176,7 +176,7 @@ def test_stiffness_by_the_half_space_is_that_of_the_approaches():
         stiffness_map(run(HALF_PLANES), [0.01])
 
 
-def test_there_is_a_figure_for_each_rule_and_direction():
+def test_figures_exist_for_each_rule_and_direction():
     names = {f"{kind}_{rule}_{angle}" for kind in ("friction_mu0_0.4", "area")
              for rule in ("opposing", "all") for angle in (0, 90)}  # fmt: skip
     assert {name for name, _ in figures_of(run(SURFACES))} == names

@@ -26,7 +26,7 @@ def lines(tmp_path_factory):
     return study, run(study).dataset
 
 
-def test_lines_are_what_a_traverse_says(lines):
+def test_at_load_of_profiles_equals_traverse(lines):
     study, result = lines
     members = [bodies_of(study).member(index, 0.0) for index in range(12)]
     slider = members[0].pair[0]
@@ -43,7 +43,7 @@ def test_lines_are_what_a_traverse_says(lines):
             np.testing.assert_allclose(point["contact_area"].isel(cut_off=0, load=0), area, rtol=1e-9)
 
 
-def test_the_readings_agree_on_gentle_surfaces(areas):
+def test_readings_agree_for_small_slopes(areas):
     _, result = areas
     round_about = {reading: at_load(result, [2.0], reading=reading) for reading in ("mean", "elastic", "normal")}
     values = [each["friction_all_round"].sel(statistic="mean").values for each in round_about.values()]
@@ -55,7 +55,7 @@ def test_the_readings_agree_on_gentle_surfaces(areas):
     }  # fmt: skip
 
 
-def test_generated_results_are_read_at_the_mean_load_as_maps_are():
+def test_at_load_of_generated_result_equals_friction_map():
     study = Study.named("quick").with_changes({
         "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.3],
     })  # fmt: skip
@@ -71,7 +71,7 @@ def test_generated_results_are_read_at_the_mean_load_as_maps_are():
     )  # fmt: skip
 
 
-def test_quantities_of_an_ensemble_are_means_over_directions_before_their_intervals():
+def test_ensemble_quantities_average_directions_before_intervals():
     study = Study().with_changes({
         "ensemble.repetitions": 6, "surfaces.kind": "surface", "surfaces.shape": [24, 24], "contact.direction": [0, 90],
         "surfaces.extent": ["1.5 um", "1.5 um"], "surfaces.band_limit": "nyquist", "contact.approach.count": 5,
@@ -85,7 +85,7 @@ def test_quantities_of_an_ensemble_are_means_over_directions_before_their_interv
             np.testing.assert_allclose(point[name].sel(statistic=statistic), whole[other], rtol=ROUND_OFF)
 
 
-def test_means_of_directions_are_taken_before_their_intervals(areas):
+def test_measured_quantities_average_directions_before_intervals(areas):
     _, result = areas
     values = member_values(result, [2.0], mu0=0.3)
     point = at_load(result, [2.0], mu0=0.3)
@@ -110,7 +110,7 @@ def test_axes_are_pairs_of_opposite_directions():
     assert axes_of(np.array([0.0, 45.0]))[0].size == 0
 
 
-def test_loads_that_are_not_reached_say_so(areas, lines):
+def test_unreached_loads_have_status_not_reached(areas, lines):
     for _, result in (areas, lines):
         highest = float(result["load"][-1])
         point = at_load(result, [2 * highest])
@@ -119,7 +119,7 @@ def test_loads_that_are_not_reached_say_so(areas, lines):
         assert int(point["ok"].max()) == 0
 
 
-def test_a_member_without_a_solution_is_left_out(areas):
+def test_member_without_solution_is_left_out(areas):
     _, result = areas
     broken = result.copy(deep=True)
     broken["normal_elastic"].values[0, 1] = np.nan
@@ -131,7 +131,7 @@ def test_a_member_without_a_solution_is_left_out(areas):
 
 
 @pytest.mark.parametrize("reading", ["elastic", "normal"])
-def test_a_load_without_a_solution_is_not_read_off_the_next(areas, reading):
+def test_unsolved_load_is_not_interpolated(areas, reading):
     _, result = areas
     step = 1
     broken = result.copy(deep=True)
@@ -147,7 +147,7 @@ def test_a_load_without_a_solution_is_not_read_off_the_next(areas, reading):
     np.testing.assert_array_equal(there, every)
 
 
-def test_bad_input(areas):
+def test_at_load_rejects_bad_input(areas):
     _, result = areas
     for changes, words in (
         ({"loads": [0.0]}, "loads must be above 0"), ({"mu0": -1.0}, "mu0 must not be negative"),

@@ -40,14 +40,14 @@ def stored(made):
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_it_is_what_was_written_or_nothing(made, stored, name):
+def test_file_stored_alongside_is_read_or_none(made, stored, name):
     xarray.testing.assert_identical(FILES[name](stored), made[1][name])
     (stored.path / name).unlink()
     assert FILES[name](stored) is None
 
 
 @pytest.mark.parametrize("name", ["picture.nc", "onset.nc", "result.nc"])
-def test_a_flipped_bit_is_found_before_the_library_opens_the_file(stored, name, monkeypatch):
+def test_flipped_bit_is_detected_before_the_file_is_opened(stored, name, monkeypatch):
     path = stored.path / name
     if name == "result.nc":
         export(stored.dataset(), path)
@@ -65,7 +65,7 @@ def test_a_flipped_bit_is_found_before_the_library_opens_the_file(stored, name, 
 
 
 @pytest.mark.parametrize(("name", "variable"), [("picture.nc", "lower_height"), ("onset.nc", "displacement")])
-def test_one_that_lacks_a_variable_is_one_sentence(stored, name, variable):
+def test_file_without_a_variable_is_rejected_in_one_sentence(stored, name, variable):
     with h5py.File(stored.path / name, "r+") as file:
         del file[variable]
     with pytest.raises(StoreError, match=rf"{name}: .*to have it made again, remove it") as refused:
@@ -73,7 +73,7 @@ def test_one_that_lacks_a_variable_is_one_sentence(stored, name, variable):
     assert len(str(refused.value).splitlines()) == 1
 
 
-def test_an_onset_of_other_steps_is_not_taken(stored):
+def test_onset_with_other_steps_is_ignored(stored):
     with h5py.File(stored.path / "onset.nc", "r+") as file:
         file["fraction"][0] = 0.07
     assert onset_beside(stored) is None

@@ -35,7 +35,7 @@ def of(result, name="friction_known", rule="all"):
     return result.at_study_loads[name].sel(sliding=rule).squeeze().values
 
 
-def test_numbers_alone_leave_the_interval_of_positions() -> None:
+def test_interval_of_exact_inputs_is_the_sampling_interval() -> None:
     result = pair(*bodies(), load="2 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **QUICK)
     assert result.interval == pytest.approx(result.of_positions, rel=1e-9)
     assert result.budget["input"].tolist() == ["positions"]
@@ -43,7 +43,7 @@ def test_numbers_alone_leave_the_interval_of_positions() -> None:
     assert low < result.of_positions[0] < result.of_positions[1] < high
 
 
-def test_interval_at_a_load_of_the_study_does_not_depend_on_other_loads() -> None:
+def test_interval_at_a_load_is_independent_of_other_loads() -> None:
     result = pair(
         *bodies(), load=["2 MPa", "4 MPa"], mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa",
         hardness="0.5..1.5 GPa", mechanics="half-space", **QUICK,
@@ -56,7 +56,7 @@ def test_interval_at_a_load_of_the_study_does_not_depend_on_other_loads() -> Non
         np.testing.assert_array_equal(at[name].sel(load=own), result.at_study_loads[name])
 
 
-def test_a_range_of_mu0_is_a_range_of_friction() -> None:
+def test_range_of_mu0_gives_equal_range_of_friction() -> None:
     kwargs = dict(load="2 MPa", tau0=0.0, effective_modulus="80 GPa", **QUICK)
     result = pair(*bodies(rms=0.001), mu0="0.2±0.02", **kwargs)
     assert result.interval == pytest.approx((0.2 - ENDS * 0.02, 0.2 + ENDS * 0.02), abs=BY_DRAWS * 4 * 0.02)
@@ -66,7 +66,7 @@ def test_a_range_of_mu0_is_a_range_of_friction() -> None:
     assert uniform.value == pytest.approx(0.2, rel=1e-3)
 
 
-def test_a_range_of_tau0_is_one_of_adhesion_on_the_true_area() -> None:
+def test_range_of_tau0_scales_the_adhesive_part() -> None:
     result = pair(
         *bodies(rms=0.001), load="2 MPa", mu0=0.2, tau0="20..80 MPa", effective_modulus="80 GPa", **QUICK
     )  # fmt: skip
@@ -86,7 +86,7 @@ def test_replaced_result_is_solved_over_hardness_again(tmp_path) -> None:
 
 # Plastic, between elastic and plastic, and a range of E* that needs solutions at other loads.
 @pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
-def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_solutions(rms, modulus) -> None:
+def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **FEWER)
     result = pair(*bodies(rms=rms), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs)
     inputs = inputs_of(result.study)
@@ -106,7 +106,7 @@ def test_over_a_range_of_hardness_and_of_the_modulus_it_is_that_of_direct_soluti
         assert found[0] == pytest.approx(direct.value, rel=WIDE if modulus.startswith("48") else BETWEEN)
 
 
-def test_large_maps_are_pressed_at_other_hardnesses_by_the_first_two_members(monkeypatch) -> None:
+def test_large_maps_solve_two_members_over_hardness(monkeypatch) -> None:
     asked = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
     study = pair_study(*bodies(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **asked)
     with threads(1) as executor:
@@ -118,7 +118,7 @@ def test_large_maps_are_pressed_at_other_hardnesses_by_the_first_two_members(mon
 
 
 @pytest.mark.parametrize("rms", [0.03, 0.003])  # plastic, and between elastic and plastic
-def test_waiting_is_the_hardness_that_it_leaves(rms) -> None:
+def test_dwell_time_equals_reduced_hardness(rms) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **QUICK)
     waited = pair(*bodies(rms=rms), hardness="0.8 GPa", wait=["1 s", "1 h", "10 d"], creep=0.04, **kwargs).answers[0]
     assert [each.seconds for each in waited.waited] == [1, 3600, 864000]
@@ -132,7 +132,7 @@ def test_waiting_is_the_hardness_that_it_leaves(rms) -> None:
         assert waited.ageing == pytest.approx(grown, rel=0.02)
 
 
-def test_a_range_of_creep_widens_what_is_waited_for_alone() -> None:
+def test_range_of_creep_exponent_widens_aged_values_only() -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="0.8 GPa", **QUICK)
     exact, wide = (pair(*bodies(rms=0.03), wait="1 d", creep=m, **kwargs).answers[0] for m in ("0.03", "0.02..0.04"))
     assert exact.waited[0].value == pytest.approx(wide.waited[0].value, rel=1e-3)  # other nodes
@@ -142,7 +142,7 @@ def test_a_range_of_creep_widens_what_is_waited_for_alone() -> None:
     assert exact.waited[0].upper - exact.waited[0].lower < 0.3 * (high - low)
 
 
-def test_materials_bring_their_ranges_and_a_hardness_that_is_given_is_exact() -> None:
+def test_named_materials_have_ranges_and_given_hardness_is_exact() -> None:
     kwargs = dict(load="2 MPa", mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", junction_growth=0, **QUICK)
     named = pair(*bodies(rms=0.02), **kwargs)
     assert named.budget["input"][0] == "the hardness of the brass"
@@ -154,7 +154,7 @@ def test_materials_bring_their_ranges_and_a_hardness_that_is_given_is_exact() ->
     assert measured.interval == pytest.approx((lower, upper), abs=BY_DRAWS * np.ptp(named.interval))
 
 
-def test_elastic_bodies_over_a_range_of_the_modulus_are_those_of_direct_solutions() -> None:
+def test_elastic_pair_over_modulus_agrees_with_direct_solutions() -> None:
     kwargs = dict(load="0.2 MPa", mu0=0.2, tau0="50 kPa", **QUICK)
     result = pair(*bodies(rms=0.01), effective_modulus="1.5..6 MPa", **kwargs)
     at, study = result.at_study_loads, result.study
@@ -168,7 +168,7 @@ def test_elastic_bodies_over_a_range_of_the_modulus_are_those_of_direct_solution
         assert area(softer) / area(result) == pytest.approx(areas.factor(0, None, ratio).item(), rel=BETWEEN)
 
 
-def test_a_gap_has_the_interval_of_its_inputs_and_says_what_is_not_in_it() -> None:
+def test_gap_has_the_interval_of_its_inputs_and_a_caveat() -> None:
     upper, lower = bodies(rms=0.03, points=128)
     common = {
         "load": "50 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "work_of_adhesion": 0,
@@ -185,7 +185,7 @@ def test_a_gap_has_the_interval_of_its_inputs_and_says_what_is_not_in_it() -> No
         assert not any("members that differ" in doubt.cure for doubt in result.caveats)
 
 
-def test_one_body_by_name_and_the_other_by_numbers() -> None:
+def test_material_name_combines_with_numbers_of_the_other_surface() -> None:
     def contact(**materials):
         return pair_study(*bodies(), load="50 kPa", mu0=0.2, tau0="0.2 MPa", **materials).contact
 
@@ -199,7 +199,7 @@ def test_one_body_by_name_and_the_other_by_numbers() -> None:
         contact(lower_material="glass", young="3 MPa,70 GPa", poisson=0.49)
 
 
-def test_hardness_by_vickers_and_rockwell() -> None:
+def test_hardness_accepts_vickers_and_rockwell() -> None:
     assert known("hardness", "150 HV", "hardness").value == pytest.approx(150 * 9.80665e-3 / 0.9272)
     rockwell = known("hardness", "60 HRC", "hardness")
     assert rockwell.value == pytest.approx(697 * 9.80665e-3 / 0.9272)
@@ -222,12 +222,12 @@ def test_hardness_by_vickers_and_rockwell() -> None:
         ({"hardness": "1 GPa", "wait": "1 h", "creep": 5}, "creep must be at most 0.5"),
     ],
 )
-def test_ranges_that_are_none_are_refused(asked, words) -> None:
+def test_pair_rejects_bad_ranges(asked, words) -> None:
     with pytest.raises(ValueError, match=words):
         pair(*bodies(), **{"load": "2 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", **QUICK, **asked})
 
 
-def test_a_study_says_what_is_known_or_why_not() -> None:
+def test_study_stores_uncertain_inputs() -> None:
     result = pair(*bodies(), load="2 MPa", mu0="0.1..0.3", effective_modulus="80 GPa", **QUICK)
     again = Study.from_toml(result.path / "study.toml")
     assert inputs_of(again)["mu0"].known == known("mu0", "0.1..0.3")
@@ -240,7 +240,7 @@ LEAST = 0.92  # of 300 truths the interval covers so many at least; of a few, mo
 
 
 @pytest.mark.parametrize("truths", CASES)
-def test_it_covers_the_truth_of_inputs_drawn_from_their_ranges(truths) -> None:
+def test_interval_covers_the_truth_of_random_inputs(truths) -> None:
     ranges = {"mu0": "0.15..0.25", "tau0": "20..80 MPa", "hardness": "0.5..1.5 GPa", "effective_modulus": "70..90 GPa"}
     covered = tested = 0
     rng = np.random.default_rng(2016)
@@ -276,12 +276,12 @@ def one_test(truth, rng) -> float:
 
 
 @pytest.mark.parametrize("tau0", ["0±50 MPa", "5±50 MPa", "20±200 MPa"])
-def test_interval_contains_a_value_that_its_truncated_distribution_leaves_out(tau0: str) -> None:
+def test_interval_contains_value_outside_truncated_distribution(tau0: str) -> None:
     result = pair(*bodies(), load="2 MPa", mu0=0.2, tau0=tau0, hardness="3 GPa", effective_modulus="80 GPa", **QUICK)
     assert result.interval[0] <= result.value <= result.interval[1]
 
 
-def test_intervals_contain_their_parts_and_stay_above_0(monkeypatch) -> None:
+def test_intervals_are_nested_and_positive(monkeypatch) -> None:
     monkeypatch.setattr(budget, "MOST_BUDGETS", 0)  # which take most of the time
     # Random statistics, of which the bracket and the sampling interval may be wider than the interval by samples.
     random = np.random.default_rng(5)

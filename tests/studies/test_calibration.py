@@ -49,7 +49,7 @@ def least_squares(tests: list[FrictionTest]) -> tuple[np.ndarray, np.ndarray]:
     return covariance @ matrix.T @ (np.array([test.coefficient for test in tests]) / error), covariance
 
 
-def test_far_from_bounds_intervals_are_those_of_least_squares() -> None:
+def test_calibrate_far_from_bounds_equals_least_squares() -> None:
     tests = ball_tests(seed=4)
     interface = calibrate(tests, common=0.0, sliding="all")
     best, covariance = least_squares(tests)
@@ -59,7 +59,7 @@ def test_far_from_bounds_intervals_are_those_of_least_squares() -> None:
         assert found == pytest.approx(expected, abs=MONTE_CARLO * 3.92 * deviation)
 
 
-def test_at_a_bound_the_density_is_that_of_brute_force() -> None:
+def test_calibrate_at_a_bound_agrees_with_brute_force() -> None:
     tests = ball_tests(tau0=0.0, seed=11)
     interface = calibrate(tests, common=0.0, sliding="all")
     mu0, tau0 = np.meshgrid(np.linspace(0.1, 0.2, 801), np.linspace(0.0, 0.003, 801), indexing="ij")
@@ -78,13 +78,13 @@ def test_at_a_bound_the_density_is_that_of_brute_force() -> None:
     assert interface.tau0[1] == 0.0
 
 
-def test_a_common_error_widens_what_is_known_of_both() -> None:
+def test_common_error_widens_the_identified_interval() -> None:
     tests = ball_tests()
     narrow, wide = (calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1))
     assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)
 
 
-def test_one_rough_pair_knows_the_sum_alone() -> None:
+def test_one_rough_pair_identifies_the_sum_only() -> None:
     curve = rough_curve(0.02, 1)
     tests = [
         FrictionTest(curve, load, coefficient=float(y), uncertainty=0.03 * float(y))
@@ -98,7 +98,7 @@ def test_one_rough_pair_knows_the_sum_alone() -> None:
     assert interface.excluded == ()
 
 
-def test_a_second_finish_tells_them_apart_and_predicts_a_third() -> None:
+def test_second_finish_separates_parameters_and_predicts_a_third() -> None:
     curves = [rough_curve(rms, seed) for rms, seed in ((0.01, 1), (0.04, 2))]
     random = np.random.default_rng(1)
     tests = [
@@ -126,7 +126,7 @@ def rough_curve(rms: float, seed: int):
     return half_space(upper, lower, loads, effective_modulus=80.0, sliding="all", boundary="periodic")
 
 
-def test_a_result_of_pair_stands_for_its_surfaces() -> None:
+def test_friction_test_accepts_result_of_pair() -> None:
     upper, lower = rough_maps()
     result = pair(
         upper, lower, load=["40 MPa", "160 MPa"], mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", shifts=4,
@@ -152,7 +152,7 @@ PRESSED = {"load": ["20 MPa", "50 MPa"], "mu0": 0.2, "tau0": "50 MPa", "effectiv
            "direction": [0.0, 180.0], "onset": 0}  # fmt: skip
 
 
-def test_a_hardness_that_tests_and_prediction_share_cancels(tmp_path) -> None:
+def test_shared_hardness_cancels_in_prediction(tmp_path) -> None:
     known = "0.5..1.5 GPa"
     rough, other = (pair(*faces(rms), hardness=known, **PRESSED) for rms in (0.03, 0.02))
     tests = [FrictionTest(rough, load, coefficient=0.25, uncertainty=0.005) for load in ("20 MPa", "50 MPa")]
@@ -174,7 +174,7 @@ def test_a_hardness_that_tests_and_prediction_share_cancels(tmp_path) -> None:
     assert in_words.interval == pytest.approx(shared.interval, rel=1e-6)
 
 
-def test_waiting_tells_both_apart_on_one_plastic_pair() -> None:
+def test_dwell_times_separate_parameters_of_one_plastic_pair() -> None:
     rough = pair(*faces(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PRESSED)
     at, tests = rough.at("20 MPa"), []
     ratio = (at["contact_area"].sel(statistic="mean") / at["load"]).item()
@@ -255,7 +255,7 @@ def test_predictions_contain_those_of_mu0_at_its_bound(tmp_path) -> None:
         assert strength.tau0[2] >= np.quantile(at_bound, 0.975) * 0.999999
 
 
-def test_a_known_mu0_has_no_bound() -> None:
+def test_given_mu0_has_no_bound() -> None:
     interface = calibrate(ball_tests(mu0=0.0), common=0.0, mu0=0.0, sliding="all")
     assert interface.at_bounds == ()
 
@@ -275,7 +275,7 @@ def test_area_over_hardness_has_the_error_of_its_members() -> None:
     assert own.error in fit.scores
 
 
-def test_errors_that_are_too_small_are_scaled_and_it_is_said() -> None:
+def test_too_small_errors_are_scaled_with_a_note() -> None:
     tests = ball_tests(error=0.1, seed=2)
     small = [
         FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty / 5) for test in tests
@@ -286,7 +286,7 @@ def test_errors_that_are_too_small_are_scaled_and_it_is_said() -> None:
     assert calibrate(tests, sliding="all").fits[0].scale == 1.0
 
 
-def test_without_errors_they_come_from_the_scatter() -> None:
+def test_missing_errors_are_estimated_from_scatter() -> None:
     tests = ball_tests(seed=4)
     unsaid = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]
     said, found = (calibrate(each, sliding="all", common=0.0) for each in (tests, unsaid))
@@ -294,7 +294,7 @@ def test_without_errors_they_come_from_the_scatter() -> None:
     assert 0.5 < ratio < 2.5  # chi² of six degrees of freedom, and the tail of Student's t
 
 
-def test_tests_that_held_are_lower_bounds() -> None:
+def test_tests_without_sliding_are_lower_bounds() -> None:
     slid = ball_tests()
     weak = calibrate(slid[:2], sliding="all").identified
     level = slid[0].coefficient * 1.05
@@ -307,7 +307,7 @@ def test_tests_that_held_are_lower_bounds() -> None:
     assert weak[0] > 0
 
 
-def test_an_outlier_does_not_move_a_fit_that_expects_some() -> None:
+def test_outlier_does_not_move_a_robust_fit() -> None:
     tests = ball_tests()
     wrong = [*tests, FrictionTest(BALL, LOADS[4], coefficient=3 * tests[4].coefficient, uncertainty=0.03)]
     clean = calibrate(tests, sliding="all").identified
@@ -334,7 +334,7 @@ def test_runs_share_an_offset() -> None:
     assert together[2] - together[1] > alone[2] - alone[1]
 
 
-def test_what_is_known_beforehand_is_kept() -> None:
+def test_prior_information_is_preserved() -> None:
     tests = ball_tests()
     fixed = calibrate(tests[:1], sliding="all", tau0="12 MPa")
     assert fixed.separated
@@ -356,7 +356,7 @@ def test_what_is_known_beforehand_is_kept() -> None:
         (lambda: calibrate([*ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]), "all tests, or of none"),
     ],
 )
-def test_bad_input_is_refused(call, words: str) -> None:
+def test_calibrate_rejects_bad_input(call, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         call()
 
@@ -431,14 +431,14 @@ def test_predictions_cover_the_truth() -> None:
 
 @pytest.mark.soak
 @pytest.mark.parametrize("kind", KINDS)
-def test_predictions_cover_the_truth_of_every_kind_of_tests(kind: str) -> None:
+def test_predictions_cover_the_truth_for_every_kind_of_tests(kind: str) -> None:
     share = covered(kind, 300).mean(axis=0)
     print(kind, share.round(3))
     assert share[1] > 0.92
     assert share.min() > 0.9
 
 
-def test_intervals_are_those_of_minos() -> None:
+def test_intervals_agree_with_minos() -> None:
     iminuit = pytest.importorskip("iminuit")
     tests = ball_tests(seed=5)
 

@@ -35,7 +35,7 @@ def scheduler():
         yield running.scheduler_address
 
 
-def test_workers_of_a_scheduler_give_the_bits_of_threads_and_write_themselves(scheduler, tmp_path, monkeypatch):
+def test_dask_workers_write_the_bits_of_threads(scheduler, tmp_path, monkeypatch):
     undisturbed = run(STUDY).dataset
     monkeypatch.setattr(runner, "put", lambda *_: pytest.fail("written by the process that hands out the work"))
     with executors.connected(scheduler) as executor:
@@ -44,7 +44,7 @@ def test_workers_of_a_scheduler_give_the_bits_of_threads_and_write_themselves(sc
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_what_a_worker_was_computing_when_it_died_is_computed_again(scheduler, tmp_path, monkeypatch):
+def test_tasks_of_a_killed_worker_are_computed_again(scheduler, tmp_path, monkeypatch):
     study = STUDY.with_changes({"surfaces.fractal_dimension.count": 12})
     with distributed.Client(scheduler, set_as_default=False) as client, executors.connected(scheduler) as executor:
         workers = list(client.run(os.getpid).values())
@@ -63,7 +63,7 @@ def test_what_a_worker_was_computing_when_it_died_is_computed_again(scheduler, t
     assert_same_bits(store.read(tmp_path), result)
 
 
-def test_a_worker_with_another_version_is_refused(scheduler, monkeypatch):
+def test_worker_with_another_version_is_rejected(scheduler, monkeypatch):
     monkeypatch.setattr(runner, "__version__", "0.0.1")
     with (
         executors.connected(scheduler) as executor,
@@ -72,14 +72,14 @@ def test_a_worker_with_another_version_is_refused(scheduler, monkeypatch):
         run(STUDY, executor=executor)
 
 
-def test_a_scheduler_that_is_not_there_is_said_so(monkeypatch):
+def test_absent_scheduler_is_reported(monkeypatch):
     monkeypatch.setattr(executors, "PATIENCE", "1s")
     for address in ("tcp://127.0.0.1:1", "", "host", "tcp://host", "tcp://host:port", "file:///etc"):
         with pytest.raises(ClusterError, match=address or "such as tcp://host:8786"), executors.connected(address):
             pass
 
 
-def test_a_scheduler_without_workers_is_waited_for_with_a_word():
+def test_scheduler_without_workers_is_waited_for_with_a_message():
     with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs="CRITICAL") as running:
         address = running.scheduler_address
         with pytest.warns(UserWarning, match="has no workers yet; waiting for them"), executors.connected(address):

@@ -27,7 +27,7 @@ def table(dataset):
     return friction_table(dataset)
 
 
-def test_every_number_is_that_of_pressing_by_hand(dataset, table):
+def test_friction_table_equals_direct_computation(dataset, table):
     study = table_study(**SMALL)
     loads = [each * 100 for each in SMALL["pressures"]]
     curves = {rule: [] for rule in ("opposing", "all")}
@@ -54,7 +54,7 @@ def test_every_number_is_that_of_pressing_by_hand(dataset, table):
     assert ((ratio > 0.8) & (ratio < 1.3)).all()
 
 
-def test_a_pair_that_is_pulled_back_leaves_no_law_of_stiffness(dataset, table):
+def test_negative_load_leaves_stiffness_law_undefined(dataset, table):
     """Its approach falls with the load."""
     other = dataset.copy(deep=True)
     other["approach"].values[0, 0, 1] *= -1
@@ -64,7 +64,7 @@ def test_a_pair_that_is_pulled_back_leaves_no_law_of_stiffness(dataset, table):
         assert found[name].isel(hurst_exponent=0).equals(table[name].isel(hurst_exponent=0))
 
 
-def test_what_must_rise_rises(table):
+def test_tabulated_quantities_increase_with_pressure(table):
     mean = table.sel(statistic="mean")
     for name in ("contact_area_fraction", "normal_stiffness", "approach"):
         assert (mean[name].diff("pressure") > 0).all(), name
@@ -76,7 +76,7 @@ def test_what_must_rise_rises(table):
     assert ((lower < mean["contact_area_fraction"]) & (mean["contact_area_fraction"] < upper)).all()
 
 
-def test_laws_go_through_the_light_pressures(table):
+def test_fitted_laws_pass_through_light_pressures(table):
     for place in np.ndindex(2, 2):
         at = table.isel(hurst_exponent=place[0], rms=place[1])
         mean = at.sel(statistic="mean")
@@ -88,7 +88,7 @@ def test_laws_go_through_the_light_pressures(table):
         assert 0.6 < float(mean["stiffness_exponent"]) < 1.1
 
 
-def test_a_law_that_is_one_comes_back(dataset):
+def test_exact_power_law_is_recovered(dataset):
     """With areas and approaches that follow laws exactly."""
     made = dataset.copy(deep=True)
     pressure = made["load"].values / 100
@@ -101,7 +101,7 @@ def test_a_law_that_is_one_comes_back(dataset):
     assert found["stiffness_exponent"].values == pytest.approx(1)
 
 
-def test_intervals_are_those_of_a_jackknife(dataset, table):
+def test_intervals_equal_a_jackknife(dataset, table):
     """Two pairs are left out in turn by hand; the width is held to the spread of the pairs' own coefficients."""
     at = table["friction_coefficient"].isel(hurst_exponent=0, rms=0, mu0=0, tau0=0, pressure=3).sel(sliding="all")
     mean, lower, upper = at.values
@@ -114,7 +114,7 @@ def test_intervals_are_those_of_a_jackknife(dataset, table):
     assert 2 * error < upper - mean < 14 * error
 
 
-def test_a_study_of_profiles_is_refused(small_result):
+def test_friction_table_rejects_study_of_profiles(small_result):
     with pytest.raises(ValueError, match="must be of a study of surfaces by the half-space"):
         friction_table(small_result)
 
@@ -125,7 +125,7 @@ ASKED = [
 ]  # fmt: skip
 
 
-def test_the_command_writes_what_the_library_says(tmp_path):
+def test_table_command_equals_library(tmp_path):
     check_stiction("table", *ASKED, cwd=tmp_path)
     study = table_study(
         hurst_exponents=[0.8], rms=[0.02], pressures=[0.003, 0.01, 0.03], points=32, shortest_wavelength=0.625,
@@ -155,6 +155,6 @@ def test_the_command_writes_what_the_library_says(tmp_path):
         (["--hurst", "rough"], "--hurst must be a number or several"),
     ],
 )
-def test_bad_options(tmp_path, changes, words):
+def test_table_command_rejects_bad_options(tmp_path, changes, words):
     assert_rejected(call_stiction("table", *ASKED, *changes, cwd=tmp_path), words)
     assert not (tmp_path / "table" / "table.nc").exists()

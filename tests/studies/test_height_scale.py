@@ -68,7 +68,7 @@ def result(bodies):
 # ---- Laws ------------------------------------------------------------------------------------------------------------
 
 
-def test_factor_one_is_the_result_itself(result):
+def test_factor_1_equals_the_result(result):
     at = at_height_scale(result.source, 1, loads_of(result)).isel(height_scale=0)
     own = with_uncertainty(at_load(result.source, loads_of(result)), result.source).isel(cut_off=0)
     for name in (
@@ -81,14 +81,14 @@ def test_factor_one_is_the_result_itself(result):
         assert np.array_equal(at[name], own[name].transpose(*at[name].dims), equal_nan=True), name
 
 
-def test_plastic_contacts_keep_their_area_at_every_factor(bodies):
+def test_plastic_contacts_have_equal_area_at_every_factor(bodies):
     found = pair(*bodies, **QUICK | {"hardness": "0.1 GPa"})
     at = found.at(height_scale=[0.5, 1, 4], compute=True)
     assert mean(at["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
 
 
 @pytest.mark.parametrize("hardness", [{}, {"hardness": "0.2 GPa"}])
-def test_heights_times_a_factor_are_contacts_of_the_modulus_times_it(hardness):
+def test_scaled_heights_equal_scaled_modulus(hardness):
     flat, kwargs = maps(rms=0.002), QUICK | hardness | {"load": "2 MPa"}  # slopes add 1e-4 to the true area
     at = pair(*flat, **kwargs).at(height_scale=[0.5, 2], compute=True)
     for place, factor in enumerate((0.5, 2)):
@@ -102,7 +102,7 @@ def test_heights_times_a_factor_are_contacts_of_the_modulus_times_it(hardness):
 
 
 @pytest.mark.parametrize(("scaled", "factors"), [("both", (2, 2)), ("upper", (2, 1))])
-def test_stored_factor_is_the_result_of_bodies_that_were_scaled_before(bodies, result, scaled, factors):
+def test_stored_factor_equals_result_of_scaled_surfaces(bodies, result, scaled, factors):
     at = at_height_scale(result.source, [2], loads_of(result), scaled=scaled).isel(height_scale=0)
     other = pair(*times(bodies, *factors), **QUICK | HARD)
     expected = with_uncertainty(at_load(other.source, loads_of(other)), other.source).isel(cut_off=0)
@@ -111,7 +111,7 @@ def test_stored_factor_is_the_result_of_bodies_that_were_scaled_before(bodies, r
     assert float(at["upper_rms"]) == pytest.approx(2 * float(result.at(height_scale=1)["upper_rms"][0]), rel=SAME)
 
 
-def test_files_give_the_same_as_bodies_in_memory(bodies, result, tmp_path):
+def test_factors_of_files_equal_those_of_surfaces_in_memory(bodies, result, tmp_path):
     for side, body in zip(("upper", "lower"), bodies, strict=True):
         write_surface(body, tmp_path / f"{side}.npy")
     found = pair(tmp_path / "upper.npy", tmp_path / "lower.npy", **QUICK | HARD)
@@ -129,7 +129,7 @@ def test_several_scans_are_all_scaled(bodies):
     assert mean(at["contact_area"]) == pytest.approx(mean(other.at()["contact_area"]), rel=SAME)
 
 
-def test_spectrum_is_scaled_by_the_square():
+def test_spectrum_is_scaled_by_square_of_factor():
     fine = rough_maps(3, points=64, rms=0.02, shortest_wavelength=0.6)[0]
     spectrum = joined_spectrum([fine])
     kwargs = QUICK | HARD | {"shifts": None, "direction": [0.0, 180.0]}
@@ -141,7 +141,7 @@ def test_spectrum_is_scaled_by_the_square():
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_profiles_are_scaled_with_either_mechanics(mechanics):
+def test_profiles_are_scaled_with_both_contact_models(mechanics):
     lines = [self_affine(2, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side) for side in
              ("upper", "lower")]  # fmt: skip
     kwargs = {
@@ -160,7 +160,7 @@ def test_profiles_are_scaled_with_either_mechanics(mechanics):
         )  # fmt: skip
 
 
-def test_bodies_that_adhere_have_no_coefficient_where_the_pull_off_force_hides_the_load():
+def test_adhesive_surfaces_have_no_coefficient_if_pull_off_exceeds_load():
     smooth = rough_maps(3, points=40, rms=0.003, spacing=0.01, longest_wavelength=0.2, shortest_wavelength=0.04)
     found = pair(
         *smooth, load="2 MPa", mu0=0.3, effective_modulus=80.0, shifts=2, onset=0, work_of_adhesion="50 mJ/m^2"
@@ -174,7 +174,7 @@ def test_bodies_that_adhere_have_no_coefficient_where_the_pull_off_force_hides_t
 
 
 @pytest.mark.parametrize("hardness", [{}, HARD])
-def test_between_factors_results_are_interpolated_within_the_stated_error(hardness):
+def test_interpolation_between_factors_is_within_stated_error(hardness):
     found = pair(*maps(64, rms=0.01), **QUICK | hardness | {"load": "100 MPa"})
     compute_factors(found.source, "0.25..4")
     between = np.array([0.6, 1.7])
@@ -189,7 +189,7 @@ def test_between_factors_results_are_interpolated_within_the_stated_error(hardne
     assert (known.sel(statistic="mean") <= known.sel(statistic="upper")).all()
 
 
-def test_missing_factors_are_the_fewest_that_enclose_the_wanted_ones():
+def test_missing_factors_are_the_fewest_that_enclose_the_request():
     assert missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
     assert missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
     assert missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]
@@ -201,7 +201,7 @@ def test_missing_factors_are_the_fewest_that_enclose_the_wanted_ones():
     assert (ends[0], ends[-1]) == (MIN_FACTOR, MAX_FACTOR)
 
 
-def test_missing_values_stay_missing_beside_the_factor_without_an_answer():
+def test_missing_values_stay_missing_next_to_unsolved_factor():
     solved = np.array([0.5, 1.0, 2.0])
     values = np.array([[1.0, np.nan], [2.0, 2.0], [4.0, 4.0]])
     assert (
@@ -215,7 +215,7 @@ def test_missing_values_stay_missing_beside_the_factor_without_an_answer():
 # ---- Input -----------------------------------------------------------------------------------------------------------
 
 
-def test_factors_are_read_from_numbers_lists_and_ranges():
+def test_factors_accept_numbers_lists_and_ranges():
     assert checked_factors("0.5..2").tolist() == [0.5, 0.707107, 1.0, 1.41421, 2.0]
     assert checked_factors("0.3 .. 0.6").tolist() == [0.3, 0.353553, 0.5, 0.6]
     assert checked_factors("2,0.5,1").tolist() == checked_factors([2, 0.5, 1]).tolist() == [0.5, 1.0, 2.0]
@@ -249,7 +249,7 @@ def test_factors_outside_the_range_are_rejected(factors):
         checked_factors(factors)
 
 
-def test_height_scale_rejects_what_is_not_a_stored_pair_of_surfaces(bodies, result):
+def test_height_scale_rejects_results_that_are_not_stored_pairs(bodies, result):
     with pytest.raises(ValueError, match="two measured surfaces, got generated surfaces"):
         scaled_study(TINY, 2.0, "both")
     gap = pair(gap=bodies[0], **{name: value for name, value in QUICK.items() if name != "shifts"})
@@ -265,7 +265,7 @@ def test_height_scale_rejects_what_is_not_a_stored_pair_of_surfaces(bodies, resu
         scaled_study(scaled_study(result.study, 50.0, "both"), 4.0, "both")
 
 
-def test_factors_that_are_not_computed_are_an_error_with_the_time(result):
+def test_factors_not_computed_raise_error_with_time(result):
     with pytest.raises(
         NotComputedError, match=r"^height_scale needs .* computed, about .*: give compute=True$"
     ) as caught:
@@ -277,7 +277,7 @@ def test_factors_that_are_not_computed_are_an_error_with_the_time(result):
 # ---- What is stored --------------------------------------------------------------------------------------------------
 
 
-def test_finished_factors_are_kept_when_computing_is_interrupted(bodies, tmp_path):
+def test_finished_factors_are_preserved_after_interrupt(bodies, tmp_path):
     found = pair(*bodies, directory=tmp_path, **QUICK | HARD)
     lines = []
 
@@ -295,7 +295,7 @@ def test_finished_factors_are_kept_when_computing_is_interrupted(bodies, tmp_pat
     assert open_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
 
 
-def test_factors_follow_another_friction_and_are_dropped_with_another_pair(bodies, tmp_path):
+def test_factors_follow_new_friction_and_are_removed_with_new_pair(bodies, tmp_path):
     kwargs = QUICK | HARD
     first = pair(*bodies, directory=tmp_path, **kwargs)
     compute_factors(first.source, [2])
@@ -310,7 +310,7 @@ def test_factors_follow_another_friction_and_are_dropped_with_another_pair(bodie
     assert mean(at["contact_area"]) == pytest.approx(mean(exact["contact_area"]), rel=SAME)
 
 
-def test_factors_of_a_range_of_hardness_are_solved_over_it(bodies):
+def test_factors_with_range_of_hardness_are_solved_over_it(bodies):
     kwargs = QUICK | {"hardness": "1..3 GPa"}
     at = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
     other = pair(*times(bodies, 2), **kwargs)
@@ -320,7 +320,7 @@ def test_factors_of_a_range_of_hardness_are_solved_over_it(bodies):
     )
 
 
-def test_studies_without_a_height_factor_are_still_opened(bodies, tmp_path):
+def test_studies_without_height_factor_are_opened(bodies, tmp_path):
     found = pair(*bodies, directory=tmp_path, **QUICK | HARD)
     text = (tmp_path / STUDY).read_text()
     (tmp_path / STUDY).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))
@@ -332,7 +332,7 @@ def test_studies_without_a_height_factor_are_still_opened(bodies, tmp_path):
 # ---- Views -----------------------------------------------------------------------------------------------------------
 
 
-def test_figure_and_report_have_the_factors_that_are_stored(bodies, result, tmp_path):
+def test_figure_and_report_have_stored_factors(bodies, result, tmp_path):
     assert {"height_scale", "height_scale_upper"} <= set(result.figures())
     axes = result.figure("height_scale").axes
     assert axes[0].lines[0].get_xdata() == pytest.approx(mean(result.at(height_scale=[0.5, 1, 2])["rms_gradient"]))

@@ -59,7 +59,7 @@ def result(film):
     return pair(*bodies(), interface=film, **QUICK)
 
 
-def test_both_enter_the_interval_jointly(film, result) -> None:
+def test_mu0_and_tau0_of_interface_enter_the_interval_jointly(film, result) -> None:
     _, adhesion, _ = result.answers[0].parts
     fit = interface(film).fits[0]
     area = adhesion / np.median(fit.tau0)
@@ -77,14 +77,14 @@ def test_both_enter_the_interval_jointly(film, result) -> None:
     assert "interface film (measured)" in result.answers[0].inputs
 
 
-def test_at_another_strength_the_interface_has_no_say(result) -> None:
+def test_interface_is_ignored_at_another_mu0(result) -> None:
     study = result.study
     again = Study.from_toml(result.path / "study.toml")
     assert interface_of(again) is interface_of(study) is not None
     assert interface_of(again.with_changes({"friction.mu0": [0.3]})) is None
 
 
-def test_without_its_file_the_ranges_count(film, tmp_path) -> None:
+def test_missing_interface_file_leaves_the_ranges(film, tmp_path) -> None:
     copy = shutil.copy(film, tmp_path)
     result = pair(*bodies(), interface=copy, **QUICK)
     joint, path = result.interval, result.path
@@ -97,7 +97,7 @@ def test_without_its_file_the_ranges_count(film, tmp_path) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(interfaces()))
-def test_each_name_says_its_kind_and_source_and_can_be_used(name) -> None:
+def test_named_interface_has_kind_and_source_and_is_accepted(name) -> None:
     about = interfaces()[name]
     assert set(about) == {"kind", "tau0", "mu0", "pressure", "conditions", "motion", "source"}
     assert about["kind"] in KINDS
@@ -117,12 +117,12 @@ def test_each_name_says_its_kind_and_source_and_can_be_used(name) -> None:
         ({"interface": 3}, "interface must be a name or a file"),
     ],
 )
-def test_what_does_not_go_together_is_refused(asked, words) -> None:
+def test_pair_rejects_interface_with_mu0(asked, words) -> None:
     with pytest.raises(ValueError, match=words):
         pair(*bodies(), **QUICK, **asked)
 
 
-def test_the_command_lists_them_and_takes_one(tmp_path) -> None:
+def test_interfaces_command_lists_and_pair_accepts_one(tmp_path) -> None:
     listed = call_stiction("interfaces", cwd=tmp_path).stdout
     record = json.loads(call_stiction("interfaces", "--json", cwd=tmp_path).stdout)
     assert [each["name"] for each in record["interfaces"]] == list(interfaces())
@@ -136,7 +136,7 @@ def test_the_command_lists_them_and_takes_one(tmp_path) -> None:
     assert_rejected(call_stiction(*asked, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be given")
 
 
-def test_what_calibrate_gave_is_taken_and_kept_beside_the_result(film, result) -> None:
+def test_calibrated_interface_is_accepted_and_stored_alongside(film, result) -> None:
     in_memory = pair(*bodies(), interface=interface(film), **QUICK)
     assert in_memory.interval == pytest.approx(result.interval, rel=1e-6)
     assert (in_memory.path / "interface.csv").is_file()
@@ -153,7 +153,7 @@ DAMAGED = {
 
 
 @pytest.mark.parametrize("kind", DAMAGED)
-def test_damaged_interface_is_rejected_by_name_and_skipped_in_folder(film, tmp_path, kind) -> None:
+def test_damaged_interface_is_rejected_by_name_and_skipped_in_directory(film, tmp_path, kind) -> None:
     (tmp_path / "bad").write_text(DAMAGED[kind](film.read_text()))
     with pytest.raises(ValueError, match=r"bad: is (no|a damaged) interface"):
         read_interface(tmp_path / "bad")

@@ -28,7 +28,7 @@ ALWAYS = ((16, 0.8), (64, 0.4), (200, 0.0))  # cases that are no soak
     [*ALWAYS, *(pytest.param(*case, marks=pytest.mark.soak) for case in LEAST_COVERAGE if case not in ALWAYS)],
 )
 @pytest.mark.parametrize("quantity", ["half zeros", "bounded", "lognormal 0.5"])
-def test_intervals_cover_and_are_not_much_wider_than_the_best(quantity, positions, correlation):
+def test_intervals_cover_with_nearly_the_best_width(quantity, positions, correlation):
     random = np.random.default_rng([positions, int(10 * correlation)])
     truth, best = of_quantity(quantity, positions, correlation, random)
     covered, width, given = judged(
@@ -40,7 +40,7 @@ def test_intervals_cover_and_are_not_much_wider_than_the_best(quantity, position
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9])
-def test_an_interval_of_normal_values_is_that_of_the_dense_matrices(correlation):
+def test_interval_of_normal_values_equals_dense_matrices(correlation):
     """The mixture over correlations with matrices written out; its scale is bent by what skewness chance gives."""
     count = 20
     values = traverses("normal", 1, count, correlation, np.random.default_rng(7))[0]
@@ -66,7 +66,7 @@ def test_an_interval_of_normal_values_is_that_of_the_dense_matrices(correlation)
 
 
 @pytest.mark.parametrize("quantity", ["half zeros", "lognormal 0.5", "bounded"])
-def test_scale_origin_and_order_do_not_matter(quantity):
+def test_interval_is_invariant_under_scale_origin_and_order(quantity):
     values = traverses(quantity, 1, 24, 0.4, np.random.default_rng(3))[0]
     wanted = np.array(of_neighbours(values))
     np.testing.assert_allclose(of_neighbours(1e9 * values), 1e9 * wanted, rtol=1e-9)
@@ -76,14 +76,14 @@ def test_scale_origin_and_order_do_not_matter(quantity):
     np.testing.assert_allclose([-mean, -upper, -lower], wanted, rtol=1e-9)
 
 
-def test_many_independent_values_have_students_interval():
+def test_interval_of_independent_values_is_students():
     values = np.random.default_rng(8).normal(size=5000)
     half_width = 1.96 * values.std() / np.sqrt(values.size)
     _, lower, upper = of_neighbours(values)
     assert upper - lower == pytest.approx(2 * half_width, rel=0.05)
 
 
-def test_an_interval_stays_within_the_values():
+def test_interval_stays_within_the_values():
     random = np.random.default_rng(6)
     for quantity in ("half zeros", "bounded", "lognormal 1"):
         for values in traverses(quantity, 50, FEWEST_NEIGHBOURS, 0.6, random):
@@ -91,7 +91,7 @@ def test_an_interval_stays_within_the_values():
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 
 
-def test_few_values_and_equal_ones_have_no_interval():
+def test_few_or_equal_values_have_no_interval():
     assert np.isnan(of_neighbours(np.arange(FEWEST_NEIGHBOURS - 1.0))[1:]).all()
     mean, lower, upper = of_neighbours(np.zeros(16))
     assert mean == 0
@@ -102,7 +102,7 @@ def test_few_values_and_equal_ones_have_no_interval():
 # ---- Over a sample ---------------------------------------------------------------------------------------------------
 
 
-def test_the_interval_of_a_sample_covers_the_mean_as_often_as_it_says():
+def test_sample_interval_has_nominal_coverage():
     generator = np.random.default_rng(11)
     mean, lower, upper = of_sample(5 + generator.normal(size=(8, 4000)))
     # 0.95 within three deviations of a count of 4000.
@@ -125,7 +125,7 @@ def test_interval_of_exponential_samples_stays_above_zero_and_covers(count):
     assert ((lower <= 1) & (upper >= 1)).mean() > 0.925
 
 
-def test_the_interval_of_a_sample_knows_what_is_missing():
+def test_sample_interval_ignores_missing_values():
     values = np.array([[1.0, 0.1, np.nan], [2.0, 0.0, 1.0], [3.0, 5.0, np.nan], [np.nan, 0.0, 2.0]])
     mean, lower, upper = of_sample(values)
     assert mean == pytest.approx([2.0, 1.275, 1.5])

@@ -36,7 +36,7 @@ def unsheared():
     return pair(*bodies(), **PLASTIC | STRENGTH, junction_growth=0)
 
 
-def test_contacts_that_all_yield_have_the_coefficient_of_tabor():
+def test_fully_plastic_contacts_have_coefficient_of_tabor():
     result = pair(*bodies(0.01), **PLASTIC | STRENGTH | {"effective_modulus": 1e4}, junction_growth=27)
     wanted = float(tabor_friction(PLASTIC["hardness"], **STRENGTH, alpha=27))
     assert coefficient(result) == pytest.approx(wanted, rel=OF_PLASTIC)
@@ -44,7 +44,7 @@ def test_contacts_that_all_yield_have_the_coefficient_of_tabor():
 
 @pytest.mark.parametrize("rule", ["all", "opposing"])
 @pytest.mark.parametrize("hardness", [0.5, 3.0])
-def test_coefficient_is_that_of_a_pair_pressed_at_the_pressure_under_shear(rule, hardness):
+def test_coefficient_equals_pair_solved_at_hardness_under_shear(rule, hardness):
     tau0 = 0.1 * hardness
     inputs = PLASTIC | {"mu0": 0.2, "tau0": tau0, "hardness": hardness}
     pressure = float(hardness_under_shear(hardness, 0.2, tau0, 27.0))
@@ -69,12 +69,12 @@ def test_friction_without_adhesive_strength_is_unchanged(grown, unsheared):
     assert (at["contact_area_at_onset"].sel(statistic="mean") > 1.1 * at["contact_area"].sel(statistic="mean")).all()
 
 
-def test_other_strengths_need_no_pressing(grown):
+def test_other_strengths_need_no_new_solution(grown):
     other = pair(*bodies(), **PLASTIC | {"mu0": 0.1, "tau0": 0.03}, junction_growth=27)
     assert coefficient(grown, mu0=[0.1], tau0=[0.03]) == pytest.approx(coefficient(other), rel=5e-3)
 
 
-def test_area_stiffness_and_contacts_are_those_before_shear(grown, unsheared):
+def test_area_stiffness_and_contacts_are_before_shear(grown, unsheared):
     for name in ("contact_area", "contact_count", "mean_pressure", "normal_stiffness"):
         assert grown.at()[name].equals(unsheared.at()[name])
 
@@ -97,14 +97,14 @@ def test_interface_stronger_than_the_bulk_has_status_seizure():
 
 
 @pytest.mark.parametrize(("tau0", "has_end"), [("60..90 MPa", True), ("70..130 MPa", False)])
-def test_interval_has_no_upper_end_where_more_than_a_fortieth_of_the_samples_seize(tau0, has_end):
+def test_interval_is_open_if_many_samples_seize(tau0, has_end):
     result = pair(*bodies(), **PLASTIC | {"mu0": 0.2, "tau0": tau0}, junction_growth="20..27")
     assert np.isfinite(result.interval[1]) == has_end
     assert np.isfinite(result.interval[0])
     assert (result.at()["status"] == "ok").all()
 
 
-def test_growth_of_waiting_contacts_takes_the_hardness_that_is_left():
+def test_growth_after_dwell_uses_reduced_hardness():
     inputs = PLASTIC | STRENGTH | {"wait": "100 s", "creep": 0.05}
     waited = pair(*bodies(), **inputs, junction_growth=27).answers[0].waited[-1].value
     softer = pair(*bodies(), **PLASTIC | STRENGTH | {"hardness": 0.5 * 100**-0.05}, junction_growth=27)

@@ -22,7 +22,7 @@ from stiction.studies.known import NO_NUMBER, draws, known, read_known
         (0.3, "", (0.3, 0.3), "exact"),
     ],
 )
-def test_ninety_five_in_a_hundred_lie_between_the_ends(text, kind, ends, distribution) -> None:
+def test_distribution_has_95_percent_between_its_ends(text, kind, ends, distribution) -> None:
     found = known("input", text, kind)
     assert found.distribution == distribution
     assert found.quantile([0.025, 0.975]) == pytest.approx(ends, rel=1e-3)
@@ -30,7 +30,7 @@ def test_ninety_five_in_a_hundred_lie_between_the_ends(text, kind, ends, distrib
     assert np.quantile(values, [0.025, 0.975]) == pytest.approx(ends, rel=0.01)
 
 
-def test_nothing_is_below_zero() -> None:
+def test_samples_are_not_negative() -> None:
     assert draws({"mu0": known("mu0", "0.01±0.02")})["mu0"].min() >= 0
 
 
@@ -46,13 +46,13 @@ def test_nothing_is_below_zero() -> None:
         (None, "", "must be a number"),
     ],
 )
-def test_what_is_none_is_refused(text, kind, words) -> None:
+def test_known_rejects_bad_text(text, kind, words) -> None:
     with pytest.raises(ValueError, match=words):
         known("mu0", text, kind)
 
 
 @pytest.mark.parametrize("text", ["59.9..60.1 HRC", "60±0.05 HRC", "60 HRC ± 0.05", "60 HRC ± 0.1 %"])
-def test_a_range_of_rockwell_hardness_keeps_the_uncertainty_of_its_conversion(text: str) -> None:
+def test_rockwell_range_includes_uncertainty_of_conversion(text: str) -> None:
     number, found = (known("hardness", each, "hardness") for each in ("60 HRC", text))
     assert (found.low, found.high) == pytest.approx((number.low, number.high), rel=0.01)
     assert found.high - found.low >= number.high - number.low - 1e-3
@@ -62,7 +62,7 @@ def test_a_range_of_rockwell_hardness_keeps_the_uncertainty_of_its_conversion(te
 
 
 @pytest.mark.parametrize("text", ["150HV", "150 HV10", "150 HV 10", "150 HV0.5", "150 HV 0.5"])
-def test_vickers_hardness_may_name_its_test_load(text: str) -> None:
+def test_vickers_hardness_accepts_test_load(text: str) -> None:
     assert known("hardness", text, "hardness").value == known("hardness", "150 HV", "hardness").value
     assert NO_NUMBER.search(text)
 
@@ -75,7 +75,7 @@ def test_vickers_hardness_may_name_its_test_load(text: str) -> None:
         ("hardness", "70±1 HRC", "70±1 HRC"), ("hardness", "1e300 HV", "1e300"),
     ],
 )  # fmt: skip
-def test_read_known_rejects_what_cannot_be_and_quotes_the_text(name: str, text: str, got: str) -> None:
+def test_read_known_rejects_impossible_values(name: str, text: str, got: str) -> None:
     with pytest.raises(ValueError, match=re.escape(got)):
         read_known(name, text)
 

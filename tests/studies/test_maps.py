@@ -32,20 +32,20 @@ def at(result, loads, **kwargs):
     return friction_map(result, loads, **kwargs).isel(fractal_dimension=0, amplitude=0, mu0=0, tau0=0)
 
 
-def test_a_load_is_read_off_linearly_in_the_approach():
+def test_friction_map_interpolates_linearly_in_approach():
     result = dataset([1.0, 2.0, 4.0], [0.5, 1.5, 1.7])
     values = at(result, [1.0, 1.5, 2.0, 3.0, 4.0])["friction_coefficient"].values
     assert np.allclose(values, [0.5, 1.0 / 1.5, 0.75, 1.6 / 3, 1.7 / 4], rtol=EXACT)
 
 
-def test_it_is_a_ratio_of_means_in_which_no_contact_counts_as_zero():
+def test_friction_map_is_ratio_of_means_with_zeros_without_contact():
     result = dataset([[1.0, 3.0], [0.0, 1.0], [0.0, 0.0]], [[0.9, 0.9], [0.0, 0.6], [0.0, 0.0]])
     # mean(F_N) = 1/3, 4/3 and mean(F_T) = 0.3, 0.5.
     values = at(result, [4 / 3])["friction_coefficient"].values
     assert np.allclose(values, [0.5 / (4 / 3)], rtol=EXACT)
 
 
-def test_the_first_upward_crossing_counts():
+def test_friction_map_uses_first_upward_crossing():
     result = dataset([1.0, 3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
     assert np.allclose(at(result, [2.5])["friction_coefficient"], [0.25 / 2.5], rtol=EXACT)
     # Through a dip below zero as well, also of a load that the first approach exceeds.
@@ -54,7 +54,7 @@ def test_the_first_upward_crossing_counts():
     assert np.allclose(at(result, [0.75])["friction_coefficient"], [(0.3 + 0.75 * 0.5) / 0.75], rtol=EXACT)
 
 
-def test_nothing_is_extrapolated_and_every_point_says_why_not():
+def test_friction_map_gives_status_instead_of_extrapolation():
     result = dataset([1.0, 2.0], [0.5, 1.0])
     out = at(result, [0.9, 1.0, 2.0, 2.1])
     assert out["status"].values.tolist() == ["below-range", "ok", "ok", "not-reached"]
@@ -83,20 +83,20 @@ def test_nothing_is_extrapolated_and_every_point_says_why_not():
         ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),  # no friction
     ],
 )
-def test_few_or_equal_repetitions_have_a_value_and_no_width(normal, tangential, load, value, width):
+def test_few_or_equal_repetitions_have_a_value_without_width(normal, tangential, load, value, width):
     out = at(dataset(normal, tangential), [load])
     ends = [float(out[name][0]) for name in ("friction_coefficient", "lower", "upper")]
     assert ends == pytest.approx([value, value + width, value + width], rel=EXACT, nan_ok=True)
 
 
-def test_loads_that_not_every_part_of_the_ensemble_reaches_have_an_interval():
+def test_loads_reached_by_part_of_the_ensemble_have_an_interval():
     normal = np.array([[1.0, 2.0], [1.2, 3.0], [0.8, 4.0]])
     out = at(dataset(normal, 0.5 * normal * [[1.0], [1.1], [0.9]]), [2.99])
     assert out["status"].values.tolist() == ["ok"]
     assert out["lower"].values[0] < out["friction_coefficient"].values[0] < out["upper"].values[0]
 
 
-def test_intervals_of_what_is_never_negative_are_not_either():
+def test_intervals_of_positive_quantities_are_positive():
     random = np.random.default_rng(4)
     for _ in range(50):
         normal = np.exp(2 * random.standard_normal((3, 1))) * [[1.0, 2.0, 3.0]]
@@ -106,7 +106,7 @@ def test_intervals_of_what_is_never_negative_are_not_either():
         assert 0 <= out["lower"].values[0] <= out["friction_coefficient"].values[0] <= out["upper"].values[0]
 
 
-def test_validity_is_read_off_at_the_load():
+def test_validity_is_interpolated_at_the_load():
     result = dataset([1.0, 2.0, 4.0], [0.5, 1.5, 1.7])
     result["load_below_grid"].values[0, 0] = [0.5, 0.5, 3.5]
     result["overlap_load"].values[0, 0] = [0.1, 0.4, 0.8]
@@ -117,7 +117,7 @@ def test_validity_is_read_off_at_the_load():
     assert out["share_crossed"].values == pytest.approx([0.5, 2 / 3, np.nan], nan_ok=True)
 
 
-def test_the_studys_own_parameters_are_the_default():
+def test_friction_map_defaults_to_parameters_of_the_study():
     result = empty_dataset(Study().with_changes({"surfaces.fractal_dimension": [1.0], "ensemble.repetitions": 2}))
     out = friction_map(result, [1.0])
     assert out["mu0"].values.tolist() == [0.1, 0.4, 1.0]
@@ -126,7 +126,7 @@ def test_the_studys_own_parameters_are_the_default():
     assert {out[name].attrs["units"] for name in ("load", "tau0")} == {"mN", "GPa"}
 
 
-def test_a_dataset_without_a_study_needs_its_parameters():
+def test_dataset_without_study_requires_parameters():
     result = dataset([1.0, 2.0], [0.5, 1.0]).drop_attrs()
     assert at(result, [1.5], mu0=0.0, tau0=0.0)["status"].values.tolist() == ["ok"]
     with pytest.raises(ValueError, match="mu0 and tau0 must be given"):
@@ -134,12 +134,12 @@ def test_a_dataset_without_a_study_needs_its_parameters():
 
 
 @pytest.mark.parametrize("loads", [[-1.0], [np.nan], [[1.0]], []])
-def test_bad_loads_are_named(loads):
+def test_friction_map_rejects_bad_loads(loads):
     with pytest.raises(ValueError, match="loads"):
         friction_map(dataset([1.0], [1.0]), loads)
 
 
-def test_area_is_read_off_at_the_same_crossing():
+def test_area_map_uses_the_same_crossing():
     out = area_map(dataset([1.0, 2.0, 4.0], [0.5, 1.5, 1.7], area=[10.0, 20.0, 60.0]), [1.5, 3.0])
     assert np.allclose(out["contact_area"].values.ravel(), [15, 40], rtol=EXACT)
     assert out["contact_area"].attrs["units"] == "um^2"
@@ -185,7 +185,7 @@ def synthetic(repetitions, ensembles, *, spread, scatter, seed, touching=1.0):
     ("spread", "scatter"),
     [each if each == (0.8, 0.5) else pytest.param(*each, marks=pytest.mark.soak) for each in LEAST_COVERAGE],
 )
-def test_intervals_cover_the_truth_as_often_as_they_say(repetitions, spread, scatter):
+def test_intervals_have_nominal_coverage(repetitions, spread, scatter):
     # At a point of the grid of approaches, in the middle, where the true curves are known exactly.
     load = APPROACH[5] ** 1.5
     truth = 0.3 * APPROACH[5] ** 1.35 / load
@@ -197,7 +197,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say(repetitions, spread, sca
     assert LEAST_COVERAGE[spread, scatter][repetitions] <= covered <= MOST_COVERAGE, covered
 
 
-def test_intervals_hold_when_half_of_the_repetitions_do_not_touch():
+def test_intervals_cover_if_half_of_the_repetitions_have_no_contact():
     load = APPROACH[5] ** 1.5
     truth = 0.3 * APPROACH[5] ** 1.35 / load
     result = synthetic(24, ENSEMBLES, spread=0.5, scatter=0.3, seed=5, touching=0.5)
@@ -207,7 +207,7 @@ def test_intervals_hold_when_half_of_the_repetitions_do_not_touch():
     assert 0.9 <= covered <= MOST_COVERAGE
 
 
-def test_stiffness_is_the_derivative_of_the_mean_load_along_the_approach():
+def test_stiffness_map_is_derivative_of_mean_load():
     # F = k δ² about each of the approaches 1, 2, 3, ... nm is a parabola, so its derivative is exact there.
     approach = np.arange(1, 8) * 1e-3
     stiffness = np.array([[1000.0], [3000.0]])
@@ -220,13 +220,13 @@ def test_stiffness_is_the_derivative_of_the_mean_load_along_the_approach():
     assert (found["upper"] > found["normal_stiffness"]).all()
 
 
-def test_stiffness_counts_friction_and_adhesion():
+def test_stiffness_map_includes_friction_and_adhesion():
     approach = np.arange(1, 6) * 1e-3
     result = dataset(1000 * approach, np.zeros(5), frictional=-500 * approach)
     found = stiffness_map(result, [2.0], mu0=[0.0, 0.4], tau0=[0.0])["normal_stiffness"]
     assert np.allclose(found.values.ravel(), [1000.0, 800.0], rtol=EXACT)
 
 
-def test_stiffness_needs_three_approaches():
+def test_stiffness_map_requires_three_approaches():
     with pytest.raises(ValueError, match="3 approaches"):
         stiffness_map(dataset([1.0, 2.0], [0.1, 0.2]), [1.5])

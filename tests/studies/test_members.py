@@ -23,7 +23,7 @@ STUDY = Study().with_changes(
 
 
 @pytest.mark.parametrize("members", [1, 2, 5])
-def test_pairs_of_several_dimensions_are_those_of_each(monkeypatch, members):
+def test_pairs_of_several_dimensions_equal_single_pairs(monkeypatch, members):
     monkeypatch.setattr(bodies, "FAMILY_MEMORY", members * 8 * STUDY.surfaces.points)
     dimensions = np.array([1.0, 1.2, 1.45])
     several = list(bodies.pairs_of(STUDY, 1, dimensions, 0.1))
@@ -34,7 +34,7 @@ def test_pairs_of_several_dimensions_are_those_of_each(monkeypatch, members):
             assert body.spacing == alone.spacing
 
 
-def test_a_pair_is_two_profiles_of_its_study():
+def test_pair_has_two_profiles_of_its_study():
     upper, lower = pair_of(STUDY, 7, fractal_dimension=1.25, amplitude=0.1)
     for body, side in ((upper, "upper"), (lower, "lower")):
         phases = random_phases(2016, repetition=7, side=side, directions=30, frequencies=20)
@@ -58,6 +58,6 @@ def test_a_pair_is_two_profiles_of_its_study():
         (0, 1.2, 0.0, "amplitude must be"),
     ],
 )
-def test_what_is_no_pair_is_refused(repetition, dimension, amplitude, words):
+def test_pair_of_rejects_bad_arguments(repetition, dimension, amplitude, words):
     with pytest.raises(ValueError, match=words):
         pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)

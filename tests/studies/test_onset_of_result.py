@@ -41,7 +41,7 @@ def onset(study):
     return computed(study, members=3)
 
 
-def test_it_is_the_mean_of_what_the_members_do(study, onset):
+def test_onset_is_mean_over_members(study, onset):
     curves, exact = [], []
     for index in range(3):
         curve = half_space(
@@ -62,7 +62,7 @@ def test_it_is_the_mean_of_what_the_members_do(study, onset):
     assert onset.attrs["members"] == 3
 
 
-def test_all_slips_at_the_sliding_load_and_the_curve_rises(onset):
+def test_onset_curve_increases_to_full_slip_at_sliding_load(onset):
     mean = onset.sel(statistic="mean")
     assert float(mean["slipped_area"][-1]) == 1
     assert float(mean["tangential_load"][-1]) == float(mean["sliding_load"])
@@ -73,7 +73,7 @@ def test_all_slips_at_the_sliding_load_and_the_curve_rises(onset):
     assert onset.attrs["lugre_sigma0_mN_per_um"] > 0
 
 
-def test_asperities_of_lines_have_one_and_half_planes_no_displacement(tmp_path):
+def test_onset_displacement_exists_for_asperities_but_not_half_planes(tmp_path):
     spacing = write_profiles(tmp_path)
     for mechanics, load in (("asperities", "20 uN"), ("half-space", "2 mN")):
         lines = study_of(tmp_path, "lines", mechanics, spacing=spacing, members=8, load=load)
@@ -86,7 +86,7 @@ def test_asperities_of_lines_have_one_and_half_planes_no_displacement(tmp_path):
         assert "slips" in onset_text(found)
 
 
-def test_it_is_that_of_the_reading_to_quote():
+def test_onset_uses_the_quoted_reading():
     waves = {"hurst_exponent": 0.7, "rms": 0.01, "longest_wavelength": 5.0, "shortest_wavelength": 0.05}
     noise = 1e-3 * np.random.default_rng(1).normal(size=(2, 3000))
     scans = [
@@ -105,12 +105,12 @@ def test_it_is_that_of_the_reading_to_quote():
     assert float(abs(found["displacement"] - alone[other]["displacement"]).max()) > 0
 
 
-def test_nothing_holds_bodies_without_friction_and_generated_ones_have_none(study):
+def test_onset_is_none_without_friction_or_for_generated_surfaces(study):
     assert computed(study.with_changes({"friction.mu0": [0.0], "friction.tau0": ["0 MPa"]})) is None
     assert computed(Study.named("quick")) is None
 
 
-def test_a_map_says_what_slips_first(study, onset, monkeypatch):
+def test_slip_map_gives_smallest_slip_load_of_each_cell(study, onset, monkeypatch):
     upper, lower = bodies_of(study).member(0, 0.0).pair
     curve = half_space(upper, lower, [2.0], effective_modulus=100.0, hardness=4.0, compliance_share=0.3)
     one = curve.onset(0, mu0=0.3, tau0=0.05, steps=onset["fraction"].values.tolist(), poisson=[0.3, 0.4])
@@ -131,7 +131,7 @@ def test_a_map_says_what_slips_first(study, onset, monkeypatch):
         assert coarse[row, column] == pytest.approx(known.min() if known.size else np.nan, nan_ok=True)
 
 
-def test_asperities_have_a_mark_for_each_contact(tmp_path):
+def test_onset_of_asperities_lists_each_contact(tmp_path):
     study = study_of(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=2)
     found = computed(study, members=1)
     pair = bodies_of(study).member(0, 0.0).pair
@@ -143,7 +143,7 @@ def test_asperities_have_a_mark_for_each_contact(tmp_path):
     assert "slip" not in found
 
 
-def test_figures_and_the_page_show_what_slips_first(study, onset, tmp_path):
+def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     fill(study, tmp_path)
     export(onset, tmp_path / FILE)
     result = open_result(tmp_path)
@@ -161,7 +161,7 @@ def test_figures_and_the_page_show_what_slips_first(study, onset, tmp_path):
     assert "What slips first" not in report_page(open_stored(tmp_path))
 
 
-def test_it_is_read_beside_the_result_that_it_is_of(study, onset, tmp_path):
+def test_stored_onset_is_read_only_with_its_result(study, onset, tmp_path):
     fill(study, tmp_path)
     stored = open_stored(tmp_path)
     assert onset_beside(stored) is None
@@ -172,13 +172,13 @@ def test_it_is_read_beside_the_result_that_it_is_of(study, onset, tmp_path):
     assert onset_beside(stored) is None
 
 
-def test_the_table_is_the_backbone_from_rest_on(onset):
+def test_onset_table_starts_at_rest(onset):
     table = pandas.read_csv(io.StringIO(backbone(onset)))
     assert (table.iloc[0] == 0).all()
     np.testing.assert_allclose(table["displacement (um)"][1:], onset["displacement"].sel(statistic="mean"), rtol=1e-8)
 
 
-def test_the_sentence_the_rows_and_the_record_have_the_same_numbers(onset):
+def test_onset_sentence_rows_and_record_agree(onset):
     record = onset_record(onset)
     creep = 1000 * record["displacement_at_sliding"]["mean"]
     assert f"creeps {creep:.2g}"[:8] in onset_text(onset)

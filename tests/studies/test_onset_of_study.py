@@ -34,7 +34,7 @@ def result(study):
     return run(study).dataset
 
 
-def test_each_pair_has_what_its_curve_says(study, result):
+def test_onset_of_member_equals_its_curve(study, result):
     for index, dimension in ((0, 1.1), (3, 1.4)):
         upper, lower = pair_of(study, index, fractal_dimension=dimension, amplitude=0.1)
         steps = study.contact.steps()
@@ -52,7 +52,7 @@ def test_each_pair_has_what_its_curve_says(study, result):
     assert not any(result[name].values[untouched].any() for name in ONSET)
 
 
-def test_the_sums_are_those_of_a_study_without_it(study, result):
+def test_sums_are_unchanged_by_onset(study, result):
     """They come by another way, pair by pair in place of whole families."""
     plain = run(study.with_changes({"contact.onset": None, "figures.draw": ["area"]})).dataset
     assert not set(ONSET) & set(plain.data_vars)
@@ -60,7 +60,7 @@ def test_the_sums_are_those_of_a_study_without_it(study, result):
         np.testing.assert_allclose(result[name], plain[name], rtol=1e-11, err_msg=name)
 
 
-def test_areas_are_pushed_along_the_first_direction():
+def test_onset_of_maps_uses_first_direction():
     study = Study.named("presliding").with_changes(AREAS | {"contact.onset": {"mu0": 0.4}})
     found = run(study).dataset
     assert found["displacement_at_sliding"].dims == ("fractal_dimension", "amplitude", "repetition", "approach")
@@ -71,7 +71,7 @@ def test_areas_are_pushed_along_the_first_direction():
         assert (float(found["tangential_stiffness"][0, 0, 1, 1]) == pytest.approx(stiffness, rel=1e-9)) == same
 
 
-def test_at_a_load_pairs_weigh_as_they_carry(result):
+def test_onset_at_load_weighs_members_by_load(result):
     """Where a step is reached exactly, by the sums there."""
     step = result.isel(approach=3)
     normal = step["normal_elastic"] + 0.3 * step["normal_frictional"] + 0.02 * step["normal_adhesive"]
@@ -89,7 +89,7 @@ def test_at_a_load_pairs_weigh_as_they_carry(result):
         assert float(at["tangential_stiffness"].sel(statistic="mean")) == pytest.approx(stiffness, rel=1e-9)
 
 
-def test_without_adhesion_they_creep_in_proportion_to_their_deepest_contact():
+def test_displacement_at_sliding_is_proportional_to_deepest_overlap():
     study = Study.named("presliding").with_changes(SMALL | {"contact.onset": {"mu0": 0.4, "poisson_ratio": 0.0}})
     twice = study.with_changes({"contact.onset": {"mu0": 0.8, "poisson_ratio": 0.0}})
     one, two = run(study).dataset, run(twice).dataset
@@ -104,7 +104,7 @@ def test_without_adhesion_they_creep_in_proportion_to_their_deepest_contact():
     assert creep == pytest.approx(0.4 * deepest, rel=1e-9)
 
 
-def test_table_figure_and_page_show_it(study, tmp_path):
+def test_table_figure_and_report_show_onset(study, tmp_path):
     run(study, store=tmp_path / "result")
     result = open_result(tmp_path / "result")
     creep = "creep before sliding at mu0 = 0.3, tau0 = 20 MPa (um)"
@@ -133,12 +133,12 @@ BAD = [
 
 
 @pytest.mark.parametrize(("changes", "words"), BAD)
-def test_bad_input_is_refused(changes, words):
+def test_study_rejects_bad_onset(changes, words):
     with pytest.raises(StudyError, match=words) as refused:
         Study().with_changes(changes)
     assert not re.search(r"Traceback|\n.*\n.*\n", str(refused.value))
 
 
-def test_its_figure_needs_it():
+def test_onset_figure_requires_onset():
     with pytest.raises(StudyError, match=r"needs contact\.onset"):
         Study().with_changes({"figures.draw": ["onset"]})

@@ -15,7 +15,7 @@ from support.generated_studies import TINY, InlineExecutor, assert_same_bits, wi
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
 
 
-def test_parts_meet_in_one_folder(tmp_path, undisturbed, computed):
+def test_parts_complete_one_result(tmp_path, undisturbed, computed):
     """Each computes its own blocks, twice nothing; what one leaves is computed by whoever comes without a part."""
     own = {(2, 3): [*range(4, 8), *range(16, 20)], (1, 3): [*range(4), *range(12, 16)]}
     for part, expected in own.items():
@@ -31,7 +31,7 @@ def test_parts_meet_in_one_folder(tmp_path, undisturbed, computed):
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_parts_of_other_numbers_and_of_more_repetitions_do_no_harm(tmp_path, undisturbed):
+def test_parts_of_other_counts_are_compatible(tmp_path, undisturbed):
     fill(with_repetitions(10), tmp_path, part=(1, 2))
     fill(TINY, tmp_path, part=(3, 5))
     fill(TINY, tmp_path, part=(1, 1))
@@ -39,7 +39,7 @@ def test_parts_of_other_numbers_and_of_more_repetitions_do_no_harm(tmp_path, und
 
 
 @pytest.mark.parametrize("part", [(0, 2), (3, 2), (1, 0)])
-def test_no_such_part(tmp_path, part):
+def test_fill_rejects_bad_part(tmp_path, part):
     with pytest.raises(ValueError, match="part must be K of N"):
         fill(TINY, tmp_path / "r", part=part)
     assert not (tmp_path / "r").exists()
@@ -59,7 +59,7 @@ class Workers(Executor):
         return InlineExecutor().submit(function, *args)
 
 
-def test_workers_write_where_they_see_the_folder_and_send_where_not(tmp_path, undisturbed, monkeypatch):
+def test_workers_write_to_shared_directory_or_return_blocks(tmp_path, undisturbed, monkeypatch):
     written, done = [], []
     monkeypatch.setattr(
         runner, "put", lambda path, first, *rest: written.append(first) or store.put(path, first, *rest)
@@ -84,7 +84,7 @@ def test_workers_write_where_they_see_the_folder_and_send_where_not(tmp_path, un
         assert not list((tmp_path / where).rglob("*.partial"))
 
 
-def test_a_member_that_fails_does_not_lose_blocks(tmp_path, monkeypatch):
+def test_failed_member_loses_no_blocks(tmp_path, monkeypatch):
     sums = runner.member_sums
 
     def fail(study, number):

@@ -14,7 +14,7 @@ ROUND_OFF = 1e-9
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_areas_are_those_of_pressing_by_hand(tmp_path, mechanics):
+def test_areal_member_equals_direct_computation(tmp_path, mechanics):
     study = study_of(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
     loads, angles = study.contact.steps(), study.contact.degrees()
     values = member_sums(study, 2)
@@ -33,7 +33,7 @@ def test_areas_are_those_of_pressing_by_hand(tmp_path, mechanics):
     assert (values["status"] == STATUSES.index("ok")).all()
 
 
-def test_few_members_unload_at_few_cut_offs_where_there_is_a_hardness(tmp_path):
+def test_unloading_stiffness_is_computed_for_few_members_with_hardness(tmp_path):
     study = study_of(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
     study = study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um", "0.6 um"]})
     known = [np.isfinite(member_sums(study, member)["unloading_stiffness"]).all(axis=-1).tolist() for member in (3, 4)]
@@ -44,7 +44,7 @@ def test_few_members_unload_at_few_cut_offs_where_there_is_a_hardness(tmp_path):
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_lines_are_those_of_pressing_by_hand(tmp_path, mechanics):
+def test_profile_member_equals_direct_computation(tmp_path, mechanics):
     study = study_of(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
     loads = study.contact.steps()
     values, member = member_sums(study, 3), bodies_of(study).member(3, 0.0)
@@ -69,7 +69,7 @@ def test_lines_are_those_of_pressing_by_hand(tmp_path, mechanics):
     assert np.isnan(values["approach"]).all() == (mechanics == "half-space")
 
 
-def test_a_dataset_has_what_the_study_says(tmp_path):
+def test_dataset_has_variables_of_the_study(tmp_path):
     study = study_of(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
     parts = [member_sums(study, index) for index in range(3)]
     dataset = dataset_of(study, range(3), stacked(study, parts), about(study))
@@ -83,7 +83,7 @@ def test_a_dataset_has_what_the_study_says(tmp_path):
     assert "turned over" in dataset.attrs["upper"]
 
 
-def test_a_load_without_a_solution_leaves_the_others_theirs(tmp_path, monkeypatch):
+def test_unsolved_load_leaves_other_loads_unchanged(tmp_path, monkeypatch):
     study = study_of(tmp_path, spacing=write_maps(tmp_path), members=1)
     loads = study.contact.steps()
 
@@ -101,13 +101,13 @@ def test_a_load_without_a_solution_leaves_the_others_theirs(tmp_path, monkeypatc
     assert values["contact_count"][0, 1] == 0
 
 
-def test_an_estimate_of_cost_does_not_depend_on_how_many_members_there_are(tmp_path):
+def test_cost_of_member_is_independent_of_member_count(tmp_path):
     spacing = write_maps(tmp_path)
     few, many = (study_of(tmp_path, spacing=spacing, members=count) for count in (2, 200))
     assert cost_of_member(few) == cost_of_member(many) > 0
 
 
-def test_estimate_of_cost_of_adhesion_rises_with_compliance(tmp_path):
+def test_cost_of_member_with_adhesion_increases_with_compliance(tmp_path):
     spacing = write_maps(tmp_path)
     costs = [
         cost_of_member(
@@ -122,7 +122,7 @@ def test_estimate_of_cost_of_adhesion_rises_with_compliance(tmp_path):
     assert costs[0] > 50 * costs[2]
 
 
-def test_another_file_of_the_same_name_is_refused(tmp_path):
+def test_changed_scan_file_is_rejected(tmp_path):
     study = study_of(tmp_path, spacing=write_maps(tmp_path)).with_known_files()
     bodies_of(study)
     np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)

@@ -46,7 +46,7 @@ def numbers(result):
     return {name: values.values for name, values in result.data_vars.items() if values.dtype.kind == "f"}
 
 
-def test_pieces_are_what_lies_above_each_other():
+def test_pieces_are_the_overlap_of_shifted_maps():
     """Rows and columns of the upper that lie on those of the lower, cut to 48 by 48 in the middle."""
     upper, lower = pair()
     pairs = MapPairs(upper, lower)
@@ -60,7 +60,7 @@ def test_pieces_are_what_lies_above_each_other():
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_it_is_the_study_of_both_bodies_to_the_bit(mechanics):
+def test_pressed_maps_equals_study_bit_for_bit(mechanics):
     """Scans that are level already are levelled once more by a study, which changes their last digits."""
     upper, lower = (levelled(body, "plane") for body in pair())
     hardness = {"hardness": 1.5} if mechanics == "half-space" else {}
@@ -80,7 +80,7 @@ def test_it_is_the_study_of_both_bodies_to_the_bit(mechanics):
         np.testing.assert_allclose(result[name].values, there.values, rtol=1e-15, err_msg=name)
 
 
-def test_the_gap_has_the_slopes_of_its_own():
+def test_gap_has_its_own_slopes():
     upper, lower = pair()
     result = pressed_maps(upper, lower, [0.1], mu0=0.3, directions=[0.0, 45.0, 90.0], shifts=2, mechanics="asperities")
     gap = np.subtract(*(body.heights for body in MapPairs(upper, lower).pair(1)))
@@ -94,7 +94,7 @@ def test_the_gap_has_the_slopes_of_its_own():
     assert float(at["gentle_friction"].sel(sliding="opposing", direction=90.0).squeeze()) == pytest.approx(float(alone))
 
 
-def test_means_have_intervals_of_student_of_the_logarithm():
+def test_means_have_students_intervals_of_the_logarithm():
     upper, lower = pair()
     result = pressed_maps(upper, lower, LOADS, mu0=0.3, shifts=5, mechanics="asperities")
     result["friction_coefficient"].values[0, 0, 2] = np.nan
@@ -113,7 +113,7 @@ def test_means_have_intervals_of_student_of_the_logarithm():
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_distributions_are_of_the_contacts_that_carry_the_load(mechanics):
+def test_distributions_are_weighted_by_load(mechanics):
     upper, lower = pair()
     result = pressed_maps(upper, lower, LOADS, mu0=0.3, directions=[30.0], shifts=2, mechanics=mechanics)
     at = result.isel(repetition=1).sel(load=0.1)
@@ -137,7 +137,7 @@ def test_distributions_are_of_the_contacts_that_carry_the_load(mechanics):
     assert 0.5 * mean < middle < 1.5 * mean
 
 
-def test_steepest_slopes_of_each_body():
+def test_load_fraction_on_steepest_slopes_equals_definition():
     upper, lower = pair()
     result = pressed_maps(upper, lower, [0.1], mu0=0.3, shifts=2, directions=[0.0])
     bodies = MapPairs(upper, lower).pair(0)
@@ -149,7 +149,7 @@ def test_steepest_slopes_of_each_body():
 
 
 class TestSurrogates:
-    def test_stand_beside_the_shifts_and_change_none_of_them(self):
+    def test_surrogates_leave_shifts_unchanged(self):
         upper, lower = pair()
         chosen = {"mu0": 0.3, "directions": ANGLES, "mechanics": "asperities"}
         alone = pressed_maps(upper, lower, LOADS, shifts=3, **chosen)
@@ -172,7 +172,7 @@ class TestSurrogates:
         with pytest.raises(ValueError, match="surrogates must be False where there are no others"):
             pressed_maps_mean(alone, surrogates=True)
 
-    def test_of_profiles_are_isotropic_surfaces(self):
+    def test_surrogates_of_profiles_are_isotropic_surfaces(self):
         bodies = [surface(side, shape=(64, 512)).row(5) for side in ("upper", "lower")]
         chosen = {"mu0": 0.3, "directions": [0.0], "mechanics": "asperities"}
         result = pressed_maps(*bodies, [1.0], surrogates=3, seed=5, **chosen)
@@ -212,14 +212,14 @@ def window_of(body):
         ({"lower": surface().row(0)}, "lower must be a Surface, got Profile"),
     ],
 )
-def test_bad_input(changes, words):
+def test_pressed_maps_rejects_bad_input(changes, words):
     upper, lower = pair()
     arguments = {"upper": upper, "lower": lower, "loads": [0.1], "mu0": 0.3} | changes
     with pytest.raises(ValueError, match=words):
         pressed_maps(**arguments)
 
 
-def test_small_maps_are_refused():
+def test_pressed_maps_rejects_small_maps():
     small = Surface(np.zeros((MIN_PIECE_POINTS, 30)), spacing=1.0)
     with pytest.raises(ValueError, match="at least 16 rows and columns must lie above each other"):
         pressed_maps(small, small, [0.1], mu0=0.3)

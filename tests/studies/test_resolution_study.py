@@ -25,7 +25,7 @@ def study(folder):
     return study_of(folder, spacing=spacing, members=5, contact='hardness = "4 GPa"\ndirection = [0, 180]')
 
 
-def test_the_study_over_cut_offs_is_the_same_pair_with_fewer_members_and_loads(study):
+def test_resolution_study_has_fewer_members_and_loads(study):
     over = resolution_study(study)
     assert over.surfaces.cells()["cut_off"] == pytest.approx([0, 0.2, 0.4], rel=1e-3)
     assert over.ensemble.repetitions == 4
@@ -34,12 +34,12 @@ def test_the_study_over_cut_offs_is_the_same_pair_with_fewer_members_and_loads(s
     assert over.surfaces.upper == study.surfaces.upper
 
 
-def test_behind_a_cut_off_its_doubles_follow(study):
+def test_resolution_study_continues_at_doubled_cutoffs(study):
     over = resolution_study(study.with_changes({"surfaces.cut_off": ["0.2 um"]}))
     assert over.surfaces.cells()["cut_off"] == pytest.approx([0.2, 0.4], rel=1e-3)
 
 
-def test_there_is_none_where_nothing_would_be_said(study, tmp_path):
+def test_resolution_study_is_none_without_cutoffs_to_compare(study, tmp_path):
     assert resolution_study(Study.named("quick")) is None
     assert resolution_study(study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um"]})) is None
     assert (
@@ -49,7 +49,7 @@ def test_there_is_none_where_nothing_would_be_said(study, tmp_path):
     assert resolution_study(small) is None
 
 
-def test_what_is_kept_beside_a_result_is_read_with_it_and_only_with_it(study, tmp_path):
+def test_stored_resolution_is_read_only_with_its_result(study, tmp_path):
     few = study.with_changes({"contact.load": ["2 mN"], "ensemble.repetitions": 2})
     fill(few, tmp_path)
     assert resolution_at(open_stored(tmp_path)) is None
@@ -74,7 +74,7 @@ def test_what_is_kept_beside_a_result_is_read_with_it_and_only_with_it(study, tm
     assert resolution_at(open_stored(softer)) is None
 
 
-def test_waves_are_those_of_the_gap_that_is_pressed(study):
+def test_wavelengths_are_those_of_the_gap(study):
     found = seen(study)
     upper, lower = bodies_of(study).member(0, 0.0).pair
     gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
@@ -86,11 +86,11 @@ def test_waves_are_those_of_the_gap_that_is_pressed(study):
     assert seen(Study.named("quick")) is None
 
 
-def test_waves_behind_a_cut_off_begin_there(study):
+def test_wavelengths_begin_at_the_cutoff(study):
     assert seen(study.with_changes({"surfaces.cut_off": ["0.5 um"]})).shortest == pytest.approx(0.5)
 
 
-def test_the_wave_at_which_it_yields_is_the_scans_own_at_its_own_pressure(study):
+def test_plastic_wavelength_follows_pressure(study):
     found = seen(study)
     reached = [found.yields_at(ratio, 100.0)[0] for ratio in (0.5, 0.8, 0.95)]
     assert np.all(np.diff(reached) < 0)
@@ -98,7 +98,7 @@ def test_the_wave_at_which_it_yields_is_the_scans_own_at_its_own_pressure(study)
     assert lower < value < upper
 
 
-def test_a_scan_that_is_elastic_says_what_hardnesses_would_give(tmp_path):
+def test_elastic_scan_lists_plastic_wavelengths_for_hardnesses(tmp_path):
     for side in ("upper", "lower"):
         made = self_affine_surface(3, hurst_exponent=0.7, rms=0.03, shape=(192, 192), spacing=0.1, side=side)
         np.save(tmp_path / f"{side}.npy", made.heights)
@@ -117,7 +117,7 @@ def test_a_scan_that_is_elastic_says_what_hardnesses_would_give(tmp_path):
     assert np.all(np.diff(finer["finer_area_fraction"][:, 0]) < 0)
 
 
-def test_files_that_are_gone_have_no_waves(tmp_path):
+def test_missing_scan_files_have_no_wavelengths(tmp_path):
     spacing = write_profiles(tmp_path)
     lines = study_of(tmp_path, "lines", spacing=spacing, members=3)
     assert seen(lines).shortest == pytest.approx(0.04)

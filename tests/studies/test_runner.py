@@ -41,7 +41,7 @@ def result():
     return run(SMALL).dataset
 
 
-def test_every_sum_is_that_of_its_pair(result):
+def test_run_sums_equal_those_of_each_pair(result):
     assert result["normal_elastic"].shape == (4, 2, 5, 6)
     assert result["contact_count"].values.sum() > 1000
     for d, a, r in ((0, 0, 0), (2, 1, 3), (3, 0, 4)):
@@ -57,7 +57,7 @@ def test_every_sum_is_that_of_its_pair(result):
             assert np.array_equal(result[name].values[d, a, r], getattr(curve, name)), name
 
 
-def test_the_choices_of_a_study_arrive(result):
+def test_study_options_reach_the_solver(result):
     """Each changed value changes the result, so none is dropped on the way."""
     changes = {
         "surfaces.amplitude_measure": "Rq", "surfaces.length_scale": "0.9 um", "surfaces.extent": "2.1 um",
@@ -72,7 +72,7 @@ def test_the_choices_of_a_study_arrive(result):
         assert differs, key
 
 
-def test_any_executor_and_any_block_give_the_same_bits(result, monkeypatch):
+def test_bits_are_independent_of_executor_and_block_size(result, monkeypatch):
     for workers in (1, 2):
         with ThreadPoolExecutor(workers) as pool:
             assert_same_bits(run(SMALL, executor=pool).dataset, result)
@@ -84,7 +84,7 @@ def test_any_executor_and_any_block_give_the_same_bits(result, monkeypatch):
         assert_same_bits(run(SMALL, executor=InlineExecutor()).dataset, result)
 
 
-def test_families_and_their_size_do_not_matter(result, monkeypatch):
+def test_bits_are_independent_of_batch_size(result, monkeypatch):
     for rows in (1, 3):
         for module in (members, pressed):
             monkeypatch.setattr(module, "FAMILY_MEMORY", rows * 8 * SMALL.surfaces.points)
@@ -92,7 +92,7 @@ def test_families_and_their_size_do_not_matter(result, monkeypatch):
 
 
 @pytest.mark.parametrize("points", [500, 1000, 4000, 20_000])
-def test_a_task_holds_no_more_than_is_said(monkeypatch, points):
+def test_memory_of_a_task_is_within_documented_limit(monkeypatch, points):
     """cluster.md: FAMILY_MEMORY for each body and a profile of each that is scaled, or 32 bytes for each point."""
     family = 8 * 2500
     monkeypatch.setattr(pressed, "FAMILY_MEMORY", family)
@@ -104,7 +104,7 @@ def test_a_task_holds_no_more_than_is_said(monkeypatch, points):
     assert memory.nbytes <= max(2 * family + 2 * 8 * points, 32 * points)
 
 
-def test_the_result_says_what_it_is(result):
+def test_result_has_study_version_and_units(result):
     assert result.attrs["stiction_version"] == stiction.__version__
     assert study_of(result) == SMALL
     assert all("units" in result[name].attrs and "long_name" in result[name].attrs for name in result.variables)
@@ -112,7 +112,7 @@ def test_the_result_says_what_it_is(result):
 
 
 @pytest.mark.parametrize("name", ["quick", "figure6", "figure7", "figure6-areal", "figure6-half-plane"])
-def test_a_block_is_little_work_and_there_are_many(name):
+def test_blocks_are_short_and_many(name):
     study = Study.named(name)
     for total in (1, 10, 100, 1_000_000):
         size = runner.block_size(with_repetitions(total, study))
@@ -124,12 +124,12 @@ def test_a_block_is_little_work_and_there_are_many(name):
         assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.FEWEST_BLOCKS)
 
 
-def test_a_study_that_cannot_be_computed_is_a_value_error():
+def test_impossible_study_raises_value_error():
     with pytest.raises(ValueError, match="gamma"):
         run(SMALL.with_changes({"surfaces.gamma": 100.0}))
 
 
-def test_what_no_memory_holds_is_refused(tmp_path, monkeypatch):
+def test_result_larger_than_memory_is_rejected(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "member_sums", lambda *_: pytest.fail("computed"))
     many = SMALL.with_changes({"ensemble.repetitions": 10_000_000})
     with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory, more than 16: give it a store"):
@@ -141,7 +141,7 @@ def test_what_no_memory_holds_is_refused(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
+def test_interrupt_cancels_submitted_tasks(monkeypatch):
     computed, sums, interrupted = [], runner.member_sums(with_repetitions(1), 0), threading.Event()
 
     def record(study, number):
@@ -170,7 +170,7 @@ def test_what_was_submitted_is_not_computed_after_an_interruption(monkeypatch):
 # ---- Workers that end ------------------------------------------------------------------------------------------------
 
 
-def test_a_process_that_ends_is_said(tmp_path):
+def test_ended_worker_process_is_reported(tmp_path):
     for folder, kind in ((None, StudyError), (tmp_path, StoreError)):
         with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
             os.kill(pool.submit(os.getpid).result(), signal.SIGKILL)
@@ -181,21 +181,21 @@ def test_a_process_that_ends_is_said(tmp_path):
 # ---- Progress -------------------------------------------------------------------------------------------------------
 
 
-def test_progress_is_drawn_on_request(capfd, monkeypatch):
+def test_progress_is_printed_on_request(capfd, monkeypatch):
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
     run(with_repetitions(2), progress=True)
     out, err = capfd.readouterr()
     assert "2/2" in out + err
 
 
-def test_progress_without_a_terminal_is_nothing(capfd):
+def test_progress_is_silent_without_terminal(capfd):
     with executors.progress_bar("repetitions", 3, 0, True) as advance:
         for _ in range(3):
             advance()
     assert capfd.readouterr() == ("", "")
 
 
-def test_progress_is_drawn_in_a_notebook(capfd, monkeypatch):
+def test_progress_is_printed_in_a_notebook(capfd, monkeypatch):
     """As text, because what rich would draw with there is not installed: no warning instead of a bar."""
     if importlib.util.find_spec("ipywidgets"):
         pytest.skip("ipywidgets is installed")
@@ -208,7 +208,7 @@ def test_progress_is_drawn_in_a_notebook(capfd, monkeypatch):
     assert "2/2" in capfd.readouterr().err
 
 
-def test_what_lies_ahead_is_said_once(tmp_path):
+def test_estimate_is_announced_once(tmp_path):
     said = []
     for _ in range(2):
         runner.fill(SMALL, tmp_path, say=said.append)

@@ -33,7 +33,7 @@ def cells(upper: int, lower: int, times: int = 1):
 # ---- The estimator ---------------------------------------------------------------------------------------------------
 
 
-def test_variances_are_those_of_the_mean_squares() -> None:
+def test_variances_equal_those_of_mean_squares() -> None:
     rng = np.random.default_rng(4)
     table = rng.standard_normal((4, 1)) * 3 + rng.standard_normal((1, 5)) * 2 + 0.3 * rng.standard_normal((4, 5))
     found = of_scans(table.ravel(), *cells(4, 5))
@@ -49,7 +49,7 @@ def test_variances_are_those_of_the_mean_squares() -> None:
     assert found.half_width == pytest.approx(float(student_quantile(freedom)) * np.sqrt(total / 20), rel=1e-9)
 
 
-def test_scans_of_one_part_alone_are_a_sample() -> None:
+def test_scans_of_one_part_are_a_sample() -> None:
     values = np.array([1.0, 1.2, 0.9, 1.3])
     found = of_scans(np.tile(values, 3), np.tile(np.arange(4), 3), np.zeros(12, int))
     half = float(student_quantile(3)) * values.std(ddof=1) / 2
@@ -58,7 +58,7 @@ def test_scans_of_one_part_alone_are_a_sample() -> None:
     assert of_scans(np.ones(3), np.zeros(3, int), np.zeros(3, int)) is None
 
 
-def test_a_member_without_an_answer_is_left_out() -> None:
+def test_member_without_solution_is_left_out() -> None:
     rng = np.random.default_rng(1)
     upper, lower = cells(3, 3, times=2)
     values = rng.standard_normal(18)
@@ -73,7 +73,7 @@ def coefficient(upper, lower):
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.05, 0.2])
-def test_the_interval_covers_the_mean_of_the_parts_and_the_next_test(spread) -> None:
+def test_interval_covers_the_mean_of_parts_and_the_next_test(spread) -> None:
     rng = np.random.default_rng(2016)
 
     def gradients(*shape):
@@ -98,7 +98,7 @@ def test_the_interval_covers_the_mean_of_the_parts_and_the_next_test(spread) -> 
 # ---- Pairs of scans --------------------------------------------------------------------------------------------------
 
 
-def test_every_pair_of_scans_is_pressed_as_often_as_the_others() -> None:
+def test_pairs_of_scans_have_equal_member_counts() -> None:
     result = pair(
         [scan(i, "upper") for i in range(2)], [scan(i, "lower") for i in range(4)], onset=0, shifts=9, **QUICK
     )
@@ -113,7 +113,7 @@ def test_every_pair_of_scans_is_pressed_as_often_as_the_others() -> None:
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.3])
-def test_the_spread_between_places_is_in_the_interval_and_in_the_budget(spread) -> None:
+def test_variability_between_places_is_in_interval_and_budget(spread) -> None:
     rng = np.random.default_rng(5)
     scans = [
         [scan(20 + i, side, np.exp(spread * rng.standard_normal())) for i in range(4)] for side in ("upper", "lower")
@@ -133,7 +133,7 @@ def test_the_spread_between_places_is_in_the_interval_and_in_the_budget(spread) 
     assert low <= result.interval[0] < result.interval[1] <= high
 
 
-def test_scans_are_a_list_a_folder_or_names_between_commas(tmp_path) -> None:
+def test_scans_accept_list_directory_or_comma_separated_names(tmp_path) -> None:
     (tmp_path / "part").mkdir()
     names = []
     for index in range(2):
@@ -151,7 +151,7 @@ def test_scans_are_a_list_a_folder_or_names_between_commas(tmp_path) -> None:
     assert "others" in table
 
 
-def test_scans_that_are_not_alike_are_refused(tmp_path) -> None:
+def test_pair_rejects_different_kinds_of_scans(tmp_path) -> None:
     given = {"mechanics": "asperities", "onset": 0, **QUICK}
     with pytest.raises(ValueError, match=r"surfaces.upper: the scans of a part must have the same points"):
         pair([scan(1, "upper"), scan(2, "upper", points=40)], scan(1, "lower"), **given)
@@ -165,7 +165,7 @@ def test_scans_that_are_not_alike_are_refused(tmp_path) -> None:
 
 @pytest.mark.soak
 @pytest.mark.parametrize("spread", [0.0, 0.2])
-def test_pressed_scans_cover_the_mean_of_their_parts(spread) -> None:
+def test_solved_scans_cover_the_mean_of_their_parts(spread) -> None:
     rng = np.random.default_rng(7)
     given = {"mechanics": "asperities", "onset": 0, **QUICK}
 
@@ -184,7 +184,7 @@ def test_pressed_scans_cover_the_mean_of_their_parts(spread) -> None:
     assert covered >= 17
 
 
-def test_doubts_about_files_are_caveats_of_a_pair_until_they_are_settled(tmp_path, monkeypatch):
+def test_caveats_about_files_end_when_accepted(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     heights = np.cumsum(np.random.default_rng(1).normal(size=400)) * 0.01
     heights[[5, 77]] = -9999

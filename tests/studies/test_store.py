@@ -69,7 +69,7 @@ def assert_nothing_is_left(path):
 # ---- Written and read -----------------------------------------------------------------------------------------------
 
 
-def test_gives_back_what_was_written(tmp_path, undisturbed):
+def test_store_returns_what_was_written(tmp_path, undisturbed):
     path = tmp_path / "deep" / "r"
     assert_same_bits(run(TINY, store=path).dataset, undisturbed)
     assert_same_bits(store.read(path), undisturbed)
@@ -80,12 +80,12 @@ def test_gives_back_what_was_written(tmp_path, undisturbed):
     assert known.size == sum(file.stat().st_size for file in (path / BLOCKS).iterdir())
 
 
-def test_equal_members_are_equal_bytes(tmp_path, whole):
+def test_equal_members_have_equal_bytes(tmp_path, whole):
     fill(TINY, tmp_path / "again", executor=InlineExecutor())
     assert files(whole).keys() == files(tmp_path / "again").keys()
 
 
-def test_xarray_opens_what_is_there(whole, undisturbed):
+def test_xarray_opens_blocks(whole, undisturbed):
     pytest.importorskip("dask")
     block_of(whole, 8).unlink()
     with xarray.open_mfdataset(str(whole / BLOCKS / "*.nc")) as opened:
@@ -96,11 +96,11 @@ def test_xarray_opens_what_is_there(whole, undisturbed):
     assert there.attrs == undisturbed.attrs
 
 
-def test_a_block_is_a_result_by_itself(whole, undisturbed):
+def test_block_is_a_complete_result(whole, undisturbed):
     assert_same_bits(store.read(block_of(whole, 4)), undisturbed.isel(repetition=slice(4, 8)))
 
 
-def test_every_bit_is_kept(tmp_path, monkeypatch):
+def test_store_preserves_every_bit(tmp_path, monkeypatch):
     """Zeros, signed or not, what has no answer, and the smallest numbers."""
     values = itertools.cycle([-0.0, np.nan, 0.0, 5e-324, 1e99])
     shape = run(with_repetitions(1), executor=InlineExecutor()).dataset["contact_area"].values[:, :, 0].shape
@@ -114,7 +114,7 @@ def test_every_bit_is_kept(tmp_path, monkeypatch):
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
 
-def test_pieces_are_the_same_of_a_folder_and_of_a_dataset(whole, undisturbed, monkeypatch):
+def test_pieces_of_directory_and_dataset_are_equal(whole, undisturbed, monkeypatch):
     monkeypatch.setattr(layout, "MOST_IN_PIECE", 9 * layout.bytes_of_member(TINY))
     block_of(whole, 4).unlink()
     there = undisturbed.isel(repetition=[*range(4), *range(8, 22)])
@@ -126,7 +126,7 @@ def test_pieces_are_the_same_of_a_folder_and_of_a_dataset(whole, undisturbed, mo
     assert list(piece.data_vars) == ["contact_area"]
 
 
-def test_a_result_of_one_piece_is_read_once(whole, undisturbed, monkeypatch):
+def test_result_of_one_piece_is_read_once(whole, undisturbed, monkeypatch):
     """And what becomes of it in the hands of a caller is not what the next one sees."""
     stored, reads = store.open_stored(whole), []
     decoded = store.decoded
@@ -141,7 +141,7 @@ def test_a_result_of_one_piece_is_read_once(whole, undisturbed, monkeypatch):
     assert len(reads) == len(stored.blocks)
 
 
-def test_what_no_memory_holds_is_said(whole, monkeypatch):
+def test_result_larger_than_memory_is_reported(whole, monkeypatch):
     monkeypatch.setattr(store, "MOST_MEMORY", 1000)
     with pytest.raises(StoreError, match="GiB of memory"):
         store.open_stored(whole).dataset()
@@ -150,7 +150,7 @@ def test_what_no_memory_holds_is_said(whole, monkeypatch):
 # ---- Continued and extended -----------------------------------------------------------------------------------------
 
 
-def test_a_finished_one_is_read(whole, undisturbed, computed):
+def test_complete_result_is_read_without_computing(whole, undisturbed, computed):
     before = files(whole)
     assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
     assert files(whole) == before
@@ -160,7 +160,7 @@ def test_a_finished_one_is_read(whole, undisturbed, computed):
     assert computed == []
 
 
-def test_what_is_missing_is_computed(whole, undisturbed, computed):
+def test_missing_blocks_are_computed(whole, undisturbed, computed):
     for first in (4, 20):
         block_of(whole, first).unlink()
     before = files(whole)
@@ -171,7 +171,7 @@ def test_what_is_missing_is_computed(whole, undisturbed, computed):
     assert before.items() <= files(whole).items()
 
 
-def test_more_are_added_and_none_again(tmp_path, undisturbed, computed):
+def test_additional_repetitions_compute_only_new_members(tmp_path, undisturbed, computed):
     seen = {}
     for total in (6, 7, 22):
         result = run(with_repetitions(total), store=tmp_path).dataset
@@ -183,7 +183,7 @@ def test_more_are_added_and_none_again(tmp_path, undisturbed, computed):
         run(with_repetitions(21), store=tmp_path)
 
 
-def test_files_may_overlap(whole, undisturbed, monkeypatch):
+def test_overlapping_blocks_are_accepted(whole, undisturbed, monkeypatch):
     """As writers leave them whose blocks differ: each repetition is read once."""
     others = whole.with_name("others")
     for size, first in ((3, 3), (7, 7), (5, 5)):
@@ -195,7 +195,7 @@ def test_files_may_overlap(whole, undisturbed, monkeypatch):
     assert_same_bits(store.read(whole), undisturbed)
 
 
-def test_two_writers_do_no_harm(tmp_path, undisturbed):
+def test_concurrent_writers_give_the_same_result(tmp_path, undisturbed):
     with ThreadPoolExecutor(4) as pool:
         results = list(pool.map(lambda _: run(TINY, store=tmp_path / "r", executor=InlineExecutor()).dataset, range(4)))
     for result in results:
@@ -207,14 +207,14 @@ def test_two_writers_do_no_harm(tmp_path, undisturbed):
 @pytest.mark.parametrize(
     "change", [{"ensemble.seed": 1}, {"surfaces.gamma": 1.6}, {"contact.effective_modulus": "11 GPa"}], ids=str
 )
-def test_another_study_is_refused_by_its_keys(whole, change):
+def test_other_study_is_rejected_with_its_changed_keys(whole, change):
     before = files(whole)
     with pytest.raises(StoreError, match=next(iter(change))):
         run(TINY.with_changes(change), store=whole)
     assert files(whole) == before
 
 
-def test_a_study_file_that_was_edited_does_not_change_what_was_computed(whole):
+def test_edited_study_file_does_not_change_blocks(whole):
     text = (whole / STUDY).read_text()
     (whole / STUDY).write_text(text.replace("seed = 2_016", "seed = 2_017"))
     with pytest.raises(StoreError, match=r"another study than study\.toml: ensemble\.seed"):
@@ -228,21 +228,21 @@ def test_a_study_file_that_was_edited_does_not_change_what_was_computed(whole):
     assert store.info(whole).study == TINY
 
 
-def test_another_version_is_read_but_not_continued(whole, undisturbed, monkeypatch):
+def test_result_of_another_version_is_read_but_not_continued(whole, undisturbed, monkeypatch):
     monkeypatch.setattr(store, "__version__", "9.9")
     assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
     with pytest.raises(StoreError, match=r"was begun by stiction .* and this is 9\.9"):
         run(with_repetitions(23), store=whole)
 
 
-def test_another_machine_does_not_continue_where_steps_differ(whole, monkeypatch):
+def test_result_of_another_machine_is_not_continued_if_steps_differ(whole, monkeypatch):
     steps = type(TINY.contact).steps
     monkeypatch.setattr(type(TINY.contact), "steps", lambda self: steps(self) * (1 + 2e-16))
     with pytest.raises(StoreError, match="whose steps differ"):
         run(with_repetitions(23), store=whole)
 
 
-def test_a_study_of_somebody_without_blocks_stays(tmp_path, undisturbed):
+def test_foreign_study_file_without_blocks_is_preserved(tmp_path, undisturbed):
     (tmp_path / STUDY).write_text("# by hand\n" + TINY.to_toml())
     with pytest.raises(StoreError, match="holds another study"):
         run(TINY.with_changes({"ensemble.seed": 1}), store=tmp_path)
@@ -256,7 +256,7 @@ def test_a_study_of_somebody_without_blocks_stays(tmp_path, undisturbed):
 # ---- Damaged --------------------------------------------------------------------------------------------------------
 
 
-def test_a_flipped_bit_anywhere_is_found_and_the_block_named(whole, undisturbed, computed):
+def test_flipped_bit_is_detected_and_block_named(whole, undisturbed, computed):
     file = block_of(whole, 4)
     content = file.read_bytes()
     places = random.Random(4).sample(range(8 * len(content)), 60)
@@ -271,7 +271,7 @@ def test_a_flipped_bit_anywhere_is_found_and_the_block_named(whole, undisturbed,
     assert computed == [4, 5, 6, 7]
 
 
-def test_blocks_in_the_place_of_others_are_found(whole, tmp_path):
+def test_swapped_blocks_are_detected(whole, tmp_path):
     content = block_of(whole, 8).read_bytes()
     put(block_of(whole, 4), content)
     with pytest.raises(StoreError, match="has other repetitions than its name says"):
@@ -293,14 +293,14 @@ def directory(file):
 
 
 @pytest.mark.parametrize("damage", [emptied, directory])
-def test_what_is_no_block_is_one_sentence(whole, damage):
+def test_invalid_block_is_reported_in_one_sentence(whole, damage):
     damage(block_of(whole, 4))
     with pytest.raises(StoreError, match=r"0000004-0000007-.*to have repetitions 4 to 7 computed again") as refused:
         store.read(whole)
     assert len(str(refused.value).splitlines()) == 1
 
 
-def test_what_is_foreign_is_left_alone(whole, undisturbed):
+def test_foreign_files_are_left_unchanged(whole, undisturbed):
     names = ["notes.txt", "0000004-0000007.nc", "0000007-0000004-00000000.nc", ".hidden", "4-7-00000000.nc"]
     for name in names:
         (whole / BLOCKS / name).write_text("mine")
@@ -310,7 +310,7 @@ def test_what_is_foreign_is_left_alone(whole, undisturbed):
 
 
 @pytest.mark.parametrize("where", ["nothing", "file", "empty", "loop"])
-def test_what_is_no_result_is_one_sentence(tmp_path, where):
+def test_directory_without_result_is_reported_in_one_sentence(tmp_path, where):
     path = tmp_path / where
     if where == "file":
         path.write_text("no result")
@@ -380,7 +380,7 @@ LIES = {
 
 
 @pytest.mark.parametrize("lie", LIES.values(), ids=LIES)
-def test_a_file_that_is_not_what_its_study_says_is_one_sentence(whole, lie):
+def test_block_that_contradicts_its_study_is_reported_in_one_sentence(whole, lie):
     file = block_of(whole, 4)
     with h5py.File(file, "r+") as opened:
         lie(opened)
@@ -395,7 +395,7 @@ def test_a_file_that_is_not_what_its_study_says_is_one_sentence(whole, lie):
         store.read(whole)
 
 
-def test_units_and_names_are_never_taken_from_a_file(whole, undisturbed):
+def test_units_and_names_come_from_the_package(whole, undisturbed):
     file = block_of(whole, 4)
     with h5py.File(file, "r+") as opened:
         opened["approach"].attrs["units"] = "seconds since 1970-01-01"
@@ -409,7 +409,7 @@ def test_units_and_names_are_never_taken_from_a_file(whole, undisturbed):
 # ---- Disks ----------------------------------------------------------------------------------------------------------
 
 
-def test_a_full_disk_loses_nothing(tmp_path, undisturbed, monkeypatch):
+def test_full_disk_loses_nothing(tmp_path, undisturbed, monkeypatch):
     """At whatever file it fills up there is one message, and it goes on from there."""
     write, space = _files.Path.write_bytes, 0
 
@@ -433,7 +433,7 @@ def test_a_full_disk_loses_nothing(tmp_path, undisturbed, monkeypatch):
     assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
 
 
-def test_a_folder_that_is_removed_underneath_is_not_made_again(tmp_path, monkeypatch):
+def test_removed_directory_is_not_created_again(tmp_path, monkeypatch):
     path, replace = tmp_path / "r", store.put
 
     def put_and_remove(where, first, written, count):
@@ -448,7 +448,7 @@ def test_a_folder_that_is_removed_underneath_is_not_made_again(tmp_path, monkeyp
     assert store.info(tmp_path / "moved").finished == 8
 
 
-def test_a_finished_folder_on_a_read_only_disk_is_read_and_no_other_is_begun(whole, computed, monkeypatch):
+def test_complete_result_on_read_only_disk_is_read(whole, computed, monkeypatch):
     def refused(*_):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
@@ -464,7 +464,7 @@ def test_a_finished_folder_on_a_read_only_disk_is_read_and_no_other_is_begun(who
 # ---- Interrupted ----------------------------------------------------------------------------------------------------
 
 
-def test_half_written_files_of_the_dead_are_removed(whole):
+def test_partial_files_of_dead_processes_are_removed(whole):
     gone = subprocess.Popen([sys.executable, "-c", ""])
     gone.wait()
     here, _, mine = _files.PARTIAL_NAME.fullmatch(_files.new_partial_name()).groups()
@@ -486,7 +486,7 @@ def test_half_written_files_of_the_dead_are_removed(whole):
         assert {name for name in os.listdir(folder) if name.endswith(".partial")} == {n for n in names if names[n]}
 
 
-def test_a_half_written_file_that_somebody_sweeps_is_written_again(tmp_path, undisturbed, monkeypatch):
+def test_removed_partial_file_is_written_again(tmp_path, undisturbed, monkeypatch):
     replace, swept = Path.replace, []
 
     def sweep(self, target):
@@ -502,7 +502,7 @@ def test_a_half_written_file_that_somebody_sweeps_is_written_again(tmp_path, und
     assert swept
 
 
-def test_an_interruption_between_a_file_and_its_content_leaves_nothing(tmp_path, monkeypatch):
+def test_interrupt_during_write_leaves_no_file(tmp_path, monkeypatch):
     def interrupted(file):
         close(file)
         raise KeyboardInterrupt
@@ -555,7 +555,7 @@ for step in range(1, 1000):
 """
 
 
-def test_killed_at_every_change_of_the_disk_it_goes_on(tmp_path, undisturbed):
+def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, undisturbed):
     """What changes the disk is counted; the n-th change does not come, and of a file half is written."""
     (tmp_path / "s.toml").write_text(TINY.to_toml())
     done = subprocess.run(
@@ -574,7 +574,7 @@ def test_killed_at_every_change_of_the_disk_it_goes_on(tmp_path, undisturbed):
 
 
 @pytest.mark.parametrize("kind", ["dataset", "folder"])
-def test_an_export_is_what_was_computed(whole, undisturbed, tmp_path, monkeypatch, kind):
+def test_export_equals_computed_dataset(whole, undisturbed, tmp_path, monkeypatch, kind):
     monkeypatch.setattr(layout, "MOST_IN_PIECE", 9 * layout.bytes_of_member(TINY))
     file = tmp_path / "r.nc"
     export(undisturbed if kind == "dataset" else store.open_stored(whole).dataset(), file)
@@ -584,7 +584,7 @@ def test_an_export_is_what_was_computed(whole, undisturbed, tmp_path, monkeypatc
         export(undisturbed, file)
 
 
-def test_a_file_of_something_else_is_no_result(tmp_path, undisturbed):
+def test_foreign_netcdf_file_is_rejected(tmp_path, undisturbed):
     means = undisturbed.mean("repetition")
     export(means, tmp_path / "means.nc")
     xarray.testing.assert_identical(xarray.load_dataset(tmp_path / "means.nc", engine="h5netcdf"), means)
@@ -594,7 +594,7 @@ def test_a_file_of_something_else_is_no_result(tmp_path, undisturbed):
             store.read(tmp_path / "x.nc")
 
 
-def test_equal_members_give_equal_bytes_whenever_they_are_written(undisturbed):
+def test_equal_members_have_equal_bytes_at_any_time(undisturbed):
     """Files are named by their bytes, in which old versions of h5py put the second."""
     first, second = io.BytesIO(), io.BytesIO()
     store.write(undisturbed, first)
@@ -603,7 +603,7 @@ def test_equal_members_give_equal_bytes_whenever_they_are_written(undisturbed):
     assert first.getvalue() == second.getvalue()
 
 
-def test_a_file_is_that_which_xarray_writes(undisturbed):
+def test_block_equals_file_written_by_xarray(undisturbed):
     """Every dimension, kind, attribute and number, and no more bytes; xarray itself asks Dask for locks."""
     part = undisturbed.isel(repetition=slice(4, 8))
     kinds = part.assign_coords(
@@ -653,7 +653,7 @@ except KeyboardInterrupt:
 """
 
 
-def test_an_interruption_is_answered_soon_and_what_was_computed_is_kept(tmp_path):
+def test_interrupt_ends_run_soon_and_preserves_blocks(tmp_path):
     study = with_repetitions(1000)
     (tmp_path / "s.toml").write_text(study.to_toml())
     with (

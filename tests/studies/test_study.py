@@ -27,7 +27,7 @@ class TestQuantities:
             (".5 uN", "force", 5e-4),
         ],
     )
-    def test_are_read_into_core_units_exactly(self, text, kind, value):
+    def test_quantity_converts_to_core_units_exactly(self, text, kind, value):
         assert quantity(text, kind) == value
 
     @pytest.mark.parametrize(
@@ -40,29 +40,29 @@ class TestQuantities:
             ("10**10**10 nm", "length"),
         ],
     )
-    def test_what_is_none_is_refused_shortly(self, text, kind):
+    def test_quantity_rejects_bad_text_in_a_short_message(self, text, kind):
         with pytest.raises(ValueError, match=kind) as caught:
             quantity(text, kind)
         assert len(str(caught.value)) < 200
 
     @pytest.mark.parametrize("text", ["nan nm", "inf nm", "1e999 nm", "1e300 um", "1" * 10_000 + " nm"])
-    def test_quantity_rejects_numbers_out_of_range_shortly(self, text):
+    def test_quantity_rejects_numbers_out_of_range_in_a_short_message(self, text):
         with pytest.raises(ValueError, match=r"must be from 1e-06 to 1e\+06 um, got '") as caught:
             quantity(text, "length")
         assert len(str(caught.value)) < 200
 
     @given(st.floats(1e-12, 1e12))
-    def test_a_number_is_written_to_its_last_bit(self, value):
+    def test_number_text_preserves_every_bit(self, value):
         assert quantity(exact_text(value, "mN"), "force") == value
 
     @given(st.text(max_size=30))
-    def test_any_text_is_read_or_refused(self, text):
+    def test_quantity_reads_or_rejects_any_text(self, text):
         with contextlib.suppress(ValueError):
             assert np.isfinite(quantity(text, "length"))
 
 
 class TestLibrary:
-    def test_has_the_papers_studies(self):
+    def test_library_has_the_studies_of_the_paper(self):
         names = ["figure2", "figure3", "figure5", "figure6", "figure7", "figure8", "quick"]
         areal = ["figure6-areal", "figure6-half-plane"]
         assert study_names() == sorted([*names, *areal, "presliding"])
@@ -77,20 +77,20 @@ class TestLibrary:
         friction = Study.named("figure5").friction
         assert (friction.mu0, [float(tau0) for tau0 in friction.tau0]) == ((0.4,), [0.01])
 
-    def test_an_unknown_figure_is_refused(self):
+    def test_study_rejects_unknown_figure(self):
         with pytest.raises(StudyError, match=r"figures.draw"):
             Study().with_changes({"figures.draw": ["heights"]})
         with pytest.raises(StudyError, match=r"figures.draw: must name each figure once"):
             Study().with_changes({"figures.draw": ["area", "area"]})
 
-    def test_figure6_is_the_default(self):
+    def test_default_study_is_figure6(self):
         assert Study.named("figure6") == Study()
         surfaces, contact = Study().surfaces, Study().contact
         assert (surfaces.fractal_dimensions().size, surfaces.points, Study().ensemble.repetitions) == (50, 150_000, 100)
         assert contact.steps()[[0, -1]].tolist() == pytest.approx([1e-4, 0.04])
 
     @pytest.mark.parametrize("name", study_names())
-    def test_studies_survive_their_own_text(self, name, tmp_path):
+    def test_study_survives_toml_round_trip(self, name, tmp_path):
         study = Study.named(name)
         file = tmp_path / "study.toml"
         file.write_text(study.to_toml(), encoding="utf-8")
@@ -98,13 +98,13 @@ class TestLibrary:
         assert pickle.loads(pickle.dumps(study)).to_toml() == study.to_toml()
         assert set(tomllib.loads(study.to_toml())) == {"surfaces", "contact", "friction", "ensemble", "figures"}
 
-    def test_unknown_names_list_the_known(self):
+    def test_unknown_study_name_lists_names(self):
         with pytest.raises(StudyError, match=r"no built-in study 'figure66'; there are figure2, figure3, figure5"):
             Study.named("figure66")
 
 
 class TestChanges:
-    def test_replace_values_by_dotted_key(self):
+    def test_with_changes_replaces_values_by_dotted_key(self):
         study = Study().with_changes(
             {
                 "ensemble.repetitions": 3, "surfaces.fractal_dimension": [1.2, 1.5], "contact.approach.count": 7,
@@ -123,7 +123,7 @@ class TestChanges:
         assert cylinder.contact.model().law == HertzCylinder(width=2.0)
         assert Study().with_changes({"contact.law": "hertz-cylinder"}).contact.model().law == "hertz-cylinder"
 
-    def test_equal_quantities_are_equal_studies(self):
+    def test_equal_quantities_give_equal_studies(self):
         changed = Study().with_changes({"surfaces.amplitude": ["100 nm"]})
         assert changed == Study()
 
@@ -152,7 +152,7 @@ class TestChanges:
             ("friction.tau0", ["-1 MPa"], r"friction\.tau0\[0\]: must be at least 0"),
         ],
     )
-    def test_faults_name_their_key(self, key, value, message):
+    def test_with_changes_names_key_of_error(self, key, value, message):
         with pytest.raises(StudyError, match=message):
             Study().with_changes({key: value})
 
@@ -168,7 +168,7 @@ class TestFiles:
             (b"# " + b"x" * 2_000_000, "longer than"),
         ],
     )
-    def test_what_is_no_study_is_said_so(self, tmp_path, content, message):
+    def test_study_file_without_study_is_rejected(self, tmp_path, content, message):
         file = tmp_path / "bad.toml"
         file.write_bytes(content)
         with pytest.raises(StudyError, match=message) as caught:
@@ -176,12 +176,12 @@ class TestFiles:
         assert "bad.toml" in str(caught.value)
         assert len(str(caught.value)) < 500
 
-    def test_missing_files_and_directories_are_said_so(self, tmp_path):
+    def test_missing_study_file_is_reported(self, tmp_path):
         for path in (tmp_path / "none.toml", tmp_path):
             with pytest.raises(StudyError, match="cannot be read"):
                 Study.from_toml(path)
 
-    def test_many_faults_are_told_in_a_few_lines(self, tmp_path):
+    def test_many_errors_are_reported_in_a_few_lines(self, tmp_path):
         file = tmp_path / "bad.toml"
         file.write_text("\n".join(f"key{i} = 1" for i in range(100)))
         with pytest.raises(StudyError) as caught:
@@ -211,12 +211,12 @@ YIELDING = Study().with_changes(
 
 class TestCases:
     @pytest.mark.parametrize("study", [SURFACES, SELF_AFFINE, HALF_SPACES, YIELDING, AREAS, LINES])
-    def test_survive_their_own_text_and_a_process(self, study):
+    def test_study_survives_text_and_pickle(self, study):
         assert study_from_text(study.to_toml(), "text") == study
         assert pickle.loads(pickle.dumps(study)) == study
         assert study.with_changes({}) == study
 
-    def test_what_another_case_shares_is_carried_over(self):
+    def test_change_of_kind_preserves_shared_keys(self):
         study = Study().with_changes({"surfaces.gamma": 1.6, "contact.effective_modulus": "70 GPa"})
         study = study.with_changes({"surfaces.kind": "surface", "contact.mechanics": "half-space"})
         assert study.surfaces.gamma == 1.6
@@ -225,7 +225,7 @@ class TestCases:
         back = study.with_changes({"surfaces.kind": "profile", "contact.mechanics": "asperities"})
         assert (back.contact.detection, back.surfaces.gamma) == ("cell", 1.6)
 
-    def test_differences_name_keys_of_either_case(self):
+    def test_differences_name_keys_of_both_kinds(self):
         changed = {key: (one, other) for key, one, other in differences(Study(), SELF_AFFINE)}
         assert changed["surfaces.kind"] == ('"profile"', '"surface"')
         assert changed["surfaces.points"] == ("150_000", "none")
@@ -241,7 +241,7 @@ class TestCases:
             (LINES, (*SUMS, "approach"), "load", ["cut_off"]),
         ],
     )
-    def test_say_what_a_result_has(self, study, sums, step, cells):
+    def test_study_declares_sums_step_and_cells(self, study, sums, step, cells):
         assert (study.sums(), study.step, list(study.surfaces.cells())) == (sums, step, cells)
 
     @pytest.mark.parametrize(
@@ -273,31 +273,31 @@ class TestCases:
             (AREAS, "figures.draw", ["area"]),
         ],
     )
-    def test_faults_name_their_key(self, study, key, value):
+    def test_change_of_kind_names_key_of_error(self, study, key, value):
         with pytest.raises(StudyError) as caught:
             study.with_changes({key: value})
         assert f"changes: {key}" in str(caught.value)
         assert len(str(caught.value)) < 400
 
-    def test_a_key_of_another_case_is_said_to_be_its(self):
+    def test_key_of_another_kind_is_reported_with_its_kind(self):
         with pytest.raises(StudyError, match=r"belongs to fractal profiles, not to Weierstrass-Mandelbrot surfaces"):
             SURFACES.with_changes({"surfaces.points": 100})
         with pytest.raises(StudyError, match=r"belongs to areas of measured maps, not to lines of measured files"):
             LINES.with_changes({"surfaces.rotate": 3.0})
 
-    def test_too_many_answers_are_refused(self):
+    def test_study_rejects_too_many_conditions(self):
         many = {"friction.mu0": [index / 100 for index in range(100)], "friction.tau0": ["0 MPa", "1 MPa", "2 MPa"]}
         with pytest.raises(StudyError, match=r"friction: .*at most 1000, got 600|at most 1000"):
             AREAS.with_changes(many | {"friction.load": [f"{1 + index} mN" for index in range(8)]})
 
 
 class TestMeasured:
-    def test_both_rules_and_all_directions_are_dimensions(self):
+    def test_measured_study_has_both_rules_and_all_directions(self):
         assert AREAS.motions() == {"sliding": ["all", "opposing"], "direction": [30.0 * step for step in range(12)]}
         assert LINES.motions() == {"sliding": ["all", "opposing"], "direction": [0.0, 180.0]}
         assert AREAS.with_changes({"contact.direction": -330}).motions()["direction"] == [30.0]
 
-    def test_is_pressed_to_loads_around_those_that_are_asked_for(self):
+    def test_load_steps_surround_requested_loads(self):
         assert AREAS.contact.steps() == pytest.approx([10**-0.5, 1, 10, 10**1.5])
         for study in (LINES, LINES.with_changes({"contact.mechanics": "half-space"})):
             steps = study.contact.steps()
@@ -307,7 +307,7 @@ class TestMeasured:
         with pytest.raises(StudyError, match=r"contact.load"):
             study_from_text(MEASURED.replace('load = ["1 mN", "10 mN"]', ""), "no load")
 
-    def test_files_are_relative_to_the_study_file_and_known_by_their_checksums(self, tmp_path, monkeypatch):
+    def test_files_are_relative_to_study_file_and_have_checksums(self, tmp_path, monkeypatch):
         heights = np.random.default_rng(1).normal(size=(24, 20))
         np.save(tmp_path / "scan.npy", heights)
         text = MEASURED.replace('"other/scan.csv", columns = ["x", 3], channel = 0', '"scan.npy", unit = "um"')
@@ -341,7 +341,7 @@ VALUES = [
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_file_with_other_lines_is_a_study_or_refused(seed):
+def test_mutated_study_file_is_read_or_rejected(seed):
     random = np.random.default_rng(seed)
     texts = [study.to_toml().splitlines() for study in (Study(), SURFACES, SELF_AFFINE, HALF_SPACES, AREAS, LINES)]
     taken = 0
@@ -362,12 +362,12 @@ def test_a_file_with_other_lines_is_a_study_or_refused(seed):
     assert taken
 
 
-def test_figures_7_and_8_have_the_papers_amplitudes():
+def test_figures_7_and_8_have_amplitudes_of_the_paper():
     for name in ("figure7", "figure8"):
         assert Study.named(name).surfaces.amplitudes().tolist() == [0.05, 0.1, 0.2]
 
 
-def test_figure5_has_the_papers_friction():
+def test_figure5_has_friction_of_the_paper():
     friction = Study.named("figure5").friction
     assert friction.mu0 == (0.4,)
     assert [float(tau0) for tau0 in friction.tau0] == [0.01]
@@ -378,26 +378,26 @@ class TestLoadsAskedFor:
 
     LISTED = SELF_AFFINE.with_changes({"contact.mechanics": "half-space", "contact.load": ["0.04 mN", "4 mN"]})
 
-    def test_listed_loads_are_inside_the_curve_of_the_study(self):
+    def test_listed_loads_are_inside_the_curve(self):
         assert [float(load) for load in self.LISTED.friction.load] == [0.04, 4.0]
         assert self.LISTED.contact.steps() == pytest.approx([0.04 / 10**0.5, 0.04, 4.0, 4.0 * 10**0.5], rel=1e-5)
         asked = {"contact.mechanics": "half-space", "friction.load": ["0.1 mN", "0.2 mN"]}
         study = SELF_AFFINE.with_changes(asked | {"contact.load": {"start": "0.05 mN", "stop": "1 mN", "count": 5}})
         assert study.contact.steps()[0] == 0.05, "a curve that is given stays"
 
-    def test_curve_around_loads_stays_below_the_hardness(self):
+    def test_curve_around_loads_stays_below_hardness(self):
         hard = self.LISTED.with_changes({"contact.hardness": "60 MPa", "contact.load": ["4 mN"]})
         assert 4.0 < hard.contact.steps()[-1] < 0.06 * 100
         with pytest.raises(StudyError, match=r"contact\.load: must be below hardness times area"):
             self.LISTED.with_changes({"contact.hardness": "10 MPa"})
 
-    def test_other_loads_and_mechanics_take_the_loads_asked_for_away(self):
+    def test_change_of_loads_or_mechanics_removes_requested_loads(self):
         assert [float(load) for load in self.LISTED.with_changes({"contact.load": ["1 mN"]}).friction.load] == [1.0]
         assert [float(load) for load in self.LISTED.with_changes({"friction.load": ["9 mN"]}).friction.load] == [9.0]
         assert self.LISTED.with_changes({"contact.mechanics": "asperities"}).friction.load == ()
         assert study_from_text(self.LISTED.to_toml(), "text") == self.LISTED == self.LISTED.with_changes({})
 
-    def test_every_load_asked_for_has_an_answer(self):
+    def test_requested_loads_have_results(self):
         few = {"surfaces.shape": [32, 32], "ensemble.repetitions": 4, "surfaces.fractal_dimension": [1.2, 1.5]}
         study = self.LISTED.with_changes(few | {"surfaces.amplitude": ["20 nm"], "contact.boundary": "periodic"})
         data = run(study).dataset
@@ -409,7 +409,7 @@ class TestLoadsAskedFor:
 class TestKeys:
     """Keys of study files: their tables, other names, and what is said of unknown ones."""
 
-    def test_types_of_quantities_are_those_that_are_read(self):
+    def test_documented_types_of_keys_match_the_readers(self):
         allowed = {}
         for title, _, rows in key_tables():
             for key, _, values, _ in rows:
@@ -420,7 +420,7 @@ class TestKeys:
         assert "range" in allowed["`[known]`", "hardness"]
         assert "hurst_exponent" in study_keys_text()
 
-    def test_self_affine_surfaces_take_the_names_of_the_function(self):
+    def test_self_affine_table_uses_names_of_the_function(self):
         named = {"surfaces.hurst_exponent": [0.5, 0.8], "surfaces.rms": ["20 nm"], "surfaces.spacing": "0.1 um"}
         surfaces = SELF_AFFINE.with_changes(named | {"surfaces.shape": [64, 32]}).surfaces
         assert surfaces.fractal_dimensions() == pytest.approx([1.2, 1.5])
@@ -438,6 +438,6 @@ class TestKeys:
             (SELF_AFFINE, "surfaces.hurst_exponent", "surfaces.hurst_exponent: must be"),
         ],
     )
-    def test_unknown_keys_name_the_nearest(self, study, key, words):
+    def test_unknown_key_suggests_nearest(self, study, key, words):
         with pytest.raises(StudyError, match=re.escape(words)):
             study.with_changes({key: "much"})

@@ -45,7 +45,7 @@ def result(pair):
 
 @pytest.mark.parametrize("shear", ["+x", "-x"])
 @pytest.mark.parametrize("offset", [0.0, 4.0, 10.0])
-def test_every_position_is_press_at_the_approach_of_its_load(pair, result, shear, offset):
+def test_traverse_equals_press_at_each_position(pair, result, shear, offset):
     upper, lower = pair
     beneath = cropped(lower, offset, offset + 20)
     choices = {"detection": "gap-minimum", "shear": shear}
@@ -73,7 +73,7 @@ def test_every_position_is_press_at_the_approach_of_its_load(pair, result, shear
 
 
 @pytest.mark.parametrize(("load", "within", "share"), [("elastic", 1e-6, 1.0), ("normal", BETWEEN, 0.75)])
-def test_where_the_load_jumps_values_are_in_proportion_between_before_and_behind(rough_pair, load, within, share):
+def test_load_jumps_are_interpolated_linearly(rough_pair, load, within, share):
     upper, lower = rough_pair(1.5, repetition=1)
     loads = np.geomspace(1e-4, 3e-3, 12)
     at = traverse(upper, lower, loads, detection="cell", load=load, **FRICTION).isel(line=0, offset=0)
@@ -92,7 +92,7 @@ def test_where_the_load_jumps_values_are_in_proportion_between_before_and_behind
     assert np.quantile(off, share) < within
 
 
-def test_an_offset_is_the_nearest_point(pair):
+def test_traverse_rounds_offset_to_nearest_point(pair):
     upper, lower = pair
     assert 0.29 / 0.01 < 29  # by round-off
     at = traverse(upper, lower, [0.01], offsets=[0.29], **FRICTION).sel(shear="+x")
@@ -102,7 +102,7 @@ def test_an_offset_is_the_nearest_point(pair):
     assert float(at["offset"].squeeze()) == pytest.approx(0.29)
 
 
-def test_stiffness_of_two_arcs_is_that_of_hertz(circular_arc):
+def test_stiffness_of_two_arcs_equals_hertz(circular_arc):
     upper, lower = (circular_arc(0.5003, 1.0, 1e-3, 1001, side) for side in ("upper", "lower"))
     load = 0.01
     at = traverse(upper, lower, [load], mu0=0.0).isel(line=0, offset=0, load=0)
@@ -111,7 +111,7 @@ def test_stiffness_of_two_arcs_is_that_of_hertz(circular_arc):
     np.testing.assert_allclose(at["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
 
 
-def test_units_names_and_what_it_was_made_of_go_with_it(result):
+def test_traverse_result_has_units_names_and_history(result):
     assert result["contact_area"].attrs["units"] == "um^2"
     assert result["normal_stiffness"].attrs["units"] == "mN/um"
     assert result["load"].attrs["units"] == "mN"
@@ -122,7 +122,7 @@ def test_units_names_and_what_it_was_made_of_go_with_it(result):
     assert result.attrs["stiction_version"] == stiction.__version__
 
 
-def test_scaling_all_lengths_leaves_the_numbers_without_units(pair):
+def test_nondimensional_traverse_is_invariant_under_scaling(pair):
     larger = [Profile(3 * each.heights, spacing=3 * each.spacing) for each in pair]
     one = nondimensional(traverse(*pair, [0.01], offsets=[0.0, 5.0], **FRICTION), length=1.0)
     other = traverse(
@@ -137,7 +137,7 @@ def test_scaling_all_lengths_leaves_the_numbers_without_units(pair):
     assert one["load"].attrs["long_name"] == "normal load / (E* L²)"
 
 
-def test_nondimensional_results_say_what_they_need(result):
+def test_nondimensional_requires_modulus_and_known_units(result):
     with pytest.raises(ValueError, match="length must be given"):
         nondimensional(result)
     with pytest.raises(ValueError, match=r"length must be .* above 0"):
@@ -153,7 +153,7 @@ def test_nondimensional_results_say_what_they_need(result):
 # ---- Statuses and means ----------------------------------------------------------------------------------------------
 
 
-def test_positions_without_an_answer_say_why_and_are_left_out_of_the_mean():
+def test_positions_without_result_have_status_and_are_left_out_of_mean():
     x = np.arange(2001) * 0.01 - 10.0
     flat, ball = Profile(np.zeros(2001), spacing=0.01), Profile(-0.05 * x**2, spacing=0.01)
     reached = traverse(flat, ball, [1e-3, 1e9], mu0=0.3)
@@ -176,7 +176,7 @@ def test_positions_without_an_answer_say_why_and_are_left_out_of_the_mean():
     assert np.isnan(values[1:]).all()  # one position has no interval
 
 
-def test_several_materials_are_those_one_by_one(pair):
+def test_several_materials_equal_single_materials(pair):
     both = traverse(*pair, LOADS, mu0=[0.3, 0.5], tau0=[0.0, 0.1], offsets=np.arange(9.0))
     assert both["friction_coefficient"].dims == ("shear", "line", "offset", "load", "mu0", "tau0")
     mean = traverse_mean(both)
@@ -189,7 +189,7 @@ def test_several_materials_are_those_one_by_one(pair):
     assert dict(several.sizes) == {"shear": 2, "line": 1, "offset": 1, "load": 2, "mu0": 1}
 
 
-def test_positions_of_a_line_are_not_independent(pair):
+def test_traverse_mean_accounts_for_correlated_positions(pair):
     upper, lower = pair
     one = traverse([upper] * 8, [lower] * 8, [0.01], offsets=[0.0, 2.0, 4.0, 6.0], **FRICTION)
     lines = np.array([10.0, 11.0, 13.0, 9.0, 12.0, 14.0, 8.0, 10.5])
@@ -208,7 +208,7 @@ def test_positions_of_a_line_are_not_independent(pair):
 # ---- From scans to pairs ---------------------------------------------------------------------------------------------
 
 
-def test_two_profiles_are_a_slider_of_half_the_length_and_a_track():
+def test_paired_lines_returns_half_slider_and_track():
     upper, lower = scan("upper"), scan("lower")
     (slider,), (track,) = paired_lines(upper, lower)
     whole = levelled(upper, "line")
@@ -235,7 +235,7 @@ def maps():
     return Surface(lines, spacing=(0.02, 0.01))
 
 
-def test_lines_of_surfaces_are_paired_a_third_of_their_width_apart():
+def test_paired_lines_of_surfaces_are_a_third_of_their_width_apart():
     surface = maps()
     uppers, lowers = paired_lines(surface, surface, level=None)
     assert len(uppers) == len(lowers) == 9
@@ -258,7 +258,7 @@ def test_lines_of_surfaces_are_paired_a_third_of_their_width_apart():
     assert uppers[1].history[:1] == ("row 3",)
 
 
-def test_lines_of_different_lengths_lie_all_over_the_longer():
+def test_paired_lines_of_different_lengths_cover_the_longer():
     surface = maps()
     for lengths in ((400, 3000), (3000, 400)):
         bodies = [surface if length == 400 else scan("upper") for length in lengths]
@@ -276,7 +276,7 @@ def test_lines_of_different_lengths_lie_all_over_the_longer():
     np.testing.assert_allclose(levelled(leveled[1], "line").heights, leveled[1].heights, atol=1e-12)
 
 
-def test_surrogates_stand_in_for_what_is_asked():
+def test_surrogates_replace_the_selected_surface():
     upper, lower = scan("upper"), scan("lower")
     uppers, lowers = paired_lines(upper, lower, surrogates="lower", lines=3, seed=9)
     assert len(uppers) == 3
@@ -301,14 +301,14 @@ def test_surrogates_stand_in_for_what_is_asked():
         ({"upper": [1, 2]}, "upper must be a Profile or a list"),
     ],
 )
-def test_bad_arguments_are_named(pair, arguments, words):
+def test_traverse_rejects_bad_arguments(pair, arguments, words):
     upper, lower = pair
     given = {"upper": upper, "lower": lower, "loads": [0.01], "mu0": 0.3} | arguments
     with pytest.raises(ValueError, match=words):
         traverse(given.pop("upper"), given.pop("lower"), given.pop("loads"), **given)
 
 
-def test_lists_must_fit(pair):
+def test_traverse_rejects_lists_of_different_lengths(pair):
     upper, lower = pair
     with pytest.raises(ValueError, match="as many profiles, got 2 and 1"):
         traverse([upper, upper], lower, [0.01], mu0=0.3)
@@ -319,7 +319,7 @@ def test_lists_must_fit(pair):
 @pytest.mark.parametrize(
     ("arguments", "words"), [({"along": "z"}, "along must be one of"), ({"lines": 0}, "lines must be a whole number")]
 )
-def test_bad_arguments_of_pairs_are_named(arguments, words):
+def test_paired_lines_rejects_bad_arguments(arguments, words):
     with pytest.raises(ValueError, match=words):
         paired_lines(maps(), maps(), **arguments)
     with pytest.raises(ValueError, match="upper must be a Profile or a Surface"):
@@ -334,7 +334,7 @@ def two_rough_profiles():
 
 
 @pytest.mark.parametrize("sliding", ["opposing", "all"])
-def test_the_share_that_opposes_is_that_of_the_contacts_by_either_rule(sliding):
+def test_opposing_load_fraction_equals_that_of_contacts(sliding):
     upper, lower = two_rough_profiles()
     slider = cropped(upper, 0, 15)
     result = traverse(slider, lower, [0.3], mu0=0.3, offsets=[1.0], sliding=sliding, load="elastic")
@@ -360,7 +360,7 @@ def small_pair():
 
 
 @pytest.mark.parametrize("sliding", ["opposing", "all"])
-def test_half_planes_are_half_space_at_each_position(small_pair, sliding):
+def test_traverse_of_half_planes_equals_half_space(small_pair, sliding):
     upper, lower = small_pair
     given = {"compliance_share": 0.3, "effective_modulus": 8.0, "sliding": sliding}
     result = traverse(upper, lower, LOADS, offsets=[0.0, 2.5], mechanics="half-space", **FRICTION, **given)
@@ -389,12 +389,12 @@ def test_half_planes_are_half_space_at_each_position(small_pair, sliding):
         ({"mechanics": "half-space", "compliance_share": 1.5}, "compliance_share must be from 0 to 1, got 1.5"),
     ],
 )
-def test_what_half_planes_do_not_take_is_refused(small_pair, given, words):
+def test_traverse_of_half_planes_rejects_asperity_options(small_pair, given, words):
     with pytest.raises(ValueError, match=words):
         traverse(*small_pair, LOADS, **FRICTION, **given)
 
 
-def test_surfaces_are_not_half_planes():
+def test_traverse_rejects_half_space_for_surfaces():
     flat = Surface(np.zeros((20, 20)), spacing=0.1)
     with pytest.raises(ValueError, match="mechanics of surfaces must be 'asperities', got 'half-space'"):
         traverse(flat, flat, LOADS, mechanics="half-space", **FRICTION)

@@ -12,7 +12,7 @@ def pair():
     return rough_maps(**CHOICES)
 
 
-def test_every_position_presses_what_lies_above_each_other_to_the_load():
+def test_traverse_of_surfaces_equals_press_of_overlap():
     upper, lower = pair()
     offsets = [(0.0, 0.0), (0.8, -0.5), (-0.4, 1.0)]
     result = traverse(upper, lower, [0.02, 0.1], mu0=0.3, offsets=offsets, direction=[0, 45], load="elastic")
@@ -34,7 +34,7 @@ def test_every_position_presses_what_lies_above_each_other_to_the_load():
             assert curve.lateral_load(mu0=0.3)[0] == pytest.approx(float(at["lateral_load"]), rel=1e-12)
 
 
-def test_four_directions_by_default_and_the_rule_is_said():
+def test_traverse_of_surfaces_has_four_directions_and_stores_the_rule():
     result = traverse(*pair(), 0.05, mu0=0.3, sliding="all")
     assert result["direction"].values.tolist() == [0, 90, 180, 270]
     assert result.attrs["sliding"] == "all"
@@ -51,12 +51,12 @@ def test_four_directions_by_default_and_the_rule_is_said():
         ({"detection": "cell"}, "detection"),
     ],
 )
-def test_bad_arguments_are_named(changes, match):
+def test_traverse_of_surfaces_rejects_bad_arguments(changes, match):
     with pytest.raises(ValueError, match=match):
         traverse(*pair(), **({"loads": 0.1, "mu0": 0.3} | changes))
 
 
-def test_a_surface_is_not_carried_over_a_profile():
+def test_traverse_rejects_surface_on_profile():
     upper, lower = pair()
     with pytest.raises(ValueError, match="both"):
         traverse(upper, lower.row(0), 0.1, mu0=0.3)
