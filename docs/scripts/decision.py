@@ -1,0 +1,69 @@
+"""Draws docs/images/decision.png and decision_dark.png: which contact model and which option for which data."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
+from stiction.views.style import MILLIMETRE, STYLE
+
+IMAGES = Path(__file__).resolve().parents[1] / "images"
+WIDTH, HEIGHT = 170.0, 84.0  # mm
+BOX_HEIGHT = 12.0  # mm
+LIGHT = {"text": "0.1", "line": "0.35", "question": "#e8eef5", "answer": "#dcefe6"}
+DARK = {"text": "0.92", "line": "0.7", "question": "#26323f", "answer": "#1f3a30"}
+
+# name: (x of the centre, y of the centre, width, text, kind), in mm
+BOXES = {
+    "data": (85, 76, 54, "What was measured?", "question"),
+    "maps": (22, 55, 38, "two height maps", "question"),
+    "profiles": (82, 55, 42, "two profiles", "question"),
+    "other": (142, 55, 48, "one map and one profile", "question"),
+    "areas": (22, 12, 38, "areas, half-space\n(default)", "answer"),
+    "lay": (82, 34, 42, "Is there a lay across\nthe profiles?", "question"),
+    "grooves": (62, 12, 34, "--lay grooves:\nprofiles across it", "answer"),
+    "isotropic": (101, 12, 34, "--lay isotropic:\nrandom areas", "answer"),
+    "lines": (142, 12, 40, "lines of the map,\n128 pairs", "answer"),
+}
+ARROWS = [
+    ("data", "maps", ""),
+    ("data", "profiles", ""),
+    ("data", "other", ""),
+    ("maps", "areas", ""),
+    ("profiles", "lay", ""),
+    ("lay", "grooves", "yes"),
+    ("lay", "isotropic", "no"),
+    ("other", "lines", ""),
+]
+
+
+def draw(dark: bool) -> Figure:
+    """Return the decision tree, for a light or a dark page."""
+    colours = DARK if dark else LIGHT
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH * MILLIMETRE, HEIGHT * MILLIMETRE))
+        ax = figure.add_axes((0, 0, 1, 1))
+        ax.set(xlim=(0, WIDTH), ylim=(0, HEIGHT))
+        ax.axis("off")
+        for start, end, text in ARROWS:
+            x0, y0, *_ = BOXES[start]
+            x1, y1, *_ = BOXES[end]
+            tail, head = (x0, y0 - BOX_HEIGHT / 2), (x1, y1 + BOX_HEIGHT / 2)
+            ax.add_patch(
+                FancyArrowPatch(tail, head, arrowstyle="-|>", mutation_scale=8, color=colours["line"], linewidth=0.8)
+            )
+            if text:
+                side = -3.0 if x1 < x0 else 3.0
+                ax.text((x0 + x1) / 2 + side, (tail[1] + head[1]) / 2, text, ha="center", color=colours["text"])
+        for x, y, width, text, kind in BOXES.values():
+            corner = (x - width / 2, y - BOX_HEIGHT / 2)
+            style = {"facecolor": colours[kind], "edgecolor": colours["line"], "linewidth": 0.6}
+            box = FancyBboxPatch(corner, width, BOX_HEIGHT, boxstyle="round,pad=0,rounding_size=2", **style)
+            ax.add_patch(box)
+            ax.text(x, y, text, ha="center", va="center", color=colours["text"], fontsize=7.5)
+    return figure
+
+
+if __name__ == "__main__":
+    for name, dark in (("decision", False), ("decision_dark", True)):
+        draw(dark).savefig(IMAGES / f"{name}.png", dpi=200, transparent=dark, facecolor=None if dark else "white")
