@@ -6,6 +6,7 @@ from stiction import Study, area_map, friction_map, run, stiffness_map, traverse
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import intervals
 from stiction.studies.at_load import at_load, axes_of, member_values, reached_loads
+from stiction.studies.contact_tables import AROUND_AREAS, ladder
 from stiction.studies.members import bodies_of
 from support.measured_studies import study_of, write_maps, write_profiles
 
@@ -145,6 +146,21 @@ def test_unsolved_load_is_not_interpolated(areas, reading):
     assert (status[1:] == "ok").all()
     there, every = (member_values(each, result["load"].values[2:3])["contact_area"] for each in (broken, result))
     np.testing.assert_array_equal(there, every)
+
+
+def test_load_between_distant_steps_is_not_reached():
+    curve, values = np.array([1e-3, 1.0, 10.0]), np.array([2e-3, 1.5, 12.0])
+    crossing = intervals.Crossing.of(curve, np.array([1e-3, 0.1, 1.0, 3.0]), ratio=True)
+    assert crossing.reached.tolist() == [True, False, True, True]
+    assert np.isnan(crossing.at(values)).tolist() == [False, True, False, False]
+
+
+def test_ladder_of_areas_has_no_gap_between_given_loads():
+    loads = ladder([1e-3, 2e-3, 2.0], press="areas", mechanics="half-space")
+    assert {1e-3, 2e-3, 2.0} <= set(loads.tolist())
+    assert (loads[1:] / loads[:-1]).max() < 1.02 * AROUND_AREAS
+    few = ladder([1.0, 3.0], press="areas", mechanics="half-space")
+    assert few.size == 4
 
 
 def test_at_load_rejects_bad_input(areas):

@@ -168,7 +168,7 @@ def test_pressures_of_generated_bodies_are_a_caution_at_most():
 def test_where_there_is_no_coefficient_its_status_is_the_reason():
     said = one(measured(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
     assert (said.status, said.verdict) == ("not-reached", "Do not quote")
-    assert "no step of the result carries this load" in said.sentence
+    assert "no solved load is as large" in said.sentence
     text = answers_text([one(measured(all_rub=np.nan, opposing=np.nan), measured_study())])
     assert text.startswith("μ_s = none")
     assert "ok" not in text.splitlines()[0]

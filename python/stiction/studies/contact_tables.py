@@ -392,8 +392,22 @@ def _around(given: Floats, ratio: float, steps: int) -> Floats:
     return np.unique(np.concatenate([given, others[apart]]))
 
 
+def _filled(given: Floats) -> Floats:
+    """Return given loads (mN) with others between, in equal ratios of at most `AROUND_AREAS` and a little more."""
+    given = np.unique(given)
+    steps = np.ceil(np.log(given[1:] / given[:-1]) / np.log(1.01 * AROUND_AREAS)).astype(int)
+    between = [
+        np.geomspace(low, high, count, endpoint=False)[1:]
+        for low, high, count in zip(given[:-1], given[1:], steps, strict=True)
+    ]
+    return np.concatenate([given, *between])
+
+
 def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None = None, lighter: int = 1) -> Floats:
-    """Loads (mN) that a measured pair is pressed to around given ones, all below `most`; some `lighter` of areas."""
+    """Return loads (mN) to solve a measured pair at, all below `most`: the given ones, and others around and between.
+
+    Areas have a number of `lighter` loads below the given ones, and loads in steps of at most `AROUND_AREAS` between.
+    """
     given = np.atleast_1d(float_array("loads", loads))
     if not given.size or not (given > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
@@ -403,7 +417,7 @@ def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None =
         around = _around(given, AROUND_HALF_SPACE, HALF_SPACE_STEPS)
     else:
         below = given.min() / AROUND_AREAS ** np.arange(1, lighter + 1)
-        around = np.unique(np.concatenate([given, below, [given.max() * AROUND_AREAS]]))
+        around = np.unique(np.concatenate([_filled(given), below, [given.max() * AROUND_AREAS]]))
     # Those that are asked for stay to the bit, the others are written in few digits.
     asked = set(given.tolist())
     short = np.array([load if load in asked else float(f"{load:.6g}") for load in around.tolist()])

@@ -16,6 +16,8 @@ from stiction._checks import Floats
 
 CONFIDENCE = 0.95
 AROUND = 4  # steps on both sides of a crossing over which the slope of a mean is taken: those of single steps are noise
+MAX_LOAD_RATIO = 10.01
+"""Ratio of neighboring solved loads above which no value between them is interpolated."""
 IN_CACHE = 2**15  # numbers that are worked on at a time: of more, each step would wait for memory
 FEWEST_OF_SAMPLE = 3
 FEWEST_NEIGHBOURS = 8  # fewer, even independent ones, cannot tell their mean from their correlation
@@ -44,11 +46,16 @@ class Crossing:
 
     @classmethod
     def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
-        """First upward crossings, by straight lines; by `ratio` of value/load over the logarithm of the load."""
+        """First upward crossings, by straight lines; by `ratio` of value/load over the logarithm of the load.
+
+        By `ratio` a load between two steps is reached only if their ratio is at most `MAX_LOAD_RATIO`.
+        """
         if ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
                 straight = cls.of(np.log(curve), np.log(loads))
-            return cls(straight.index, straight.fraction, straight.reached, straight.below, (curve, loads))
+                below, above = straight._around(curve)
+                near = ~(above > MAX_LOAD_RATIO * below) | (above == loads)
+            return cls(straight.index, straight.fraction, straight.reached & near, straight.below, (curve, loads))
         at_least = curve[..., np.newaxis] >= loads  # (..., k, l)
         first = curve[..., :1, np.newaxis] == loads
         reaches = np.concatenate([first, ~at_least[..., :-1, :] & at_least[..., 1:, :]], axis=-2)
@@ -61,10 +68,15 @@ class Crossing:
 
     def without_gaps(self, curve: Floats, loads: Floats) -> Crossing:
         """Without what is reached right behind a step that curves (..., k) lack (NaN), but for loads of steps."""
-        before, there = (
+        before, there = self._around(curve)
+        return replace(self, reached=self.reached & (np.isfinite(before) | (there == loads)))
+
+    def _around(self, curve: Floats) -> tuple[Floats, Floats]:
+        """Return curves (..., k) at the steps before and after the crossings, (..., l) each."""
+        before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
-        return replace(self, reached=self.reached & (np.isfinite(before) | (there == loads)))
+        return before, after
 
     def at(self, values: Floats, *, sums: bool = True) -> Floats:
         """(..., more, l): values (..., more, k) where loads are reached, else NaN; of `sums` ratios are straight."""

@@ -595,12 +595,15 @@ class Pair:
                     + ("; that is of a strip 1 µm wide: give a pressure, or a force and its {width}" if strip else ""),
                     area=self._nominal_area, most=most,
                 )  # fmt: skip
-        by_half_space = "half-space" in self.by
+        loads = self.loads
+        unloaded = loads[:1] if self._asks_for_no_load else []  # nothing between it and the others is read off
+        loaded = loads[len(unloaded) :] or loads
         lighter = LIGHTER if self._adhesion.get("work_of_adhesion") else 1
-        return ladder(
-            self.loads, press=self.press, mechanics="half-space" if by_half_space else "asperities", most=most,
-            lighter=0 if self._asks_for_no_load else lighter,
+        around = ladder(
+            loaded, press=self.press, mechanics="half-space" if "half-space" in self.by else "asperities", most=most,
+            lighter=0 if loaded == unloaded else lighter,
         )  # fmt: skip
+        return np.union1d(around, np.array(unloaded, np.float64))
 
     @cached_property
     def _about(self) -> About:

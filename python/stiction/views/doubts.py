@@ -110,7 +110,10 @@ VERDICTS = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it
 """Verdict by the worst severity of all doubts."""
 
 ADVICE = {
-    "not-reached": ("no step of the result carries this load", "give less load, or larger steps of contact"),
+    "not-reached": (
+        "no solved load is as large, or the solved loads around it are more than a factor of 10 apart",
+        "give less load or larger steps of contact, or solve this load too",
+    ),
     "below-range": ("the first step of the result carries more than this load", "give more load, or smaller steps"),
     "not-solved": ("the half-space did not reach its tolerance", "try another load, or mechanics asperities"),
     "self-locked": ("friction on such slopes holds at any tangential load", "check μ0 and τ0"),
