@@ -103,9 +103,9 @@ def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantit
     """
     reject_decimal_commas(name, value)
     kinds = ("force", "pressure")
-    if isinstance(value, str) and value.strip() == "0":
-        value = 0.0
-    if not isinstance(value, str):
+    if isinstance(value, str) and value.strip() == "0":  # needs no unit
+        load, kind = parse_quantity(name, 0.0, "force"), "force"
+    elif not isinstance(value, str):
         load, kind = parse_quantity(name, value, "force"), "force"
     else:
         unit = value.strip().lstrip("+-0123456789._eE ")
@@ -120,5 +120,6 @@ def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantit
             )  # fmt: skip
         load = parse_quantity(name, value, kind)
     if not (load > 0 or (or_zero and load >= 0)):
-        raise ArgumentError(f"{{{name}}} must be above 0, got {{got}}", got=repr(value))
+        more = "" if load else "; a load of 0 is for bodies that adhere"
+        raise ArgumentError(f"{{{name}}} must be above 0, got {{got}}{more}", got=repr(value))
     return load, kind == "pressure"

@@ -88,7 +88,7 @@ def test_at_uses_defaults_of_the_result_and_reports_status(folder):
     assert [line.split()[0] for line in text.splitlines()[1:6]] == ["D", "1", "1", "1.2", "1.2"]
     text = said("at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", "--tau0", "0 MPa", cwd=folder)
     assert text.startswith("μ_s = not-reached")
-    assert "! no step of the result carries this load; give less load" in text
+    assert "! no solved load is as large" in text
 
 
 def test_at_without_options_uses_conditions_of_the_study(folder):
@@ -112,6 +112,18 @@ def test_at_in_one_direction_uses_that_direction(folder):
     assert one["answers"][0]["rules"][0]["value"] == pytest.approx(float(expected))
 
 
+def test_at_accepts_lists_as_pair_does(folder):
+    arguments = ("at", "study", "--tau0", "0 MPa,100 MPa", "--json")
+    lists = json.loads(said(*arguments, "--load", "1 uN,2 uN", "--mu0", "0.3,0.4", "--d", "1.3,1.0", cwd=folder))
+    once = json.loads(said(*arguments, "--load", "1 uN", "--load", "2 uN", "--mu0", "0.4", "--d", "1", cwd=folder))
+    conditions = [one["at"] for one in lists["answers"]]
+    assert len(conditions) == 2 * 2 * 2 * 2
+    assert sorted({one["load"] for one in conditions}) == pytest.approx([1e-3, 2e-3])
+    assert len({one["fractal_dimension"] for one in conditions}) == 2
+    values = {json.dumps(one["at"]): one["rules"] for one in lists["answers"]}
+    assert all(values[json.dumps(one["at"])] == one["rules"] for one in once["answers"])
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -123,7 +135,10 @@ def test_at_in_one_direction_uses_that_direction(folder):
         (("study",), ["give --load: this study does not ask for loads"]),
         (("study", "--load", "1 mN", "--mu0", "0,2"), ['write "0.2" for one number or "0, 2" for two']),
         (("study", "--load", "0,5 mN"), ['"0.5"']),
+        (("maps", "--load", "3,5 MPa"), ['"3.5"']),
+        (("maps", "--load", "0"), ["--load must be above 0, got '0'; a load of 0 is for bodies that adhere"]),
         (("lines", "--load", "1 mN", "--d", "1.3"), ["--d is for studies"]),
+        (("study", "--load", "1 mN", "--d", "flat"), ["--d must be a number or several"]),
         (("maps", "--load", "1 mN", "--amplitude", "1 um"), ["--amplitude is for studies"]),
         (("maps", "--load", "1 mN", "--direction", "31"), ["--direction must be one of"]),
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),

@@ -10,7 +10,7 @@ from stiction.studies.at_load import at_load
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.members import bodies_of
 from stiction.views.doubts import ADDED, TYPICAL_WORK, added_by_adhesion
-from stiction.views.point import points
+from stiction.views.point import is_unloaded, points
 from stiction.views.rows import csv_text, record_text
 from stiction.views.sticking import Sticking
 from support.rough_surfaces import rough_maps
@@ -112,6 +112,26 @@ def test_pair_without_load_assesses_sticking(sticky):
     assert answer.sticking.text.removesuffix(".") in free.sentence
     with pytest.raises(ValueError, match="load must be above 0, got 0"):
         pressed(load=0)
+    # Without a solved load that is negligible, the pull-off force is the same, and there is no area.
+    for result, has_area in ((free, True), (mixed, True), (sticky, False)):
+        at = at_load(result.source, [0.0]).isel(cut_off=0)
+        assert np.isfinite(at["contact_area"].sel(statistic="mean")).all() == has_area
+        assert at["pull_off"].sel(statistic="mean").values == pytest.approx(answer.sticking.pull_off[0], rel=0.01)
+        assert is_unloaded(at.isel(load=0))
+    with pytest.raises(ValueError, match="loads must be above 0"):
+        at_load(pressed().source, [0.0])
+
+
+def test_at_load_has_no_value_between_no_load_and_the_next_solved_load(sticky):
+    mixed = pressed(load=["0", "20 MPa"], **WORK)
+    loads = mixed.study.contact.steps()
+    at = at_load(mixed.source, np.sqrt(loads[1:] * loads[:-1])).isel(cut_off=0, mu0=0, tau0=0)
+    assert set(np.unique(at["status"].isel(load=0))) == {"not-reached"}
+    assert np.isnan(at["contact_area"].isel(load=0)).all()
+    area = at["contact_area"].sel(statistic="mean").values[1:]
+    solved = at_load(mixed.source, loads[1:])["contact_area"].sel(statistic="mean").isel(cut_off=0).values
+    assert (solved[:-1] <= area).all()
+    assert (area <= 1.25 * solved[1:]).all()
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stiction._arguments import parse_coefficients, parse_load, parse_quantities, parse_quantity, reject_negative
+from stiction._arguments import (
+    parse_coefficients,
+    parse_load,
+    parse_numbers,
+    parse_quantities,
+    parse_quantity,
+    reject_decimal_commas,
+    reject_negative,
+    split_values,
+)
 from stiction._errors import ArgumentError
 from stiction.cli.application import announce, command, interrupted, tell
 from stiction.cli.options import Json, Verbose, option, refuse
@@ -26,11 +36,13 @@ if TYPE_CHECKING:
 
 Loads = Annotated[
     list[str] | None,
-    option("--load FORCE", 'Normal load, "0.1 mN", or of measured areas a pressure, "10 MPa". Repeatable.', "its own"),
+    option("--load FORCE", 'Normal load, "0.1 mN", or of measured bodies a pressure, "10 MPa,20 MPa".', "its own"),
 ]
 Width = Annotated[str | None, option("--width LENGTH", "Of two profiles, the width that a force is on.", "1 um")]
-Dimension = Annotated[float | None, option("--d D", "Of a study: the nearest fractal dimension that it has.", "all")]
-Hurst = Annotated[float | None, option("--hurst H", "Of self-affine surfaces: the nearest Hurst exponent.", "all")]
+Dimension = Annotated[
+    str | None, option("--d NUMBERS", 'Of a study: the nearest fractal dimensions that it has, "1.1,1.3".', "all")
+]
+Hurst = Annotated[str | None, option("--hurst NUMBERS", "Of self-affine surfaces: the nearest Hurst exponents.", "all")]
 Amplitude = Annotated[str | None, option("--amplitude LENGTH", "Of a study: the nearest that it has.", "its first")]
 Mu0 = Annotated[str | None, option("--mu0 NUMBERS", 'Molecular friction coefficients, "0.3,0.4".', "its own")]
 Tau0 = Annotated[str | None, option("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "its own")]
@@ -59,7 +71,7 @@ def at(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")],
     load: Loads = None,
     width: Width = None,
-    fractal_dimension: Dimension = None,
+    d: Dimension = None,
     hurst: Hurst = None,
     amplitude: Amplitude = None,
     mu0: Mu0 = None,
@@ -89,7 +101,7 @@ def at(
     if scale_heights is None:
         refuse(context, "is for --scale-heights", "scaled", "compute", "workers")
     else:
-        refuse(context, "does not apply to --scale-heights", "fractal_dimension", "hurst", "amplitude", "direction")
+        refuse(context, "does not apply to --scale-heights", "d", "hurst", "amplitude", "direction")
         loads = _loads(result, load, width)
         assert result.stored is not None, "a directory is open"
         _at_height_scale(
@@ -99,11 +111,12 @@ def at(
         return
     length = None if amplitude is None else parse_quantity("amplitude", amplitude, "length")
     found = with_uncertainty(at_load(result, _loads(result, load, width), mu0=rubbing, tau0=strengths), result)
+    dimensions = None if d is None else parse_numbers("d", d)
     if hurst is not None:
-        if fractal_dimension is not None or getattr(result.study.surfaces, "generator", "") != "self-affine":
-            raise ArgumentError("{hurst} is for self-affine surfaces, without --d, got {got}", got=f"{hurst:g}")
-        fractal_dimension = 2 - hurst
-    found = _cells(found, fractal_dimension, length)
+        if d is not None or getattr(result.study.surfaces, "generator", "") != "self-affine":
+            raise ArgumentError("{hurst} is for self-affine surfaces, without --d, got {got}", got=repr(hurst))
+        dimensions = [2 - each for each in parse_numbers("hurst", hurst)]
+    found = _cells(found, dimensions, None if length is None else [length])
     if direction is not None:
         found = _towards(found, direction)
     beside = result.input_caveats
@@ -147,9 +160,10 @@ def _loads(result: Result, texts: list[str] | None, width: str | None) -> list[f
         if not result.study.friction.load:
             raise ArgumentError("give {load}: this study does not ask for loads of its own")
         return [float(load) for load in result.study.friction.load]
+    reject_decimal_commas("load", texts)
     loads = set()
-    for each in texts:
-        amount, per_area = parse_load("load", each)
+    for each in (part for text in texts for part in split_values(text)):
+        amount, per_area = parse_load("load", each, or_zero=result.study.contact.adheres)
         force = float(amount) * (1.0 if per_area else strip)
         if per_area:
             coordinates = result.head.coords
@@ -160,14 +174,17 @@ def _loads(result: Result, texts: list[str] | None, width: str | None) -> list[f
     return sorted(loads)
 
 
-def _cells(found: xarray.Dataset, fractal_dimension: float | None, amplitude: float | None) -> xarray.Dataset:
-    asked = {"--d": ("fractal_dimension", fractal_dimension), "--amplitude": ("amplitude", amplitude)}
-    for flag, (name, value) in asked.items():
-        if value is not None:
+def _cells(found: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None) -> xarray.Dataset:
+    """Return the cells nearest to the given dimensions and amplitudes (µm); all, and the first, if there are none."""
+    nearest = {"--d": ("fractal_dimension", dimensions), "--amplitude": ("amplitude", amplitudes)}
+    for flag, (name, values) in nearest.items():
+        if values is not None:
             if name not in found.dims:
-                raise ValueError(f"{flag} is for studies of generated surfaces, got {value:g}")
-            found = found.sel({name: [value]}, method="nearest")
-    return found.isel(amplitude=[0]) if "amplitude" in found.dims and amplitude is None else found
+                raise ValueError(
+                    f"{flag} is for studies of generated surfaces, got {', '.join(f'{v:g}' for v in values)}"
+                )
+            found = found.sel({name: values}, method="nearest").drop_duplicates(name)
+    return found.isel(amplitude=[0]) if "amplitude" in found.dims and amplitudes is None else found
 
 
 def _towards(found: xarray.Dataset, direction: float) -> xarray.Dataset:

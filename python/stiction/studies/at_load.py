@@ -62,7 +62,7 @@ def at_load(
     ----------
     result : Result, or xarray.Dataset of member sums
     loads : (l,) array_like of float, mN
-        Above 0.
+        Above 0. Of bodies that adhere 0 is read at `unloaded_load`.
     mu0 : (m,) array_like of float, optional
     tau0 : (t,) array_like of float, GPa, optional
         Those of the study by default; nothing is computed again for others.
@@ -97,6 +97,8 @@ def at_load(
     reading = reading or ("elastic" if measured else "mean")
     check_choice("reading", reading, Reading)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
+    if study.contact.adheres and 0 in values:
+        values = np.unique(np.where(values == 0, unloaded_load(result), values))
     if not values.size or not (values > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     material = material_of(result.head, mu0, tau0)
@@ -133,8 +135,19 @@ def is_unloaded(result: Result) -> bool:
     study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
-    pull_off = [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
-    return float(study.friction.load[-1]) < NO_LOAD * max(pull_off)
+    return float(study.friction.load[-1]) < NO_LOAD * max(_pull_offs(result))
+
+
+def unloaded_load(result: Result) -> float:
+    """Return a load (mN) at which bodies that adhere are as without a load: the lowest solved one, or a smaller one."""
+    negligible = NO_LOAD * min(_pull_offs(result))
+    lowest = float(result.study.contact.steps()[0])
+    return lowest if lowest < negligible else 0.1 * negligible
+
+
+def _pull_offs(result: Result) -> list[float]:
+    """Return mean pull-off forces of the pieces of a result, mN."""
+    return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
 
 
 # ---- Directions ------------------------------------------------------------------------------------------------------
