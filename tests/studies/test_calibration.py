@@ -351,6 +351,7 @@ def test_prior_information_is_preserved() -> None:
         (lambda: FrictionTest(BALL, 1, coefficient=0.1, force=1), "one of coefficient and force"),
         (lambda: FrictionTest(BALL, "1 um", coefficient=0.1), "load .* unit"),
         (lambda: FrictionTest(BALL, 1, coefficient=-0.1), "not be negative"),
+        (lambda: FrictionTest(BALL, 1, coefficient=1e-310, uncertainty=1e-311), "must be at least 1e-15"),
         (lambda: calibrate(ball_tests(), common=2), "below 1"),
         (lambda: calibrate(ball_tests(), tau0="3 um"), "tau0"),
         (lambda: calibrate([*ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]), "all tests, or of none"),

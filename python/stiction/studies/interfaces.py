@@ -208,6 +208,10 @@ class _ResultYields(_Yields):
         return factor
 
 
+MIN_UNCERTAINTY = 1e-15
+"""Least standard uncertainty of a measured coefficient; weights of smaller ones overflow."""
+
+
 @dataclass(frozen=True)
 class FrictionTest:
     """One friction test: what was pressed, under which load, and what was measured.
@@ -266,7 +270,10 @@ class FrictionTest:
         object.__setattr__(self, "coefficient", found)
         object.__setattr__(self, "load", load)
         if self.uncertainty is not None:
-            object.__setattr__(self, "uncertainty", self._uncertainty_of_coefficient(load))
+            found = self._uncertainty_of_coefficient(load)
+            if not found >= MIN_UNCERTAINTY:
+                raise ValueError(f"uncertainty of a coefficient must be at least {MIN_UNCERTAINTY:g}, got {found:g}")
+            object.__setattr__(self, "uncertainty", found)
 
     def _uncertainty_of_coefficient(self, load: float) -> float:
         """Standard uncertainty of the coefficient: a force is over the load (mN), and a percentage relative."""
