@@ -114,3 +114,17 @@ def test_tip_reconstructed_inverts_dilation_at_certain_points(body):
     again = tip_reconstructed(type(body)(dilated(smooth, radius), spacing=body.spacing), radius)
     inner = tuple(slice(20, -20) for _ in again[1].shape)
     assert again[1][inner].all()  # a ball follows what is blunter than itself
+
+
+@pytest.mark.parametrize("factor", [0.0, 1e-71, 1e-160, 1e-300])
+def test_scans_whose_squares_underflow_are_flat(factor):
+    heights = np.random.default_rng(3).normal(size=64)
+    with pytest.raises(ValueError, match="second must not be flat"):
+        compare_repeated_scans(Profile(heights, spacing=0.1), Profile(factor * heights, spacing=0.1))
+
+
+def test_orthogonal_slopes_are_no_division_by_zero():
+    first, second = np.zeros((2, 16))
+    first[3], second[11] = 1.0, 1.0
+    with pytest.raises(ValueError, match=r"correlation|overlap"):
+        compare_repeated_scans(Profile(first, spacing=0.1), Profile(second, spacing=0.1))

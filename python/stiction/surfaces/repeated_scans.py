@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MAX_NOISE_FRACTION = 0.1  # largest noise fraction of the mean square slope: the error of h' is then below 5 %
+MIN_RANGE = 1e-70  # of the heights of a scan, µm; powers of smaller ones underflow
 MIN_CORRELATION = 0.5  # smallest correlation of two scans of the same area
 _SMOOTHED = (8.0, 4.0, 2.0, 1.0, 0.0)  # widths (points) of the Gaussian filters in successive alignment stages
 _STEPS = 4  # Gauss-Newton steps per stage
@@ -145,7 +146,7 @@ def _check(first: Any, second: Any) -> None:
     for name, body in (("first", first), ("second", second)):
         as_body(name, body)
         reject_missing(body, "comparing two scans")
-        if body.is_flat:
+        if not np.ptp(body.heights) > MIN_RANGE:
             raise ValueError(f"{name} must not be flat")
     if type(first) is not type(second) or not np.allclose(first.spacing, second.spacing, rtol=1e-6, atol=0):
         raise ValueError(
@@ -184,7 +185,10 @@ def _aligned(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
             moved = moved + np.clip(step[: there.ndim], -2 - width, 2 + width)
         # Variance of the shift, from the residual (correlated by the filter) and the common slopes.
         alike = [float((own * each).mean()) for own, each in zip(_slopes(one[above]), slopes, strict=True)]
-        spread = sum(float(np.square(each).mean()) / both**2 for each, both in zip(slopes, alike, strict=True))
+        spread = sum(
+            float(np.square(each).mean()) / both**2 if both**2 > 0 else math.inf
+            for each, both in zip(slopes, alike, strict=True)
+        )
         spread *= float(np.sum(off)) * max(1.0, _CORRELATED_POINTS * width) ** a.ndim
         best = min(best, (spread, moved), key=lambda each: each[0])
     moved = best[1]
