@@ -155,7 +155,7 @@ def answer_text(
     lines += [answers_text(found)] if loaded else []
     parts.append("\n".join([*lines, doubts_text(found, None if verbose else most)]))
     is_known = any(math.isfinite(one.value) or one.unloaded for one in found)
-    quantities = quantities_text(first, study, verbose=verbose) if is_known else ""
+    quantities = quantities_text(first, study, verbose=verbose, cell=_first_cell(found)) if is_known else ""
     details = _details(found[0]) if len(found) == 1 else ""
     if verbose:
         parts += [details, fitted(slopes_text(found[0], point, study)), quantities]
@@ -346,7 +346,14 @@ _SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
 """Least value, factor and name of units without prefixes, by which large numbers have few digits."""
 
 
-def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) -> str:
+def _first_cell(found: Sequence[Answer]) -> str:
+    """Return the coordinates of the first of several cells, as in "H = 0.9"; empty if there is a single cell."""
+    hidden = {"load", "mu0", "tau0", *(["fractal_dimension"] if "hurst_exponent" in found[0].at else [])}
+    names = [name for name in found[0].at if name not in hidden and len({one.at[name] for one in found}) > 1]
+    return ", ".join(f"{_TITLES.get(name, name)} = {_coordinate(name, found[0].at[name])}" for name in names)
+
+
+def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False, cell: str = "") -> str:
     """Means and 95 % intervals of one cell: a row for each quantity, a column for each load; by the rule to quote."""
     one = at.isel({name: 0 for name in ("mu0", "tau0") if name in at.dims})
     one = one.sel(sliding=rules_of(study)[0]) if "sliding" in one.dims else one
@@ -376,7 +383,8 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False) 
     if in_words:
         words = "; ".join(f"{name} {value.removesuffix(' no interval')} {unit}".rstrip() for name, unit, value in rows)
         return fitted(f"{words[:1].upper()}{words[1:]}.")
-    names = ["mean [95 %]", *(load_text(point, study) for point in loads)]
+    head = f"{cell}, mean [95 %]" if cell else "mean [95 %]"
+    names = [head, *(load_text(point, study) for point in loads)]
     columns = [[f"{name} ({unit})" if unit else name, *cells] for name, unit, *cells in rows]
     if len(loads) == 1:
         return aligned([names, *columns])
