@@ -4,7 +4,6 @@ import sys
 from pathlib import Path
 
 from stiction import Study, run, self_affine_surface, write_surface
-from stiction.studies.at_load import at_load
 from stiction.views.figures import drawn
 from stiction.views.text import result_text
 
@@ -39,5 +38,5 @@ study = Study().with_changes(
     }
 )
 result = run(study)
-print(result_text(at_load(result, study.friction.load), study))
+print(result_text(result.summary()))
 drawn(result, Path())

@@ -56,6 +56,21 @@ def test_layers_import_only_from_lower_layers(room):
             assert known.startswith("_") or known in allowed or source.name == "__main__.py", f"{source}: {name}"
 
 
+COMPUTED = ("studies.store", "studies.intervals", "studies.runner", "studies.complete")
+"""Modules that read stored results, compute statistics or solve: a view takes what `Result` and `Summary` have."""
+
+STILL_COMPUTED = {"views/report/result.py": "studies.intervals", "views/pair.py": "studies.complete"}
+"""Exceptions: a report with statistics of its own, and `stiction.pair`, which is no view."""
+
+
+def test_views_import_no_store_and_no_statistics():
+    for source in sorted(path.relative_to(PACKAGE) for path in (PACKAGE / "views").rglob("*.py")):
+        for name in imported(source):
+            module = name.removeprefix("stiction.")
+            if STILL_COMPUTED.get(source.as_posix(), "nothing") not in module:
+                assert not module.startswith(COMPUTED), f"{source}: {name}"
+
+
 def loaded_of_others(code):
     code = f"import sys; before = set(sys.modules); {code}; print(*(set(sys.modules) - before))"
     said = subprocess.check_output([sys.executable, "-c", code], text=True).splitlines()[-1]

@@ -10,7 +10,6 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import flipped, half_space, levelled, pair, read_profile
-from stiction.views.answer import headlines
 from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, RULES, STYLE, UPPER, label, save_picture
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -44,7 +43,7 @@ def friction_against_load():
             directory=folder,
             **GIVEN,
         )
-        found = headlines(result.answers)
+        found = result.summary().headlines
         rules = [{each.rule: (each.value, each.lower, each.upper) for each in one.rules} for one in found]
         return {rule: np.transpose([one[rule] for one in rules]) for rule in RULES}
 

@@ -16,7 +16,7 @@ from scipy.ndimage import uniform_filter
 from scipy.sparse.linalg import LinearOperator, cg
 from scipy.stats import t as student
 from stiction import Study, Surface, half_space, press, run, self_affine_surface
-from stiction.views.digits import with_interval
+from stiction._number_format import with_interval
 
 DOCS = Path(__file__).parents[1]
 

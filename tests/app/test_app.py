@@ -16,10 +16,10 @@ pytest.importorskip("selenium", reason="selenium is not installed")
 
 from app.served import PATIENCE, served, until, write_maps
 from stiction import Profile, Study, Surface, run, write_profile, write_surface
+from stiction._number_format import with_unit
 from stiction.app.run import ALONE, is_left
 from stiction.app.server import OPTIONS
 from stiction.cli import showing
-from stiction.views.digits import with_unit
 from support.command import call_stiction, check_stiction
 
 pytestmark = browser.IN_BROWSER

@@ -7,10 +7,10 @@ import shutil
 import pytest
 import xarray
 from stiction import open_result, run, self_affine, self_affine_surface, write_profile, write_surface
+from stiction._number_format import quoted
 from stiction.studies.at_load import at_load
 from stiction.studies.store import open_stored
-from stiction.views.answer import answers
-from stiction.views.digits import quoted
+from stiction.studies.summary import summarize
 from stiction.views.rows import SCHEMA
 from support.command import assert_rejected, call_stiction, check_stiction
 from support.generated_studies import SMALL
@@ -69,7 +69,7 @@ def test_at_equals_library_for_any_mu0_and_tau0(folder, name):
     expected = at_load(stored, loads, **material)
     if name == "study":
         expected = expected.sel(fractal_dimension=[1.3], method="nearest").isel(amplitude=[0])
-    expected = answers(expected, stored.study)
+    expected = summarize(expected, stored.study).points
     assert [one["verdict"] for one in record["answers"]] == [one.verdict for one in expected]
     assert [one["at"]["load"] for one in record["answers"]] == pytest.approx([one.at["load"] for one in expected])
     for one, other in zip(record["answers"], expected, strict=True):

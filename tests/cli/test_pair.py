@@ -12,19 +12,19 @@ import stiction
 import typer
 from stiction import Study, effective_modulus, run, self_affine, self_affine_surface, tabor_friction, write_profile
 from stiction._errors import ArgumentError
+from stiction._number_format import quoted
 from stiction.cli.application import app, tell
 from stiction.cli.options import announce_reader
 from stiction.cli.pair_options import given_options
 from stiction.studies import store
 from stiction.studies.at_load import at_load
+from stiction.studies.input_caveats import doubts_of_inputs
 from stiction.studies.members import bodies_of
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import read_options
 from stiction.studies.pressed import pressed_to_loads
 from stiction.studies.store import export
 from stiction.studies.values import StudyError
-from stiction.views.digits import quoted
-from stiction.views.inputs import doubts_of_inputs
 from support.command import assert_rejected, call_stiction, check_stiction
 
 MATERIAL = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "50 MPa"]
@@ -685,10 +685,10 @@ def test_noise_floor_is_filtered_from_its_scan_and_reported():
     assert np.array_equal(track.heights, raw_track.heights)
     assert not np.array_equal(slider.heights, raw_slider.heights)
     result = stiction.pair(noisy, clean, onset=0, **asked)
-    filtered = result.answers[0]
+    filtered = result.summary().points[0]
     assert filtered.at["cut_off"] == limit.cut_off
     assert filtered.verdict != "Quote it"
-    other = next(each for each in result.answers if each.at["cut_off"] == 0)
+    other = next(each for each in result.summary().points if each.at["cut_off"] == 0)
     assert other.covered
     assert filtered.lower <= other.lower <= other.upper <= filtered.upper
     assert result.to_dataframe()["cut-off (um)"].iloc[0] == pytest.approx(limit.cut_off)

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from stiction import Study, half_space, pair, run, self_affine_surface
 from stiction.mechanics.quantities import HELD
+from stiction.studies.assessment import ADDED, TYPICAL_WORK, added_by_adhesion
 from stiction.studies.at_load import at_load
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.members import bodies_of
-from stiction.views.doubts import ADDED, TYPICAL_WORK, added_by_adhesion
-from stiction.views.point import is_unloaded, points
+from stiction.studies.point import is_unloaded, points
+from stiction.studies.sticking import Sticking
 from stiction.views.rows import csv_text, record_text
-from stiction.views.sticking import Sticking
+from stiction.views.sticking import sticking_text
 from support.rough_surfaces import rough_maps
 
 EXACT = 1e-9
@@ -74,8 +75,8 @@ def test_pull_off_is_in_rows_text_report_and_figure(sticky, tmp_path):
     said = repr(sticky)
     assert said.startswith("Sticks without a load: yes. Pull-off force ")
     for words in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
-        assert words in csv_text(sticky.at_study_loads, sticky.study).splitlines()[0]
-    values = json.loads(record_text("pair", sticky.at_study_loads, sticky.study))["values"]
+        assert words in csv_text(sticky.summary()).splitlines()[0]
+    values = json.loads(record_text("pair", sticky.summary()))["values"]
     assert {each["unit"] for each in values if each["name"] in HELD} == {"mN", "GPa"}
     assert "adhesion 50 mJ/m² over 0.5 nm" in sticky.sentence
     (at_no_load,) = {
@@ -97,19 +98,19 @@ def test_pull_off_is_in_rows_text_report_and_figure(sticky, tmp_path):
 
 def test_pair_without_load_assesses_sticking(sticky):
     free, mixed = (pressed(load=load, **WORK) for load in (0, ["0", "20 MPa"]))
-    (answer,) = free.answers
+    (answer,) = free.summary().points
     assert answer.unloaded
-    assert answer.load == "no load"
+    assert "at no load" in free.sentence
     assert answer.sticking.sticks == "yes"
-    assert answer.sticking.pull_off == pytest.approx(sticky.answers[0].sticking.pull_off, rel=OF_SOLUTIONS)
+    assert answer.sticking.pull_off == pytest.approx(sticky.summary().points[0].sticking.pull_off, rel=OF_SOLUTIONS)
     assert free.dataset["load"].values.max() < 0.01 * float(free.dataset["pull_off"].mean())
-    assert [one.unloaded for one in mixed.answers] == [True, False]
-    assert mixed.answers[1].value == pytest.approx(sticky.answers[1].value, rel=OF_SOLUTIONS)
-    record = json.loads(record_text("pair", free.at_study_loads, free.study))["answers"][0]
+    assert [one.unloaded for one in mixed.summary().points] == [True, False]
+    assert mixed.summary().points[1].value == pytest.approx(sticky.summary().points[1].value, rel=OF_SOLUTIONS)
+    record = json.loads(record_text("pair", free.summary()))["answers"][0]
     assert record["sticking"]["sticks"] == "yes"
     assert record["sticking"]["pull_off"]["lower"] < record["sticking"]["pull_off"]["value"]
     assert record["verdict"] == "Do not quote"
-    assert answer.sticking.text.removesuffix(".") in free.sentence
+    assert sticking_text(answer.sticking).removesuffix(".") in free.sentence
     with pytest.raises(ValueError, match="load must be above 0, got 0"):
         pressed(load=0)
     # Without a solved load that is negligible, the pull-off force is the same, and there is no area.
@@ -248,8 +249,8 @@ def test_complete_contact_is_a_status_in_text_rows_and_json(tmp_path):
     soft = pressed(effective_modulus="2 MPa", load="1 MPa", tau0="0.1 MPa", adhesion_range="25 nm", **WORK)
     fraction = soft.at_study_loads["contact_area_fraction"]
     assert float(fraction.max()) == 1
-    assert soft.answers[0].contact_status == "complete"
-    record = json.loads(record_text("pair", soft.at_study_loads, soft.study))
+    assert soft.summary().points[0].contact_status == "complete"
+    record = json.loads(record_text("pair", soft.summary()))
     assert record["answers"][0]["contact_status"] == "complete"
     (row,) = (each for each in record["values"] if each["name"] == "contact_area_fraction")
     assert (row["status"], row["value"]) == ("complete", 1.0)

@@ -14,8 +14,8 @@ from stiction.studies.executors import threads
 from stiction.studies.hardness import areas_over_hardness, bodies_wanted, inputs_of
 from stiction.studies.known import ENDS, known
 from stiction.studies.pair import pair_study
+from stiction.studies.summary import summarize
 from stiction.studies.values import StudyError
-from stiction.views.answer import answers
 from support.rough_surfaces import rough_maps
 
 SIDES = ("upper", "lower")
@@ -70,7 +70,7 @@ def test_range_of_tau0_scales_the_adhesive_part() -> None:
     result = pair(
         *bodies(rms=0.001), load="2 MPa", mu0=0.2, tau0="20..80 MPa", effective_modulus="80 GPa", **QUICK
     )  # fmt: skip
-    _, adhesion, _ = result.answers[0].parts
+    _, adhesion, _ = result.summary().points[0].parts
     one_position = result.budget.set_index("input").loc["positions"]
     assert (one_position.lower, one_position.upper) == pytest.approx(
         (0.2 + adhesion / 2, 0.2 + 2 * adhesion), rel=BY_DRAWS
@@ -120,7 +120,11 @@ def test_large_maps_solve_two_members_over_hardness(monkeypatch) -> None:
 @pytest.mark.parametrize("rms", [0.03, 0.003])  # plastic, and between elastic and plastic
 def test_dwell_time_equals_reduced_hardness(rms) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **QUICK)
-    waited = pair(*bodies(rms=rms), hardness="0.8 GPa", wait=["1 s", "1 h", "10 d"], creep=0.04, **kwargs).answers[0]
+    waited = (
+        pair(*bodies(rms=rms), hardness="0.8 GPa", wait=["1 s", "1 h", "10 d"], creep=0.04, **kwargs)
+        .summary()
+        .points[0]
+    )
     assert [each.seconds for each in waited.waited] == [1, 3600, 864000]
     assert waited.waited[0].value == pytest.approx(waited.value, rel=1e-9)
     for each in waited.waited[1:]:
@@ -134,7 +138,9 @@ def test_dwell_time_equals_reduced_hardness(rms) -> None:
 
 def test_range_of_creep_exponent_widens_aged_values_only() -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="0.8 GPa", **QUICK)
-    exact, wide = (pair(*bodies(rms=0.03), wait="1 d", creep=m, **kwargs).answers[0] for m in ("0.03", "0.02..0.04"))
+    exact, wide = (
+        pair(*bodies(rms=0.03), wait="1 d", creep=m, **kwargs).summary().points[0] for m in ("0.03", "0.02..0.04")
+    )
     assert exact.waited[0].value == pytest.approx(wide.waited[0].value, rel=1e-3)  # other nodes
     assert (exact.lower, exact.upper) == pytest.approx((wide.lower, wide.upper), rel=1e-9)
     low, high = (0.2 + 0.05 / 0.8 * 86400**m for m in (0.02, 0.04))
@@ -298,7 +304,7 @@ def test_intervals_are_nested_and_positive(monkeypatch) -> None:
             spread_low=at["spread_low"] * 0 + value * (1 - scatter / 2),
             spread_high=at["spread_high"] * 0 + value * (1 + scatter),
         )
-        (found,) = answers(with_uncertainty(point, result.source), result.study)
+        (found,) = summarize(with_uncertainty(point, result.source), result.study).points
         rule = found.rules[0]
         assert rule.rule == "all"
         assert 0 < rule.lower <= rule.positions[0] <= rule.value <= rule.positions[1] <= rule.upper

@@ -60,7 +60,7 @@ def result(film):
 
 
 def test_mu0_and_tau0_of_interface_enter_the_interval_jointly(film, result) -> None:
-    _, adhesion, _ = result.answers[0].parts
+    _, adhesion, _ = result.summary().points[0].parts
     fit = interface(film).fits[0]
     area = adhesion / np.median(fit.tau0)
     friction = fit.mu0 + fit.tau0 * area
@@ -74,7 +74,7 @@ def test_mu0_and_tau0_of_interface_enter_the_interval_jointly(film, result) -> N
     known = result.study.known
     apart = pair(*bodies(), mu0=known.mu0, tau0=known.tau0, **QUICK)
     assert np.ptp(apart.interval) > 1.2 * np.ptp(result.interval)  # correlation is lost
-    assert "interface film (measured)" in result.answers[0].inputs
+    assert "interface film (measured)" in result.sentence
 
 
 def test_interface_is_ignored_at_another_mu0(result) -> None:
@@ -104,7 +104,7 @@ def test_named_interface_has_kind_and_source_and_is_accepted(name) -> None:
     assert about["motion"] in ("static", "kinetic")
     assert (about["kind"] == "lumped") == (about["tau0"] == "0 MPa")
     result = pair(*bodies(), interface=name, **QUICK)
-    assert f"interface {name} ({about['kind']}, {about['motion']}" in result.answers[0].inputs
+    assert f"interface {name} ({about['kind']}, {about['motion']}" in result.sentence
     assert result.interval[0] <= result.value <= result.interval[1]
 
 

@@ -106,7 +106,7 @@ def test_interval_is_open_if_many_samples_seize(tau0, has_end):
 
 def test_growth_after_dwell_uses_reduced_hardness():
     inputs = PLASTIC | STRENGTH | {"wait": "100 s", "creep": 0.05}
-    waited = pair(*bodies(), **inputs, junction_growth=27).answers[0].waited[-1].value
+    waited = pair(*bodies(), **inputs, junction_growth=27).summary().points[0].waited[-1].value
     softer = pair(*bodies(), **PLASTIC | STRENGTH | {"hardness": 0.5 * 100**-0.05}, junction_growth=27)
     assert waited == pytest.approx(coefficient(softer), rel=0.01)
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from stiction import Profile, Study, Surface, open_result, pair, self_affine_surface
+from stiction.studies.input_caveats import doubts_of_study
 from stiction.studies.intervals import of_scans, student_quantile
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.pair import Pair
 from stiction.surfaces.measured.writing import write_surface
-from stiction.views.inputs import doubts_of_study
 
 QUICK = {"load": "2 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "direction": [0.0, 180.0]}
 SEVERAL = [(3, 3), (3, 6), (4, 5), (6, 6)]  # scans of the upper and of the lower part
@@ -125,9 +125,9 @@ def test_variability_between_places_is_in_interval_and_budget(spread) -> None:
     if spread:
         assert pieces
         assert budget[list(pieces)].sum() > 0.2
-    assert "4 × 4 scans of both parts" in result.answers[0].note
+    assert "4 × 4 scans of both parts" in result.sentence
     one = pair(*(each[0] for each in scans), shifts=32, **given)
-    assert "one scan of each part" in one.answers[0].note
+    assert "one scan of each part" in one.sentence
     assert np.ptp(result.interval) > (1.5 if spread else 0.0) * np.ptp(one.interval)
     low, high = result.next_test
     assert low <= result.interval[0] < result.interval[1] <= high

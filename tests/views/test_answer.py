@@ -4,15 +4,17 @@ import math
 
 import numpy as np
 import pytest
-from stiction.views.answer import KAPPA, ORIGIN, READINGS_DIFFER, answer, answers, headlines, slopes_text
-from stiction.views.doubts import HIGH_PRESSURE, HIGHEST_PRESSURE, Doubt
-from stiction.views.point import over_text, points
+from stiction.studies.assessment import HIGH_PRESSURE, HIGHEST_PRESSURE, Doubt
+from stiction.studies.point import points
+from stiction.studies.summary import ORIGIN, summarize, summarize_point
+from stiction.views.point import over_text
+from stiction.views.sentence import KAPPA, READINGS_DIFFER, finer_text, inputs_text, sentence_text, slopes_text
 from stiction.views.text import answers_text
 from support.synthetic_results import generated, generated_study, measured, measured_study
 
 
 def one(at, study):
-    found = answers(at, study)
+    found = summarize(at, study).points
     assert len(found) == 1
     return found[0]
 
@@ -31,8 +33,8 @@ def test_measured_bodies_are_quoted_by_all_rub_first_and_with_their_inputs():
         "10 mN (1 MPa)", "μ0 = 0.2", "τ0 = 50 MPa", "E* = 100 GPa", "hardness 3 GPa", "points 100 nm apart",
         "the mean over 4 directions and 16 positions", "roughness contributes",
     ):  # fmt: skip
-        assert words in said.sentence
-    assert said.sentence.endswith(".")
+        assert words in sentence_text(said)
+    assert sentence_text(said).endswith(".")
     assert (said.rules[0].low, said.rules[0].high) == (0.04, 0.19)  # of several members
     assert one(measured(all_rub=0.1, half=1.2), measured_study()).lower == 0
     at = measured()
@@ -41,20 +43,20 @@ def test_measured_bodies_are_quoted_by_all_rub_first_and_with_their_inputs():
 
 
 def test_generated_bodies_are_quoted_by_the_papers_rule():
-    said = answers(generated(), generated_study())
+    said = summarize(generated(), generated_study()).points
     assert [each.at["fractal_dimension"] for each in said] == [1.1] * 4 + [1.4] * 4
     assert [rule.rule for rule in said[0].rules] == ["opposing"]
-    assert "D = 1.1" in said[0].sentence
-    assert "elastic" not in said[0].inputs
+    assert "D = 1.1" in sentence_text(said[0])
+    assert "elastic" not in inputs_text(said[0])
 
 
 def test_every_load_mu0_tau0_and_cut_off_has_an_answer():
-    said = answers(measured(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study())
+    said = summarize(measured(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study()).points
     assert [(each.at["load"], each.at["mu0"], each.at["tau0"]) for each in said] == [
         (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
     ]
-    said = answers(measured(cut_offs=(0.0, 0.5)), measured_study())
-    assert ["waves below 500 nm taken off" in each.sentence for each in said] == [False, True]
+    said = summarize(measured(cut_offs=(0.0, 0.5)), measured_study()).points
+    assert ["waves below 500 nm taken off" in sentence_text(each) for each in said] == [False, True]
 
 
 FAULTS = {
@@ -84,8 +86,8 @@ def test_what_is_not_to_be_quoted_has_no_number_in_its_sentence(name):
     said = one(measured(**raising), measured_study())
     assert said.verdict == "Do not quote"
     assert word in " ".join(doubt.text for doubt in said.doubts if doubt.severity == "fault")
-    assert "μ_s =" not in said.sentence
-    assert word in said.sentence
+    assert "μ_s =" not in sentence_text(said)
+    assert word in sentence_text(said)
     assert one(measured(**silent), measured_study()).verdict == "Quote it"
 
 
@@ -104,7 +106,7 @@ def test_what_is_to_be_quoted_with_care_says_why(name):
     said = one(measured(**raising), measured_study())
     assert said.verdict == "Quote with care"
     assert words in texts(said)
-    assert "μ_s = 0.21" in said.sentence
+    assert "μ_s = 0.21" in sentence_text(said)
 
 
 def test_a_scan_that_is_much_coarser_than_the_other_is_said():
@@ -147,28 +149,28 @@ def test_rubber_that_does_not_yield_is_not_doubted_by_what_other_materials_do(ki
     for modulus, doubted in ((0.003, False), (0.2, False)):
         study = study.with_changes({"contact.effective_modulus": f"{modulus} GPa"})
         at = at.assign_coords(effective_modulus=modulus)
-        assert any("pressure" in doubt.text for doubt in answers(at, study)[0].doubts) == doubted
+        assert any("pressure" in doubt.text for doubt in summarize(at, study).points[0].doubts) == doubted
     at["mean_pressure"] = 0 * at["mean_pressure"] + 0.02
-    assert any("pressure" in doubt.text for doubt in answers(at, study)[0].doubts)
+    assert any("pressure" in doubt.text for doubt in summarize(at, study).points[0].doubts)
 
 
 def test_soft_bodies_are_compared_with_a_hardness_that_is_known():
     study = measured_study(mechanics="asperities")
     study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
     at = measured(mean_pressure=2.0).assign_coords(effective_modulus=0.05)
-    assert any("brass yields" in doubt.text for doubt in answers(at, study)[0].doubts)
+    assert any("brass yields" in doubt.text for doubt in summarize(at, study).points[0].doubts)
 
 
 def test_pressures_of_generated_bodies_are_a_caution_at_most():
     for pressure, verdict in ((0.4, "Quote it"), (0.6, "Quote with care")):
-        said = answers(generated(mean_pressure=pressure), generated_study())
+        said = summarize(generated(mean_pressure=pressure), generated_study()).points
         assert {each.verdict for each in said} == {verdict}
 
 
 def test_where_there_is_no_coefficient_its_status_is_the_reason():
     said = one(measured(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
     assert (said.status, said.verdict) == ("not-reached", "Do not quote")
-    assert "no solved load is as large" in said.sentence
+    assert "no solved load is as large" in sentence_text(said)
     text = answers_text([one(measured(all_rub=np.nan, opposing=np.nan), measured_study())])
     assert text.startswith("μ_s = none")
     assert "ok" not in text.splitlines()[0]
@@ -177,7 +179,7 @@ def test_where_there_is_no_coefficient_its_status_is_the_reason():
 def test_doubts_about_the_bodies_are_told_beside_and_faults_come_first():
     beside = Doubt("a parabola carries the load", "try --level quadratic", "caution")
     at = measured(share_at_edge=0.6)
-    said = answer(next(points(at)), measured_study(), beside=[beside])
+    said = summarize_point(next(points(at)), measured_study(), [beside])
     assert [doubt.severity for doubt in said.doubts] == ["fault", "caution"]
     assert said.doubts[1] == beside
 
@@ -199,15 +201,16 @@ def test_what_was_averaged_is_said(directions, words):
 
 def test_lines_have_two_directions_and_as_cylinders_or_half_planes_a_nominal_pressure():
     said = one(measured(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities"))
-    assert "the mean over both directions and 16 positions" in said.sentence
-    assert "(1 MPa)" not in said.sentence  # of spheres on a strip as thick as somebody chose
+    assert "the mean over both directions and 16 positions" in sentence_text(said)
+    assert "(1 MPa)" not in sentence_text(said)  # of spheres on a strip as thick as somebody chose
     for study in ({"mechanics": "asperities", "law": "hertz-cylinder"}, {"mechanics": "half-space"}):
-        assert "(1 MPa)" in one(measured(directions=(0.0, 180.0)), measured_study(press="lines", **study)).sentence
+        said = one(measured(directions=(0.0, 180.0)), measured_study(press="lines", **study))
+        assert "(1 MPa)" in sentence_text(said)
 
 
 def test_which_load_is_meant_is_said_where_it_matters():
     for difference, said in ((2 * READINGS_DIFFER, True), (READINGS_DIFFER / 2, False)):
-        sentence = one(measured(reading_difference=difference), measured_study()).sentence
+        sentence = sentence_text(one(measured(reading_difference=difference), measured_study()))
         assert ("the load is that of the elastic contact" in sentence) == said
         assert ("by another reading μ_s differs by 2 %" in sentence) == said
 
@@ -221,12 +224,12 @@ def test_the_slopes_alone_say_what_they_leave_out():
         (measured(rms_gradient=gradient, mean_pressure=pressure / 2), None, ["no check of this pair"]),
     ):
         study = measured_study(hardness=hardness)
-        said = slopes_text(one(at, study), next(points(at)), study)
+        said = slopes_text(one(at, study))
         assert "predict 0.21 if all contacts rub" in said
         for each in ("hardness", "no check of this pair"):
             assert (each in said) == any(each in word for word in words)
     without = measured(rms_gradient=gradient, mean_pressure=pressure / 2, tau0=(0.0,))
-    assert "no check" not in slopes_text(one(without, measured_study()), next(points(without)), measured_study())
+    assert "no check" not in slopes_text(one(without, measured_study()))
 
 
 @pytest.mark.parametrize("is_floor", [True, False])
@@ -243,10 +246,10 @@ def test_first_of_two_readings_is_quoted_with_an_interval_over_both(is_floor):
     severity = "caution" if is_floor else "fault"
     doubt = Doubt("waves below 400 nm have 40 % of the slope", "--cutoff '400 nm'", severity, 0.4, True)
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
-    found = answers(at, study, beside=[doubt])
+    found = summarize(at, study, input_caveats=[doubt]).points
     assert [one.covered for one in found] == [False, False, True, True]
     assert [one.at["cut_off"] for one in found] == [cut_offs[0]] * 2 + [cut_offs[1]] * 2
-    for one in headlines(found):
+    for one in [each for each in found if not each.covered]:
         assert one.verdict == ("Quote with care" if is_floor else "Do not quote")
         assert (one.value, one.lower, one.upper) == pytest.approx((0.25, 0.21 * 0.98, 0.25 * 1.02))
         words = "with" if is_floor else "without"
@@ -256,15 +259,15 @@ def test_first_of_two_readings_is_quoted_with_an_interval_over_both(is_floor):
         ]  # fmt: skip
         assert one.most.words == ORIGIN
         assert (one.bracket is None) == (not is_floor)
-    alone = answers(at, measured_study(hardness=2.0))
-    assert headlines(alone) == alone
+    alone = summarize(at, measured_study(hardness=2.0))
+    assert alone.headlines == list(alone.points)
 
 
 def test_filtered_reading_keeps_the_faults_of_the_scan_as_measured():
     at = measured(cut_offs=(0.5, 0.0), half=0.02, all_rub=0.25)
     at["friction_all_round"].loc[{"cut_off": 0.0, "statistic": "upper"}] = 2.0  # an interval too wide to quote
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
-    quoted, other = answers(at, study)
+    quoted, other = summarize(at, study).points
     assert other.verdict == quoted.verdict == "Do not quote"
     assert any(each.text.startswith("as measured: ") for each in quoted.faults)
 
@@ -278,22 +281,22 @@ def with_materials(hardness, names=("mild steel", "brass")):
 
 
 def test_with_a_hardness_every_finer_scan_lies_between_two_ends():
-    one = answers(measured(all_rub=0.24, half=0.01), measured_study(hardness=2.0))[0]
+    one = summarize(measured(all_rub=0.24, half=0.01), measured_study(hardness=2.0)).points[0]
     limit = 0.2 + 0.05 / 2
     # The interval's end, and what is above the limit a fifth more for the load that moves between many contacts.
     assert one.bracket == pytest.approx((limit, limit + (0.24 * 1.01 - limit) * math.exp(0.2)))
-    assert "a finer scan would give 0.225 (μ0 + τ0/H) to 0.246" in one.sentence
-    alike = answers(measured(all_rub=0.2, half=1e-4, tau0=(0.0,)), measured_study(hardness=2.0))[0]
-    assert "a finer scan would give 0.200 (μ0 + τ0/H)" in alike.sentence
-    assert answers(measured(), measured_study())[0].bracket is None
+    assert "a finer scan would give 0.225 (μ0 + τ0/H) to 0.246" in sentence_text(one)
+    alike = summarize(measured(all_rub=0.2, half=1e-4, tau0=(0.0,)), measured_study(hardness=2.0)).points[0]
+    assert "a finer scan would give 0.200 (μ0 + τ0/H)" in sentence_text(alike)
+    assert summarize(measured(), measured_study()).points[0].bracket is None
     asperities = measured_study(hardness=2.0, mechanics="asperities")
-    assert answers(measured(), asperities)[0].bracket is None
+    assert summarize(measured(), asperities).points[0].bracket is None
     # The ends meet where slopes put the answer below the limit.
-    low, high = answers(measured(all_rub=0.22, half=0.01), measured_study(hardness=2.0))[0].bracket
+    low, high = summarize(measured(all_rub=0.22, half=0.01), measured_study(hardness=2.0)).points[0].bracket
     assert low == pytest.approx(0.22)
     assert low < high
     # Nothing is said of finer scans where nothing is to be quoted.
-    one = answers(measured(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0))[0]
+    one = summarize(measured(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (one.verdict, one.bracket) == ("Do not quote", None)
     assert "finer scan" not in answers_text([one])
 
@@ -301,19 +304,19 @@ def test_with_a_hardness_every_finer_scan_lies_between_two_ends():
 @pytest.mark.parametrize(("known", "said"), [("1.1 GPa", "1.1 GPa;"), ("0.9..1.3 GPa", "1.1 GPa (0.9..1.3 GPa);")])
 def test_a_hardness_has_its_range_where_it_has_one(known, said):
     study = measured_study(hardness=1.1).with_changes({"known.hardness": known})
-    assert f"hardness {said}" in one(measured(), study).sentence.replace(", points", ";")
+    assert f"hardness {said}" in sentence_text(one(measured(), study)).replace(", points", ";")
 
 
 def test_surfaces_that_nobody_scanned_are_said():
-    one = answers(measured(members=16), measured_study(press="surrogates"))[0]
-    assert "16 pairs of random surfaces with these spectra" in one.sentence
-    assert "random" not in answers(measured(members=16), measured_study())[0].sentence
+    one = summarize(measured(members=16), measured_study(press="surrogates")).points[0]
+    assert "16 pairs of random surfaces with these spectra" in sentence_text(one)
+    assert "random" not in sentence_text(summarize(measured(members=16), measured_study()).points[0])
 
 
 def test_materials_are_named_with_the_range_of_the_softer_hardness():
-    one = answers(measured(load_share_at_hardness=0.9), with_materials(0.625))[0]
-    assert "mild steel on brass" in one.inputs
-    assert "hardness 625 MPa (230 MPa to 1.7 GPa)" in one.inputs
+    one = summarize(measured(load_share_at_hardness=0.9), with_materials(0.625)).points[0]
+    assert "mild steel on brass" in inputs_text(one)
+    assert "hardness 625 MPa (230 MPa to 1.7 GPa)" in inputs_text(one)
 
 
 @pytest.mark.parametrize(
@@ -322,17 +325,18 @@ def test_materials_are_named_with_the_range_of_the_softer_hardness():
 )
 def test_junction_growth_is_a_caveat_where_it_raises_friction_by_a_twentieth(tau0, said):
     at = measured(load_share_at_hardness=0.9, mu0=(0.1 if tau0 < 0.02 else 0.2,), tau0=(tau0,))
-    grown = [each.text for each in answers(at, with_materials(0.625))[0].doubts if "junction growth" in each.text]
+    doubts = summarize(at, with_materials(0.625)).points[0].doubts
+    grown = [each.text for each in doubts if "junction growth" in each.text]
     assert len(grown) == (said is not None)
     assert said is None or said in grown[0]
-    elastic = answers(measured(load_share_at_hardness=0.0, tau0=(tau0,)), with_materials(0.625))[0].doubts
+    elastic = summarize(measured(load_share_at_hardness=0.0, tau0=(tau0,)), with_materials(0.625)).points[0].doubts
     assert not any("junction growth" in each.text for each in elastic)
 
 
 def test_without_adhesion_it_is_the_mu0_that_was_given():
     at = measured(tau0=(0.0,))
     at["friction_all_round"] = at["friction_all_round"] / 0.21 * 0.2012
-    doubts = [each.text for each in answers(at, measured_study())[0].doubts]
+    doubts = [each.text for each in summarize(at, measured_study()).points[0].doubts]
     assert doubts == ["τ0 is 0, so this is the μ0 that was given; these surfaces add 0.001"]
 
 
@@ -342,7 +346,8 @@ def test_without_adhesion_it_is_the_mu0_that_was_given():
 def test_materials_that_must_have_yielded_are_named(pressure, severity):
     study = measured_study(mechanics="asperities")
     study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
-    found = [doubt for doubt in answers(measured(mean_pressure=pressure), study)[0].doubts if "brass" in doubt.text]
+    doubts = summarize(measured(mean_pressure=pressure), study).points[0].doubts
+    found = [doubt for doubt in doubts if "brass" in doubt.text]
     assert [doubt.severity for doubt in found] == severity
     assert all("brass yields at 230 MPa to 1.7 GPa" in doubt.text for doubt in found)
 
@@ -351,19 +356,19 @@ def test_materials_that_must_have_yielded_are_named(pressure, severity):
     "study", [with_materials(2.0), with_materials(0.625, ("one", "another")), measured_study(hardness=2.0)]
 )
 def test_a_hardness_that_was_measured_has_no_range(study):
-    one = answers(measured(load_share_at_hardness=0.9), study)[0]
-    assert "known" not in one.inputs
+    one = summarize(measured(load_share_at_hardness=0.9), study).points[0]
+    assert "known" not in inputs_text(one)
     assert not any("softer material" in doubt.text for doubt in one.doubts)
 
 
 def test_no_finer_scan_is_spoken_of_where_nothing_is_to_be_quoted():
-    one = answers(measured(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0))[0]
+    one = summarize(measured(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (one.verdict, one.bracket) == ("Do not quote", None)
     assert "finer scan" not in answers_text([one])
 
 
 def test_the_ends_meet_where_slopes_put_the_answer_below_the_limit():
-    low, high = answers(measured(all_rub=0.22, half=0.01), measured_study(hardness=2.0))[0].bracket
+    low, high = summarize(measured(all_rub=0.22, half=0.01), measured_study(hardness=2.0)).points[0].bracket
     assert low == pytest.approx(0.22)
     assert low < high
 
@@ -380,16 +385,17 @@ def test_roughness_contributes_what_mu0_tau0_and_the_hardness_leave():
     assert said.from_roughness == pytest.approx(0.23 - 0.2 - 0.05 / 3.0)
     assert said.hardness == 3.0
     assert one(measured(all_rub=0.23), measured_study()).from_roughness == pytest.approx(0.03)
-    assert answers(generated(), generated_study())[0].from_roughness is None
+    assert summarize(generated(), generated_study()).points[0].from_roughness is None
 
 
 def test_bracket_of_finer_scans_names_its_hardness():
-    assert one(measured(), measured_study(hardness=3.0)).finer.startswith("at H = 3 GPa a finer scan would give 0.21")
-    assert one(measured(), measured_study()).finer == ""
+    said = finer_text(one(measured(), measured_study(hardness=3.0)))
+    assert said.startswith("at H = 3 GPa a finer scan would give 0.21")
+    assert finer_text(one(measured(), measured_study())) == ""
 
 
 def test_generated_surfaces_are_assessed_by_their_contacts_and_by_tau0_as_measured_ones():
-    said = answers(generated(contact_count=7.0), generated_study())[0]
+    said = summarize(generated(contact_count=7.0), generated_study()).points[0]
     assert "7 contacts on average are few" in texts(said)
-    assert answers(generated(contact_count=3.0), generated_study())[0].verdict == "Do not quote"
-    assert "τ0 is 0, so this is the μ0" in texts(answers(generated(friction=0.4), generated_study())[0])
+    assert summarize(generated(contact_count=3.0), generated_study()).points[0].verdict == "Do not quote"
+    assert "τ0 is 0, so this is the μ0" in texts(summarize(generated(friction=0.4), generated_study()).points[0])

@@ -12,7 +12,6 @@ from stiction.studies.contact_picture import contact_picture
 from stiction.studies.maps import friction_map
 from stiction.studies.study import study_of
 from stiction.views import style
-from stiction.views.answer import answers, headlines
 from stiction.views.figures import drawn
 from stiction.views.figures.contact import climbing, contact_figure, contacts_figure, touching_figure
 from stiction.views.figures.ensemble import FADE, _faded, _fading, area_figure, friction_figure
@@ -53,9 +52,9 @@ def test_measured_bodies_have_the_standard_set(maps, lines):
 def test_every_view_has_the_combined_interval_of_the_headline(maps):
     study = study_of(maps).with_changes({"surfaces.both_readings": True})
     result = maps.assign_attrs(study=study.to_toml())
-    at, figures = Result.of(result).at_study_loads, dict(figures_of(result))
-    table = table_of(at, study)
-    record = json.loads(record_text("at", at, study))
+    summary, figures = Result.of(result).summary(), dict(figures_of(result))
+    table = table_of(summary)
+    record = json.loads(record_text("at", summary))
     shown = [value for value in record["values"] if value["name"] == "friction_combined"]
     assert record["values"][0] == shown[0]
     assert {value["interval"] for value in shown} == {"combined"}
@@ -65,7 +64,7 @@ def test_every_view_has_the_combined_interval_of_the_headline(maps):
     )
     page = re.search(r'id="facts">(.*?)</script>', report_page(result), re.DOTALL)
     facts = json.loads(page[1])
-    found = headlines(answers(at, study))
+    found = summary.headlines
     assert len(found) == 8
     assert any(one.upper > one.rules[0].positions[1] for one in found)
     for one, rule in [(each, rule) for each in found for rule in each.rules]:

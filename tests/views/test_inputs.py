@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from stiction import Profile, Surface, instrument_limit, self_affine
+from stiction.studies.input_caveats import FORM, HIGHEST_MU0, SPIKE, WHOLE_PART, doubts_of_inputs
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.pair import pair_study
-from stiction.views.inputs import FORM, HIGHEST_MU0, SPIKE, WHOLE_PART, doubts_of_inputs
 from support.synthetic_results import measured_study
 
 

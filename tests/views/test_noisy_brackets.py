@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.ndimage import grey_dilation
 from stiction import Surface, pair
-from stiction.views.answer import headlines
 from support.rough_surfaces import rough_maps
 
 POINTS, SPACING = 128, 0.02
@@ -48,7 +47,7 @@ def answers_of(seed, colour):
     noisy = [
         Surface(body.heights + part * body.heights.std() * noise(colour, random), spacing=SPACING) for body in clean
     ]
-    return truth, headlines(pair(*noisy, **ASKED).answers)[0]
+    return truth, pair(*noisy, **ASKED).summary().first
 
 
 @pytest.mark.parametrize("colour", ["white", "band", "line", "pink"])
@@ -79,7 +78,7 @@ def test_what_a_blunt_tip_hides_is_in_the_bracket(hurst):
     }  # fmt: skip
     clean = rough_maps(1, **rough)
     truth = pair(*clean, cutoff="none", **ASKED).value
-    (said,) = headlines(pair(*(seen_by_a_ball(each, 0.3) for each in clean), tip="300 nm", **ASKED).answers)
+    (said,) = pair(*(seen_by_a_ball(each, 0.3) for each in clean), tip="300 nm", **ASKED).summary().headlines
     assert truth < said.value < truth + 0.25 * (truth - ASKED["mu0"])
     assert said.bracket[0] < truth < said.bracket[1]
     assert any("sharper than the tip follows" in doubt.text for doubt in said.doubts)

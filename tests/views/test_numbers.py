@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.special import stdtrit
 from stiction import Study, area_map, friction_map, gentle_friction, run, stiffness_map
+from stiction._number_format import percent, quoted, significant, with_unit
 from stiction.studies import intervals
 from stiction.studies.at_load import at_load
+from stiction.studies.input_caveats import doubts_of_study
+from stiction.studies.point import rules_of
 from stiction.studies.study import study_of
-from stiction.views.answer import answers
-from stiction.views.digits import percent, quoted, significant, with_unit
-from stiction.views.inputs import doubts_of_study
-from stiction.views.point import rules_of
+from stiction.studies.summary import summarize
 from stiction.views.report import report_page
 from support.generated_studies import SMALL, empty_dataset
 
@@ -193,7 +193,7 @@ def verdicts_held_to_the_library(data, loads, material, changes=None):
         alone = study.with_changes({"contact.sliding": rule})
         wanted = {
             (one.at["fractal_dimension"], one.at["amplitude"], one.at["load"]): one
-            for one in answers(at_load(own, loads, mu0=[mu0], tau0=[tau0]), alone)
+            for one in summarize(at_load(own, loads, mu0=[mu0], tau0=[tau0]), alone).points
         }
         for d, a in np.ndindex(data.sizes["fractal_dimension"], data.sizes["amplitude"]):
             cell = float(data["fractal_dimension"][d]), float(data["amplitude"][a])
@@ -230,7 +230,7 @@ def test_the_answers_on_a_page_of_measured_bodies_are_those_of_the_library(measu
     data, numbers = measured
     study = study_of(data)
     asked = [float(load) for load in study.friction.load]
-    wanted = answers(at_load(data, asked), study, beside=doubts_of_study(study))
+    wanted = summarize(at_load(data, asked), study, input_caveats=doubts_of_study(study)).points
     found = numbers("() => facts.answers.map(({verdict, doubts}) => [verdict, doubts])")
     assert found == [
         [one.verdict, [{"text": each.text, "cure": each.cure, "severity": each.severity} for each in one.doubts]]

@@ -8,10 +8,10 @@ import pytest
 from stiction import friction_map, levelled, self_affine, self_affine_surface
 from stiction.studies.at_load import at_load
 from stiction.studies.contact_picture import contact_picture
+from stiction.studies.input_caveats import doubts_of_inputs
 from stiction.studies.study import study_of
-from stiction.views.answer import answers
+from stiction.studies.summary import summarize
 from stiction.views.characterisation import Characterisation
-from stiction.views.inputs import doubts_of_inputs
 from stiction.views.report import report_page, save_report
 from stiction.views.report.surface import surface_page
 from support import browser
@@ -413,7 +413,7 @@ def test_the_answer_of_maps_is_that_of_the_library_and_moves_with_everything(ope
     study = study_of(maps)
     bodies = [getattr(study.surfaces, side).read() for side in ("upper", "lower")]
     beside = doubts_of_inputs(*bodies, study, [0.1, 0.5])
-    first = answers(at_load(maps, [0.1]), study, beside=beside)[0]
+    first = summarize(at_load(maps, [0.1]), study, input_caveats=beside).points[0]
     assert opened_maps.find_element("css selector", ".verdict").text == first.verdict
     doubts = opened_maps.find_element("css selector", "#judgement").get_attribute("textContent")
     assert all(doubt.text[1:] in doubts for doubt in first.doubts)

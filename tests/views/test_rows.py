@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from stiction.views.answer import Doubt
+from stiction.studies.assessment import Doubt
+from stiction.studies.summary import summarize
 from stiction.views.rows import SCHEMA, csv_text, frame, record_text
 from support.synthetic_results import LOADED, generated, generated_study, interval, measured, measured_study
 
@@ -45,7 +46,7 @@ def test_a_status_stands_beside_the_numbers_that_it_is_of():
 
 def test_csv_has_a_row_for_each_motion_with_units_verdict_and_doubts():
     beside = Doubt("a parabola, which carries the load", "take it off", "caution")
-    rows = rows_of(csv_text(measured(**MANY), measured_study(), beside=[beside]))
+    rows = rows_of(csv_text(summarize(measured(**MANY), measured_study(), input_caveats=[beside])))
     assert len(rows) == 2 * 2 * 2 * 2 * 2 * (1 + 2 + 4)
     first = rows[0]
     assert first["upper body to (degree)"] == "all directions"
@@ -59,7 +60,7 @@ def test_csv_has_a_row_for_each_motion_with_units_verdict_and_doubts():
     assert {float(row[area]) for row in rows} == {LOADED["contact_area"]}
     assert {row["verdict"] for row in rows} == {"Quote with care"}
     assert {row["doubts"] for row in rows} == {"a parabola, which carries the load: take it off"}
-    rows = rows_of(csv_text(generated(), generated_study()))
+    rows = rows_of(csv_text(summarize(generated(), generated_study())))
     assert len(rows) == 2 * 2 * 2
     assert {row["fractal dimension"] for row in rows} == {"1.1", "1.4"}
     assert {row["sliding"] for row in rows} == {"opposing"}
@@ -76,7 +77,7 @@ RESULTS = {
 @pytest.mark.parametrize("name", RESULTS)
 def test_json_has_one_schema(name):
     at, study = RESULTS[name]
-    record = json.loads(record_text("at", at, study))
+    record = json.loads(record_text("at", summarize(at, study)))
     assert list(record)[:3] == ["schema", "stiction", "command"]
     assert (record["schema"], record["command"]) == (SCHEMA, "at")
     assert len(record["values"]) == len(frame(at))
@@ -91,7 +92,9 @@ def test_json_has_one_schema(name):
 
 
 def test_json_says_what_may_be_quoted_and_why_not():
-    record = json.loads(record_text("pair", measured(share_at_edge=0.6, half=0.02), measured_study(), positions=3))
+    record = json.loads(
+        record_text("pair", summarize(measured(share_at_edge=0.6, half=0.02), measured_study()), positions=3)
+    )
     (said,) = record["answers"]
     assert said["verdict"] == "Do not quote"
     assert said["doubts"][0]["severity"] == "fault"

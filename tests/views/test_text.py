@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from stiction.views.answer import Doubt, Left, answers
-from stiction.views.digits import from_to, percent, quoted, significant, with_interval, with_unit
+from stiction._number_format import from_to, percent, quoted, significant, with_interval, with_unit
+from stiction.studies.assessment import Doubt
+from stiction.studies.summary import Left, summarize
 from stiction.views.text import aligned, axes_text, doubts_text, fitted, overview_text, quantities_text, result_text
 from support.synthetic_results import generated, generated_study, interval, measured, measured_study
 
@@ -37,13 +38,13 @@ RESULTS = {
 def test_nothing_is_wider_than_the_terminal(name, verbose):
     at, study = RESULTS[name]
     beside = [Doubt("a parabola is 82 % of its mean square height, and carries the load", "take it off", "caution")]
-    text = result_text(at, study, verbose=verbose, beside=beside)
+    text = result_text(summarize(at, study, input_caveats=beside), verbose=verbose)
     assert max(map(len, text.splitlines())) <= COLUMNS
     assert not any(line != line.rstrip() for line in text.splitlines())
 
 
 def test_the_answer_comes_first_and_the_verdict_after_it():
-    lines = result_text(*RESULTS["doubted"]).splitlines()
+    lines = result_text(summarize(*RESULTS["doubted"])).splitlines()
     assert lines[0].startswith("μ_s = 0.21 [0.20, 0.22]  if all contacts rub")
     verdict = lines.index("Do not quote")
     assert verdict < 10
@@ -51,21 +52,21 @@ def test_the_answer_comes_first_and_the_verdict_after_it():
 
 
 def test_a_pair_of_maps_is_about_a_screen():
-    text = result_text(*RESULTS["maps"])
+    text = result_text(summarize(*RESULTS["maps"]))
     assert len(text.splitlines()) <= 24
     for words in ("No grooves", "read from a.di"):
         assert words not in text
-        assert words in result_text(*RESULTS["maps"], verbose=True)
+        assert words in result_text(summarize(*RESULTS["maps"]), verbose=True)
 
 
 def test_spheres_on_a_strip_have_no_nominal_area():
     for mechanics, shown in (("asperities", False), ("half-space", True)):
         study = measured_study(press="lines", mechanics=mechanics)
-        assert ("A/A0" in result_text(RESULTS["lines"][0], study)) == shown
+        assert ("A/A0" in result_text(summarize(RESULTS["lines"][0], study))) == shown
 
 
 def test_several_loads_and_materials_are_a_line_each():
-    lines = result_text(measured(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study()).splitlines()
+    lines = result_text(summarize(measured(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study())).splitlines()
     assert lines[0].split()[:2] == ["load", "τ0"]
     assert [line.split()[:2] for line in lines[1:5]] == [["1", "mN"], ["1", "mN"], ["10", "mN"], ["10", "mN"]]
     assert all("0.21 [0.20, 0.22]" in line and line.endswith("Quote it") for line in lines[1:5])
@@ -75,14 +76,14 @@ def test_several_loads_and_materials_are_a_line_each():
 def test_doubts_of_several_answers_say_of_how_many():
     at = measured(loads=(1.0, 10.0))
     at["share_at_edge"].loc[{"load": 1.0}] = 0.6
-    text = result_text(at, measured_study())
+    text = result_text(summarize(at, measured_study()))
     assert "Do not quote" in text.splitlines()[1]
     assert "Quote it" in text.splitlines()[2]
     assert "cuts (1 of 2)" in " ".join(text.split())
 
 
 def test_a_remedy_that_changes_no_digit_is_none():
-    one = answers(measured(), measured_study())[0]
+    one = summarize(measured(), measured_study()).points[0]
     for ends, said in (((0.205, 0.215), True), ((one.lower, one.upper - 1e-6), False)):
         asked = replace(one, budget=(Left("finer waves", *ends, 0.0),))
         assert asked.most is not None
@@ -137,7 +138,7 @@ def test_overview_has_a_row_for_each_cell_and_tau0_and_marks_values_beyond_the_m
     at = generated(dimensions=(1.1, 1.2, 1.3, 1.4, 1.5))
     at["share_beyond_hertz"].loc[{"fractal_dimension": 1.4}] = 0.6
     at["status"].loc[{"fractal_dimension": 1.5, "load": 0.01}] = "not-reached"
-    text = overview_text(at, generated_study())
+    text = overview_text(summarize(at, generated_study()))
     assert max(map(len, text.splitlines())) <= COLUMNS
     assert text.count("μ_s [95 %] at μ0 = 0.4") == 1
     rows = [line.split()[:3] for line in text.splitlines() if line.startswith(("0 ", "100 MPa"))]

@@ -16,11 +16,11 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP
+from stiction._number_format import with_unit
 from stiction.surfaces.measured.reading import reading_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import check_roughness, rms_gradient, roughness_parameters
-from stiction.views.digits import with_unit
 
 DRAWN = 160  # rows, columns or points of a picture, at most
 COLOURS = ("#7a8490", "#8a63c7")  # of lower and upper lines; both are seen on light and on dark ground

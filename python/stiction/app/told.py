@@ -13,7 +13,6 @@ from stiction.studies.pair_options import OPTIONS, name_on_command_line
 from stiction.studies.result import Result, open_result
 from stiction.studies.runner import first_result
 from stiction.studies.study import Study
-from stiction.views.answer import headlines
 from stiction.views.files import result_csv
 from stiction.views.report import report_page
 from stiction.views.rows import answer_record, record_text
@@ -48,13 +47,12 @@ def main() -> None:
 
 
 def _told(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
-    at, study, command = result.at_study_loads, result.study, asked["command"]
-    answer = answer_record(headlines(result.answers)[0])
+    command = asked["command"]
+    answer = answer_record(result.summary().first)
     texts = {"page.html": report_page(result, name=asked["name"])}
     if result.path is not None and command:
-        about: Any = {"beside": result.input_caveats, "over": result.over_cut_offs, "onset": result.onset}
         texts |= {
-            "result.json": record_text(command, at, study, **about),
+            "result.json": record_text(command, result.summary()),
             "result.csv": result_csv(result),
             "study.toml": (result.path / "study.toml").read_text("utf-8"),
         }
@@ -62,7 +60,7 @@ def _told(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
     files.mkdir(parents=True)
     for name, text in texts.items():
         (files / name).write_text(without_paths(text, asked["root"]), "utf-8", "replace")
-    return {"answer": answer, "finished": int(result.members.size), "total": study.ensemble.repetitions}
+    return {"answer": answer, "finished": int(result.members.size), "total": result.study.ensemble.repetitions}
 
 
 if __name__ == "__main__":

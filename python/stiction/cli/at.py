@@ -91,6 +91,7 @@ def at(
     """
     from stiction.studies.at_load import at_load
     from stiction.studies.budget import with_uncertainty
+    from stiction.studies.summary import summarize
     from stiction.views import rows, text
 
     result = opened(directory)
@@ -119,13 +120,13 @@ def at(
     found = _cells(found, dimensions, None if length is None else [length])
     if direction is not None:
         found = _towards(found, direction)
-    beside = result.input_caveats
+    summary = summarize(found, result.study, input_caveats=result.input_caveats)
     if as_json:
-        tell(rows.record_text("at", found, result.study, beside=beside))
+        tell(rows.record_text("at", summary))
     else:
         if own := text.own_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
             tell(own)
-        tell(text.result_text(found, result.study, verbose=verbose, beside=beside))
+        tell(text.result_text(summary, verbose=verbose))
 
 
 def _at_height_scale(

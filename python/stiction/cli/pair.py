@@ -159,10 +159,7 @@ def pair(
     if chosen is not None:
         return
     if as_json:
-        checks = [
-            json.loads(record_text("pair", each.at_study_loads, each.study, beside=each.input_caveats))
-            for each in results[1:]
-        ]
+        checks = [json.loads(record_text("pair", each.summary())) for each in results[1:]]
         readings = [scan.reading for file in bodies.files for scan in file.scans]
         about_files = {"files": [each.record() for each in readings if each is not None]}
         show_result(results[0], command="pair", as_json=True, about=about_files | ({"check": checks} if checks else {}))
@@ -170,13 +167,20 @@ def pair(
         write_views(result, said=said)
 
 
+def first_line(study: Study) -> str:
+    """Return the coefficient of the first members of a study of asperities; a `ValueError` if nothing touches."""
+    from stiction.studies.runner import first_result
+    from stiction.views.text import first_text
+
+    return first_text(first_result(study).summary())
+
+
 def announce_first(study: Study | None, executor: Executor) -> None:
     """Have a worker tell whoever watches a terminal what asperities say, while the others solve the half-space."""
-    from stiction.views.text import first_text
 
     def told(done: Future[str]) -> None:
         if not done.cancelled() and done.exception() is None:  # where nothing touches there is nothing to say
             say(done.result())
 
     if study is not None and is_watched():
-        executor.submit(first_text, study).add_done_callback(told)
+        executor.submit(first_line, study).add_done_callback(told)

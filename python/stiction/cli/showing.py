@@ -43,10 +43,9 @@ def show_answer(
     from stiction.views import rows, text
 
     study = result.study
-    beside = result.input_caveats
     try:
         with warnings.catch_warnings(action="ignore"):  # of tau0, which was told when the study was made
-            at = result.at_study_loads
+            summary = result.summary()
     except StoreError:
         raise
     except ValueError as error:  # nothing touches
@@ -58,14 +57,14 @@ def show_answer(
     if not as_json:
         measured = study.is_measured
         most = DOUBTS if command == "pair" else None
-        said = text.answer_text(at, study, verbose=verbose, beside=beside, most=most) if measured else ""
-        tell(said or text.overview_text(at, study))
+        said = text.answer_text(summary, verbose=verbose, most=most) if measured else ""
+        tell(said or text.overview_text(summary))
 
     def rest() -> None:
-        besides = {"over": result.over_cut_offs, "onset": result.onset}
+        whole = result.summary()  # with what was computed in the meantime
         if as_json:
-            tell(rows.record_text(command, at, study, beside=beside, **besides, **(about or {})))
-        elif study.is_measured and (more := text.beside_text(at, study, verbose=verbose, **besides)):
+            tell(rows.record_text(command, whole, **(about or {})))
+        elif study.is_measured and (more := text.beside_text(whole, verbose=verbose)):
             tell(more)
 
     return rest

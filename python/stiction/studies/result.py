@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
@@ -14,7 +15,7 @@ from stiction._checks import check_bool
 from stiction._repr import figure_html, preformatted_html, render_png
 from stiction._units import loads_to_core_units, to_core_units
 from stiction.studies.layout import piece_of
-from stiction.studies.store import Stored, open_stored
+from stiction.studies.store import Stored, export, open_stored
 from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from stiction.views.answer import Answer, Doubt
+    from stiction.studies.assessment import Doubt
+    from stiction.studies.summary import PointSummary, Summary
 
 DIMENSIONS = 4  # fractal dimensions of an overview if the study has a range of them
 
@@ -159,7 +161,7 @@ class Result:
     @cached_property
     def input_caveats(self) -> tuple[Doubt, ...]:
         """Caveats about the bodies themselves, whatever the load; their files are opened once."""
-        from stiction.views.inputs import doubts_of_study
+        from stiction.studies.input_caveats import doubts_of_study
 
         return doubts_of_study(self.study)
 
@@ -241,15 +243,17 @@ class Result:
         >>> (gradient / gradient[1]).round(6).tolist()
         [0.5, 1.0, 2.0]
         """
+        if height_scale is not None:
+            return self._at_height_scale(height_scale, load, mu0, tau0, reading, scaled, compute)
+        return self._at(load, mu0, tau0, reading)
+
+    def _at(self, load: Any, mu0: Any, tau0: Any, reading: Any = None, *, budget: bool = False) -> xarray.Dataset:
         from stiction.studies.at_load import at_load
         from stiction.studies.budget import with_uncertainty
 
-        if height_scale is not None:
-            return self._at_height_scale(height_scale, load, mu0, tau0, reading, scaled, compute)
         loads = self.default_loads if load is None else self._loads_of(load)
         strengths = to_core_units("tau0", tau0, "pressure")
-        at = at_load(self, loads, mu0=mu0, tau0=strengths, reading=reading)
-        return with_uncertainty(at, self, budget=False)
+        return with_uncertainty(at_load(self, loads, mu0=mu0, tau0=strengths, reading=reading), self, budget=budget)
 
     def _at_height_scale(
         self, factors: Any, load: Any, mu0: Any, tau0: Any, reading: Any, scaled: Any, compute: bool
@@ -310,18 +314,29 @@ class Result:
 
     # ---- What may be quoted ------------------------------------------------------------------------------------------
 
-    @cached_property
-    def answers(self) -> list[Answer]:
-        """What may be quoted at each load, mu0 and tau0 that the study asks for."""
-        from stiction.views.answer import answers
+    def summary(
+        self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
+    ) -> Summary:
+        """Return everything that may be quoted at some loads, mu0 and tau0, by default those of the study.
 
-        return answers(self.at_study_loads, self.study, beside=self.input_caveats)
+        The summary at the study's own values is computed once.
+        """
+        from stiction.studies.summary import summarize
+
+        if load is None and mu0 is None and tau0 is None:
+            return replace(self._own_summary, onset=self.onset, over_cut_offs=self.over_cut_offs)
+        at = self._at(load, mu0, tau0, budget=True)
+        return summarize(at, self.study, input_caveats=self.input_caveats)
+
+    @cached_property
+    def _own_summary(self) -> Summary:
+        from stiction.studies.summary import summarize
+
+        return summarize(self.at_study_loads, self.study, input_caveats=self.input_caveats)
 
     @property
-    def _first(self) -> Answer:
-        from stiction.views.answer import headlines
-
-        return headlines(self.answers)[0]
+    def _first(self) -> PointSummary:
+        return self.summary().first
 
     @property
     def value(self) -> float:
@@ -374,7 +389,9 @@ class Result:
     @property
     def sentence(self) -> str:
         """The answer in one sentence, with everything that it depends on."""
-        return self._first.sentence
+        from stiction.views.sentence import sentence_text
+
+        return sentence_text(self._first)
 
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 
@@ -382,7 +399,7 @@ class Result:
         """Return the table of the CSV file: a row for each load, mu0, tau0, rule and motion, with its caveats."""
         from stiction.views.rows import table_of
 
-        return table_of(self.at_study_loads, self.study, beside=self.input_caveats)
+        return table_of(self.summary())
 
     def figures(self) -> list[str]:
         """Names that `figure` takes."""
@@ -425,6 +442,10 @@ class Result:
         save_report(self, Path(path), name=self.path.resolve().name if self.path else "result")
         return Path(path)
 
+    def to_netcdf(self, path: str | Path) -> None:
+        """Write the dataset to a new netCDF file, with every variable, coordinate and attribute."""
+        export(self.dataset, path)
+
     def export(self, path: str | Path) -> None:
         """Write the result to a new file: ``.nc`` has every number, ``.csv`` the table of `to_dataframe`.
 
@@ -449,10 +470,8 @@ class Result:
     def _text(self) -> str:
         from stiction.views import text
 
-        at = self.at_study_loads
-        if not self.study.is_measured:
-            return text.overview_text(at, self.study)
-        return text.result_text(at, self.study, beside=self.input_caveats, over=self.over_cut_offs, onset=self.onset)
+        summary = self.summary()
+        return text.result_text(summary) if self.study.is_measured else text.overview_text(summary)
 
     def _repr_html_(self) -> str:
         """Show the answer as the terminal does, with a picture."""

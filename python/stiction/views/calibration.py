@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stiction._number_format import finite, percent, with_interval, with_unit
 from stiction._repr import render_png
 from stiction.studies.calibration_fit import MIN_VARIATION
 from stiction.studies.interfaces import EXCLUDED, UNLIKELY, Fit, Interface
-from stiction.views.digits import finite, percent, with_interval, with_unit
 from stiction.views.point import RULES
 from stiction.views.rows import entry, record
 from stiction.views.style import ALL, FORCE, FULL_WIDTH, STYLE, new_figure

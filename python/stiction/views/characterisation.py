@@ -10,9 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stiction._number_format import percent, with_unit
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import STATUS_OK
+from stiction.studies.assessment import Doubt
 from stiction.studies.contact_statistics import slopes_of
+from stiction.studies.input_caveats import REASONS, doubts_of_scan
 from stiction.surfaces.filters import checked_cutoff, filtered
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.lines import MAX_MISFIT, LineRoughness, lines_along_both, power_law_misfit
@@ -44,9 +47,6 @@ from stiction.surfaces.spectrum import (
     surface_spectrum,
 )
 from stiction.surfaces.surface import Surface
-from stiction.views.digits import percent, with_unit
-from stiction.views.doubts import Doubt
-from stiction.views.inputs import REASONS, doubts_of_scan
 from stiction.views.rows import entry, record
 from stiction.views.spreadsheet import csv_of_frame
 from stiction.views.text import fitted

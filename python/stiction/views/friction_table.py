@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import xarray
 
+from stiction._number_format import with_interval, with_unit
 from stiction.mechanics.quantities import column_of
 from stiction.studies.friction_table import STRAIGHT
-from stiction.views.digits import with_interval, with_unit
 from stiction.views.spreadsheet import csv_of_frame
 from stiction.views.text import aligned, fitted
 

@@ -6,22 +6,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stiction._number_format import percent, prefix, quoted, significant, with_unit
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.height_scale import FOLDER, Scaled, stored_factors
-from stiction.studies.result import Result
-from stiction.views import rows
-from stiction.views.digits import percent, prefix, quoted, significant, with_unit
-from stiction.views.point import (
-    RULES,
+from stiction.studies.point import (
     STATISTICS,
     by_rule,
     contact_status_of,
     has_nominal_area,
     is_unloaded,
-    load_text,
     points,
     value_of,
 )
+from stiction.studies.result import Result
+from stiction.views import rows
+from stiction.views.point import RULES, load_text
 from stiction.views.text import aligned, fitted
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stiction._number_format import finite, percent, quoted, with_interval, with_unit
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.views.digits import finite, percent, quoted, with_interval, with_unit
-from stiction.views.point import STATISTICS
+from stiction.studies.point import STATISTICS
 
 if TYPE_CHECKING:
     import xarray

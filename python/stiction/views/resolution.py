@@ -7,15 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stiction._number_format import finite, percent, quoted, with_unit
 from stiction.mechanics.brackets import friction_stretch, interface_stretch
-from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
+from stiction.studies.point import (
+    contact_status_of,
+    hardness_of,
+    modulus_of,
+    plastic_adhesion,
+    points,
+    pressure_of,
+    rules_of,
+    value_of,
+)
 from stiction.studies.resolution import Seen, seen
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import to_joined_spectrum
-from stiction.views.digits import finite, percent, quoted, with_unit
-from stiction.views.point import contact_status_of, modulus_of, points, pressure_of, rules_of, value_of
 
 if TYPE_CHECKING:
     import xarray
@@ -66,25 +74,10 @@ def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
     return rows
 
 
-def hardness_of(study: Study) -> float:
-    """GPa; NaN without one."""
-    hardness = study.contact.hardness
-    return math.nan if hardness is None else float(hardness)
-
-
 def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:
     """Return mu0 + tau0/H', below which no finer scan comes where all contacts rub; None without a hardness."""
     adhesion = plastic_adhesion(point, study)
     return None if adhesion is None else float(point["mu0"]) + adhesion
-
-
-def plastic_adhesion(point: xarray.Dataset, study: Study) -> float | None:
-    """Return tau0/H', the part of adhesion where all contacts yield; NaN of seizure, None without a hardness."""
-    hardness = hardness_of(study)
-    if math.isnan(hardness) or not study.by_half_space:
-        return None
-    mu0, tau0, growth = float(point["mu0"]), float(point["tau0"]), study.contact.junction_growth or 0.0
-    return tau0 / float(hardness_under_shear(hardness, mu0, tau0, growth))
 
 
 def cut_off_records(at: xarray.Dataset, study: Study) -> list[dict[str, Any]]:

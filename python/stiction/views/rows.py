@@ -17,20 +17,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._core import __version__
+from stiction._number_format import duration, finite
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_of, shown_in
-from stiction.views.answer import Answer, Doubt, answers
-from stiction.views.digits import duration, finite
+from stiction.studies.point import CELLS, rules_of
+from stiction.studies.summary import PointSummary, Summary
 from stiction.views.onset import onset_record, words_of
-from stiction.views.point import CELLS, rules_of
 from stiction.views.resolution import resolution_record
+from stiction.views.sentence import assumptions_of, covers_text, sentence_text
 from stiction.views.spreadsheet import csv_of_frame
+from stiction.views.sticking import sticking_record
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from stiction.studies.study import Study
 
 SCHEMA = 1
 _KEYS = (*CELLS, "load", "mu0", "tau0")  # coordinates that say where a row of the CSV is
@@ -120,12 +121,12 @@ def _rows_of(at: xarray.Dataset, name: str) -> pandas.DataFrame:
 # ---- CSV -------------------------------------------------------------------------------------------------------------
 
 
-def csv_text(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> str:
+def csv_text(summary: Summary) -> str:
     """`table_of` for spreadsheets."""
-    return csv_of_frame(table_of(at, study, beside=beside))
+    return csv_of_frame(table_of(summary))
 
 
-def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) -> pandas.DataFrame:
+def table_of(summary: Summary) -> pandas.DataFrame:
     """A row for each cell, load, mu0, tau0, sliding rule and motion; units in the header.
 
     The interval of the coefficient is the combined one, which only the mean of all directions has; the sampling
@@ -136,6 +137,7 @@ def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) 
     """
     import pandas
 
+    at, study = summary.at, summary.study
     rows = frame(at)
     keys = [name for name in _KEYS if name in rows]
     parts: list[pandas.DataFrame] = []
@@ -157,7 +159,7 @@ def table_of(at: xarray.Dataset, study: Study, *, beside: Sequence[Doubt] = ()) 
         unit = "" if own["unit"].iloc[0] == "1" else f" ({own['unit'].iloc[0]})"
         columns = {"value": f"{words}{unit}", "lower": f"{words}{unit}: lower", "upper": f"{words}{unit}: upper"}
         table = table.merge(own[[*on, *columns]].rename(columns=columns), on=on, how="left")
-    table = table.merge(_verdicts(answers(at, study, beside=beside), keys), on=[*keys, "sliding"], how="left")
+    table = table.merge(_verdicts(summary.points, keys), on=[*keys, "sliding"], how="left")
     of_mean = [name for name in table if name in ends or name.startswith("mu_s ")]
     table.loc[table["motion"] != _FRICTION["friction_all_round"], of_mean] = math.nan
     others = [str(name) for name in table if name not in ends]
@@ -173,7 +175,7 @@ def _of_loads(at: xarray.Dataset) -> list[str]:
     return [name for name in shown_in("csv") if name in at and at[name].sizes.get("direction", 1) == 1]
 
 
-def _verdicts(found: Sequence[Answer], keys: Sequence[str]) -> pandas.DataFrame:
+def _verdicts(found: Sequence[PointSummary], keys: Sequence[str]) -> pandas.DataFrame:
     import pandas
 
     rules = [(one, rule, rule is one.rules[0]) for one in found for rule in one.rules]
@@ -197,7 +199,7 @@ def _verdicts(found: Sequence[Answer], keys: Sequence[str]) -> pandas.DataFrame:
                 math.nan if one.from_roughness is None or not first else one.from_roughness for one, _, first in rules
             ],
             "headline": [not one.covered for one, *_ in rules],
-            "assumptions": ["; ".join(one.assumptions) for one, *_ in rules],
+            "assumptions": ["; ".join(assumptions_of(one.study)) for one, *_ in rules],
             "contact status": [one.contact_status for one, *_ in rules],
             "verdict": [one.verdict for one, *_ in rules],
             "doubts": ["; ".join(f"{doubt.text}: {doubt.cure}" for doubt in one.doubts) for one, *_ in rules],
@@ -225,23 +227,18 @@ def entry(
     }  # fmt: skip
 
 
-def record_text(
-    command: str, at: xarray.Dataset, study: Study, /, *, beside: Sequence[Doubt] = (),
-    over: xarray.Dataset | None = None, onset: xarray.Dataset | None = None, **about: Any,
-) -> str:  # fmt: skip
-    """What a command says of a result at some loads: every value, the answers with their doubts, and what is beside.
-
-    `over` and `onset` are what `resolution_at` and `onset_beside` give.
-    """
+def record_text(command: str, summary: Summary, /, **about: Any) -> str:
+    """Return the record of a command on a result: every value, the points with their caveats, resolution and onset."""
+    at, study = summary.at, summary.study
     about = {"kind": "pair" if study.is_measured else "study", **about}
     about |= {name: str(at.attrs[name]) for name in ("upper", "lower", "reading") if name in at.attrs}
     for name in ("effective_modulus", "nominal_area"):
         if name in at.coords:
             about[name] = float(at[name])
-    resolution = resolution_record(at, study, over)
+    resolution = resolution_record(at, study, summary.over_cut_offs)
     about |= {} if resolution is None else {"resolution": resolution}
-    about |= {} if onset is None else {"onset": onset_record(onset)}
-    about["answers"] = [answer_record(one) for one in answers(at, study, beside=beside)]
+    about |= {} if summary.onset is None else {"onset": onset_record(summary.onset)}
+    about["answers"] = [answer_record(one) for one in summary.points]
     return record(command, values_of(frame(at)), **about)
 
 
@@ -255,7 +252,7 @@ def values_of(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     return values
 
 
-def answer_record(one: Answer) -> dict[str, Any]:
+def answer_record(one: PointSummary) -> dict[str, Any]:
     """What may be quoted of a point."""
     return {
         "at": one.at,
@@ -279,10 +276,11 @@ def answer_record(one: Answer) -> dict[str, Any]:
         "waited": [{name: finite(value) for name, value in vars(each).items()} for each in one.waited],
         "scans": dict(zip(("upper", "lower"), one.scans, strict=True)),
         "contact_status": one.contact_status,
-        "sticking": None if one.sticking is None else one.sticking.record(),
+        "sticking": None if one.sticking is None else sticking_record(one.sticking),
         "verdict": one.verdict,
-        "sentence": one.sentence,
-        "from_roughness": one.from_roughness, "assumptions": list(one.assumptions), "interval_covers": one.covers,
+        "sentence": sentence_text(one),
+        "from_roughness": one.from_roughness, "assumptions": list(assumptions_of(one.study)),
+        "interval_covers": covers_text(one),
         "finer_scans": None if one.bracket is None else {
             "from": one.bracket[0], "to": one.bracket[1], "rule": "all", "hardness": one.hardness,
         },

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._drawing import set_log_ticks
+from stiction._number_format import percent, with_unit
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.resolution import KAPPA
+from stiction.studies.input_caveats import MUCH, spectra_differ
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
-from stiction.views.digits import percent, with_unit
 from stiction.views.spreadsheet import csv_of_frame
 from stiction.views.style import ALL, AREA, FULL_WIDTH, LEANING, OPPOSING, STYLE, new_figure
 from stiction.views.text import aligned, fitted
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_ROWS = 12  # wavelengths at which slopes are told
-MUCH = 2.0  # factor between spectra of one surface, above which it is said
 
 MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
 """Materials whose hardness over E*, pressed on themselves, is a line."""
@@ -55,12 +55,6 @@ def joined_text(joined: JoinedSpectrum) -> str:
     if spectra_differ(joined):
         said += "Scans differ by more than a factor of two in power: heights are scaled otherwise, or waves are cut.\n"
     return "\n\n".join([aligned(rows), aligned(slopes)]) + "\n" + (fitted(said) + "\n" if said else "")
-
-
-def spectra_differ(joined: JoinedSpectrum) -> bool:
-    """Whether a scan is off the others by more than a factor of two in power, whatever chance does."""
-    with np.errstate(invalid="ignore"):
-        return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MUCH)).any())
 
 
 def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:

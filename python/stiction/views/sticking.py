@@ -1,78 +1,38 @@
-"""Whether bodies that adhere stick together without a load: pull-off force and pressure, and friction at no load."""
+"""Whether bodies that adhere stick together without a load, as a sentence and as a record."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any
 
 import numpy as np
 
+from stiction._number_format import finite, prefix, with_interval, with_unit
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.views.digits import finite, prefix, with_interval, with_unit
-from stiction.views.point import STATISTICS, by_rule
-
-if TYPE_CHECKING:
-    import xarray
-
-STICKING_PRESSURE = 1e-7
-"""Pull-off pressure (GPa) above which bodies stick: 100 Pa, which the weight of 1.3 mm of steel is."""
-
-Three = tuple[float, float, float]
+from stiction.studies.sticking import STICKING_PRESSURE, Sticking, Three
 
 
-@dataclass(frozen=True)
-class Sticking:
-    """Pull-off force (mN), pressure (GPa) and friction at no load (mN): mean, lower and upper end of 95 % intervals."""
-
-    pull_off: Three
-    pressure: Three
-    friction: Three
-    is_bound: bool  # whether members contribute lower bounds of the pull-off force
-
-    @property
-    def sticks(self) -> Literal["yes", "no", "uncertain"]:
-        """Whether the pull-off pressure is above `STICKING_PRESSURE`, by its interval, or its value without one."""
-        value, lower, upper = self.pressure
-        if (lower if np.isfinite(lower) else value) > STICKING_PRESSURE:
-            return "yes"
-        return (
-            "no" if (upper if np.isfinite(upper) else value) < STICKING_PRESSURE and not self.is_bound else "uncertain"
-        )
-
-    @property
-    def text(self) -> str:
-        """The answer with its numbers, in one or two sentences."""
-        least = "at least " if self.is_bound else ""
-        limit = f"{with_unit(STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
-        where = {"yes": "", "no": f", less than {limit}", "uncertain": f"; they stick above {limit}"}[self.sticks]
-        return (
-            f"Sticks without a load: {self.sticks}. Pull-off force {least}{_shown(self.pull_off, 'pull_off')}, "
-            f"{_shown(self.pressure, 'pull_off_pressure')} on the nominal area{where}; friction at no load "
-            f"{_shown(self.friction, 'friction_at_no_load')}."
-        )
-
-    def record(self) -> dict[str, Any]:
-        """Return the fields for JSON, in mN and GPa."""
-        named = {"pull_off": self.pull_off, "pull_off_pressure": self.pressure, "friction_at_no_load": self.friction}
-        names = ("value", "lower", "upper")
-        values = {key: dict(zip(names, map(finite, three), strict=True)) for key, three in named.items()}
-        return {"sticks": self.sticks, "pull_off_is_bound": self.is_bound, **values}
-
-
-def sticking_of(point: xarray.Dataset, rule: str) -> Sticking | None:
-    """Return how bodies stick at a point of what `at_load` gives, None if they do not adhere."""
-    if "pull_off" not in point or "pull_off_pressure" not in point:
-        return None
-    force, pressure, friction = (
-        _three(by_rule(point[name], rule)) for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
+def sticking_text(sticking: Sticking) -> str:
+    """The answer with its numbers, in one or two sentences."""
+    least = "at least " if sticking.is_bound else ""
+    limit = f"{with_unit(STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
+    where = {"yes": "", "no": f", less than {limit}", "uncertain": f"; they stick above {limit}"}[sticking.sticks]
+    return (
+        f"Sticks without a load: {sticking.sticks}. Pull-off force {least}{_shown(sticking.pull_off, 'pull_off')}, "
+        f"{_shown(sticking.pressure, 'pull_off_pressure')} on the nominal area{where}; friction at no load "
+        f"{_shown(sticking.friction, 'friction_at_no_load')}."
     )
-    share = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
-    return Sticking(force, pressure, friction, share > 0)
 
 
-def _three(table: xarray.DataArray) -> Three:
-    value, lower, upper = (float(table.sel(statistic=each)) for each in STATISTICS)
-    return value, lower, upper
+def sticking_record(sticking: Sticking) -> dict[str, Any]:
+    """Return the fields for JSON, in mN and GPa."""
+    named = {
+        "pull_off": sticking.pull_off,
+        "pull_off_pressure": sticking.pressure,
+        "friction_at_no_load": sticking.friction,
+    }
+    names = ("value", "lower", "upper")
+    values = {key: dict(zip(names, map(finite, three), strict=True)) for key, three in named.items()}
+    return {"sticks": sticking.sticks, "pull_off_is_bound": sticking.is_bound, **values}
 
 
 def _shown(three: Three, name: str) -> str:

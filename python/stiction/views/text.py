@@ -12,31 +12,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stiction._number_format import duration, from_to, prefix, quoted, significant, with_interval, with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import HELD, PER_AREA, QUANTITIES, shown_in
+from stiction.studies.assessment import OF_ASPERITIES, VERDICTS, WIDE_INTERVAL, Doubt, doubted
 from stiction.studies.budget import FINER, LOWER_PIECE, POSITIONS, UPPER_PIECE
-from stiction.studies.resolution import seen
-from stiction.studies.runner import first_result
-from stiction.views.answer import ORIGIN, Answer, Doubt, answers, headlines, slopes_text
-from stiction.views.digits import duration, from_to, prefix, quoted, significant, with_interval, with_unit
-from stiction.views.doubts import OF_ASPERITIES, VERDICTS, WIDE_INTERVAL, doubted
-from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
-from stiction.views.point import (
+from stiction.studies.point import (
     CELLS,
-    RULES,
     STATISTICS,
     by_rule,
     contact_status_of,
     has_nominal_area,
     is_capped,
-    load_text,
     points,
     rules_of,
     shape_coordinate,
     value_of,
-    way_text,
-)  # fmt: skip
+)
+from stiction.studies.resolution import seen
+from stiction.studies.summary import ORIGIN, PointSummary, Summary
+from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
+from stiction.views.point import RULES, load_text, way_text
 from stiction.views.resolution import ELASTIC, RULE_TITLES, cut_off_note, cut_off_rows, waves_text, yielding_rows
+from stiction.views.sentence import assumptions_of, finer_text, inputs_text, note_text, slopes_text
+from stiction.views.sentence import roughness_text as contribution_text
+from stiction.views.sticking import sticking_text
 
 if TYPE_CHECKING:
     import xarray
@@ -105,29 +105,18 @@ def _line(cells: Sequence[str], sizes: Sequence[int]) -> str:
 # ---- Any result ------------------------------------------------------------------------------------------------------
 
 
-def result_text(
-    at: xarray.Dataset, study: Study, *, verbose: bool = False, beside: Sequence[Doubt] = (),
-    over: xarray.Dataset | None = None, onset: xarray.Dataset | None = None, most: int | None = None,
-) -> str:  # fmt: skip
-    """The answer of a result, its verdict and a table, for the terminal.
+def result_text(summary: Summary, *, verbose: bool = False, most: int | None = None) -> str:
+    """Return a summary as text for the terminal: values, assessment and a table.
 
     Parameters
     ----------
-    at : xarray.Dataset
-        What `at_load` returns, at the loads, mu0 and tau0 that were asked for.
-    study : Study
-        Of which the result is.
+    summary : Summary
     verbose : bool
-        Whether to say everything: what was pressed, each direction, every quantity.
-    beside : sequence of Doubt
-        As `doubts_of_inputs` gives them.
-    over, onset : xarray.Dataset, optional
-        What `resolution_at` and `onset_beside` give.
+        Whether to add what was pressed, each direction and every quantity.
     most : int, optional
-        Lines that doubts may take, beside the first one and all faults; the others are counted.
+        Lines that caveats may take, beside the first one and all faults; the others are counted.
     """
-    whole = answer_text(at, study, verbose=verbose, beside=beside, most=most)
-    return whole + beside_text(at, study, verbose=verbose, over=over, onset=onset)
+    return answer_text(summary, verbose=verbose, most=most) + beside_text(summary, verbose=verbose)
 
 
 def own_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
@@ -141,24 +130,22 @@ def own_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
     return fitted(f"Values of the study, unless others are given: {'; '.join(words)}.") if words else ""
 
 
-def answer_text(
-    at: xarray.Dataset, study: Study, *, verbose: bool = False, beside: Sequence[Doubt] = (), most: int | None = None
-) -> str:
-    """What `result_text` has without what lies beside a result."""
-    found = headlines(answers(at, study, beside=beside))
+def answer_text(summary: Summary, *, verbose: bool = False, most: int | None = None) -> str:
+    """Return `result_text` without resolution and onset of sliding."""
+    at, study, found = summary.at, summary.study, summary.headlines
     first = at.sel({name: found[0].at[name] for name in CELLS if name in at.dims})
     point = next(points(first))
     parts = [history_text(at, study)] if verbose else []
     loaded = [one for one in found if not one.unloaded]
     sticking = found[0].sticking
-    lines = [fitted(sticking.text)] if sticking is not None and sticking.pull_off[0] > 0 else []
+    lines = [fitted(sticking_text(sticking))] if sticking is not None and sticking.pull_off[0] > 0 else []
     lines += [answers_text(found)] if loaded else []
     parts.append("\n".join([*lines, doubts_text(found, None if verbose else most)]))
     is_known = any(math.isfinite(one.value) or one.unloaded for one in found)
     quantities = quantities_text(first, study, verbose=verbose, cell=_first_cell(found)) if is_known else ""
     details = _details(found[0]) if len(found) == 1 else ""
     if verbose:
-        parts += [details, fitted(slopes_text(found[0], point, study)), quantities]
+        parts += [details, fitted(slopes_text(found[0])), quantities]
     else:
         parts.append("\n".join(filter(None, (details, quantities))))
     if is_known and loaded:
@@ -166,14 +153,12 @@ def answer_text(
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def beside_text(
-    at: xarray.Dataset, study: Study, *, verbose: bool = False, over: xarray.Dataset | None = None,
-    onset: xarray.Dataset | None = None,
-) -> str:  # fmt: skip
-    """What `result_text` has of what lies beside a result, after an empty line; nothing where there is none."""
+def beside_text(summary: Summary, *, verbose: bool = False) -> str:
+    """Return resolution and onset of sliding as text, after an empty line; nothing where there is none."""
+    at, study, over, onset = summary.at, summary.study, summary.over_cut_offs, summary.onset
     parts = []
     is_over = at.sizes.get("cut_off", 0) > 1
-    if any(math.isfinite(one.value) for one in answers(at, study)):
+    if any(math.isfinite(one.value) for one in summary.points):
         if verbose:
             first = at.isel({name: 0 for name in CELLS if name in at.dims})
             parts.append(resolution_text(first, study, at if over is None and is_over else over))
@@ -185,7 +170,7 @@ def beside_text(
     return "".join(f"\n{part}\n" if verbose else f"{part}\n" for part in parts if part)
 
 
-def answers_text(found: Sequence[Answer]) -> str:
+def answers_text(found: Sequence[PointSummary]) -> str:
     """The coefficients: a line for each rule of one answer, and a table of several with their inputs."""
     if len(found) == 1:
         words = (f"{_coefficient(found[0], index)}  {RULES[rule.rule]}" for index, rule in enumerate(found[0].rules))
@@ -198,16 +183,19 @@ def answers_text(found: Sequence[Answer]) -> str:
     rows = [[*(_TITLES.get(name, name) for name in varying), *titles, "assessment"]]
     for one in found:
         values = [_coefficient(one, index) for index in range(len(one.rules))]
-        places = [one.load if name == "load" else _coordinate(name, one.at[name]) for name in varying]
+        places = [
+            load_text(one.values, one.study) if name == "load" else _coordinate(name, one.at[name]) for name in varying
+        ]
         rows.append([*places, *values, one.verdict])
-    inputs = [one.inputs.split(", ") for one in found]
+    inputs = [inputs_text(one).split(", ") for one in found]
     same = [word for word in inputs[0] if all(word in each for each in inputs)]
     shared = f"with {', '.join(same)}; " if same else ""
-    assumed = f"; assuming {', '.join(found[0].assumptions)}" if found[0].assumptions else ""
-    return aligned(rows) + "\n" + fitted(f"{shared}{found[0].note}{assumed}", indent="  ")
+    assumptions = assumptions_of(found[0].study)
+    assumed = f"; assuming {', '.join(assumptions)}" if assumptions else ""
+    return aligned(rows) + "\n" + fitted(f"{shared}{note_text(found[0])}{assumed}", indent="  ")
 
 
-def _coefficient(one: Answer, index: int) -> str:
+def _coefficient(one: PointSummary, index: int) -> str:
     rule = one.rules[index]
     if math.isfinite(rule.value):
         return quoted(rule.value, rule.lower, rule.upper)
@@ -224,28 +212,29 @@ def _coordinate(name: str, value: float) -> str:
     return with_unit(value, _UNITS[name]) if name in _UNITS and value else f"{value:.4g}"
 
 
-def _details(one: Answer) -> str:
+def _details(one: PointSummary) -> str:
     lines = [] if one.unloaded else [parts_text(one), test_text(one), waited_text(one)]
-    if one.finer:
-        lines.append(f"{one.finer[0].upper()}{one.finer[1:]}.")
-    assumed = f" Assumes {', '.join(one.assumptions)}." if one.assumptions else ""
-    return "\n".join(map(fitted, [*filter(None, lines), f"At {one.inputs}; {one.note}.{assumed}"]))
+    if finer := finer_text(one):
+        lines.append(f"{finer[0].upper()}{finer[1:]}.")
+    assumptions = assumptions_of(one.study)
+    assumed = f" Assumes {', '.join(assumptions)}." if assumptions else ""
+    return "\n".join(map(fitted, [*filter(None, lines), f"At {inputs_text(one)}; {note_text(one)}.{assumed}"]))
 
 
 NEGLIGIBLE = 0.05  # fraction of the coefficient below which the roughness does not decide it
 
 
-def roughness_text(one: Answer) -> str:
+def roughness_text(one: PointSummary) -> str:
     """How much of the coefficient the scans contribute, and what decides it; empty where that is not known."""
     if one.from_roughness is None:
         return ""
     inputs = "the hardness, μ0 and τ0" if one.hardness is not None and one.at["tau0"] > 0 else "μ0"
     decides = abs(one.from_roughness) <= NEGLIGIBLE * one.value
     rest = f"{inputs} decide{'s' * (inputs == 'μ0')}" if decides else f"the rest is from {inputs}"
-    return f"R{one.roughness[1:]}; {rest}."
+    return f"R{contribution_text(one)[1:]}; {rest}."
 
 
-def parts_text(one: Answer) -> str:
+def parts_text(one: PointSummary) -> str:
     """What holds the bodies, in the digits of the coefficient; empty where it is not known."""
     if one.parts is None:
         return ""
@@ -255,7 +244,7 @@ def parts_text(one: Answer) -> str:
     return f"{mu0:.3f} (μ0{more}) + {adhesion:.3f} (τ0 on the true area) {sign} {abs(slopes):.3f} (slopes)"
 
 
-def budget_text(one: Answer) -> str:
+def budget_text(one: PointSummary) -> str:
     """What to measure next, and what it would leave; empty where nothing printed decides, or a fault comes first."""
     most = one.most
     if most is None or any(fault.text != WIDE_INTERVAL for fault in one.faults):
@@ -273,7 +262,7 @@ _MEASURES = {
 """How to get to know what is no input."""
 
 
-def test_text(one: Answer) -> str:
+def test_text(one: PointSummary) -> str:
     """Where the next test would lie, and what positions alone leave open."""
     first = one.rules[0]
     if not math.isfinite(first.next_test[0]) or first.next_test == (first.lower, first.upper):
@@ -284,7 +273,7 @@ def test_text(one: Answer) -> str:
     return f"One test, one way: {from_to(*first.next_test)} (95 %){alone}."
 
 
-def waited_text(one: Answer) -> str:
+def waited_text(one: PointSummary) -> str:
     """How it grows under load, where the study waits."""
     after = [f"{duration(each.seconds)} {quoted(each.value, each.lower, each.upper)}" for each in one.waited]
     why = "; none where the hardness left is below the pressure" if any(math.isnan(e.value) for e in one.waited) else ""
@@ -292,7 +281,7 @@ def waited_text(one: Answer) -> str:
     return f"After waiting under load: {', '.join(after)}{why}{rate}." if after else ""
 
 
-def doubts_text(found: Sequence[Answer], most: int | None = None) -> str:
+def doubts_text(found: Sequence[PointSummary], most: int | None = None) -> str:
     """The verdict on every answer, what to measure next of one, and its doubts with their cures, the first of them."""
     if len({(one.verdict, one.doubts) for one in found}) == 1:
         one, doubts = found[0], found[0].doubts
@@ -346,7 +335,7 @@ _SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
 """Least value, factor and name of units without prefixes, by which large numbers have few digits."""
 
 
-def _first_cell(found: Sequence[Answer]) -> str:
+def _first_cell(found: Sequence[PointSummary]) -> str:
     """Return the coordinates of the first of several cells, as in "H = 0.9"; empty if there is a single cell."""
     hidden = {"load", "mu0", "tau0", *(["fractal_dimension"] if "hurst_exponent" in found[0].at else [])}
     names = [name for name in found[0].at if name not in hidden and len({one.at[name] for one in found}) > 1]
@@ -523,21 +512,21 @@ def history_text(at: xarray.Dataset, study: Study) -> str:
     return "\n".join(fitted(f"{name:<9}{words}", hang=" " * 9) for name, words in steps.items())
 
 
-def first_text(study: Study) -> str:
-    """Return the coefficient of the first members of a study of asperities in a line; an error if nothing touches."""
-    one = first_result(study).answers[0]
+def first_text(summary: Summary) -> str:
+    """Return the coefficient of the first members of a study of asperities in a line."""
+    one = summary.points[0]
     return f"at first, by asperities: μ_s = {quoted(one.value)} {RULES[one.rules[0].rule]}"
 
 
 # ---- Overview --------------------------------------------------------------------------------------------------------
 
 
-def overview_text(at: xarray.Dataset, study: Study) -> str:
+def overview_text(summary: Summary) -> str:
     """Tables of mu_s of generated surfaces, one for each sliding rule and amplitude: a row for each cell of the study.
 
     Columns are loads; mu0 and tau0 are columns too where the study has several. Caveats follow.
     """
-    found = headlines(answers(at, study))
+    at, study, found = summary.at, summary.study, summary.headlines
     chosen = at if _num_rows(at) <= MAX_OVERVIEW_ROWS else _ends_and_middle(at)
     whole, at = at, chosen
     rest = [name for name in ("amplitude", "sliding") if name in at.dims]

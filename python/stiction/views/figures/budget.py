@@ -6,15 +6,15 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from stiction.views.answer import Answer
-from stiction.views.digits import duration, quoted
+from stiction._number_format import duration, quoted
+from stiction.studies.summary import PointSummary
 from stiction.views.style import AREA, FRICTION, LEANING, OPPOSING, label, new_figure
 
 SHOWN = 0.02  # part of the width that an input has to take away to be drawn
 MOST = 5  # most inputs that are drawn
 
 
-def budget_figure(answer: Answer, *, title: str = "") -> Figure:
+def budget_figure(answer: PointSummary, *, title: str = "") -> Figure:
     """A bar of what holds the bodies with the whole interval, and below it what would be left; 80 mm wide."""
     width = answer.upper - answer.lower
     left = [each for each in answer.budget if each.width < (1 - SHOWN) * width][:MOST]
@@ -41,7 +41,7 @@ def budget_figure(answer: Answer, *, title: str = "") -> Figure:
     return figure
 
 
-def waiting_figure(answer: Answer, *, title: str = "") -> Figure:
+def waiting_figure(answer: PointSummary, *, title: str = "") -> Figure:
     """The coefficient over the logarithm of the time under load, with its 95 % interval; 80 mm wide."""
     first = answer.rules[0]
     rows = [(1.0, first.value, first.lower, first.upper)]

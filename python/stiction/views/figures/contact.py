@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP, PRESSURE_MAP, add_scale_bar
+from stiction._number_format import with_unit
 from stiction.mechanics.contact import Contacts, contacts
 from stiction.surfaces.profile import Profile
-from stiction.views.digits import with_unit
 from stiction.views.style import FORCE, FRICTION, LEANING, LOWER, OPPOSING, UPPER, direction_text, label, new_figure
 
 _ZOOM = 40  # spacings on both sides of the contact that is drawn large, at least

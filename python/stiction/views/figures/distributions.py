@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from stiction._checks import Floats
 from stiction._drawing import set_log_ticks
-from stiction.views.digits import with_unit
-from stiction.views.point import STATISTICS, by_rule
+from stiction._number_format import with_unit
+from stiction.studies.point import STATISTICS, by_rule
 from stiction.views.style import RULE_WORDS, RULES, dimension_colours, friction_parameters_text, label, new_figure
 
 FEWEST_DIRECTIONS = 3  # from which on there is a compass to draw

@@ -20,15 +20,15 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP, set_log_ticks
+from stiction._number_format import with_unit
 from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
+from stiction.studies.assessment import HALF
 from stiction.studies.at_load import reached_loads
 from stiction.studies.maps import area_map, friction_map, means
 from stiction.studies.members import pair_of, phases_of, unscaled_profile
 from stiction.studies.study import Study, study_of
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
-from stiction.views.digits import with_unit
-from stiction.views.doubts import HALF
 from stiction.views.style import (
     FRICTION_MAP,
     FULL_WIDTH,

@@ -7,9 +7,9 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._drawing import set_log_ticks
-from stiction.views.digits import with_unit
+from stiction._number_format import with_unit
+from stiction.studies.point import STATISTICS, by_rule, is_unloaded
 from stiction.views.figures.loads import plain_log
-from stiction.views.point import STATISTICS, by_rule, is_unloaded
 from stiction.views.style import AREA, RULE_WORDS, RULES, friction_parameters_text, label, new_figure
 
 

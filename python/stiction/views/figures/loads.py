@@ -14,9 +14,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 
 from stiction._checks import Floats
 from stiction._drawing import set_log_ticks
+from stiction._number_format import prefix
 from stiction.studies.contact_picture import IN_PULL_OFFS
-from stiction.views.digits import prefix
-from stiction.views.point import STATISTICS, by_rule
+from stiction.studies.point import STATISTICS, by_rule
 from stiction.views.style import (
     ALL,
     AREA,

@@ -14,16 +14,16 @@ from matplotlib.figure import Figure
 
 from stiction._checks import Floats
 from stiction._drawing import add_scale_bar
+from stiction._number_format import with_unit
+from stiction.studies.assessment import HALF
 from stiction.studies.at_load import at_load, reached_loads
 from stiction.studies.contact_picture import AROUND_LARGEST, FEWEST_POINTS
 from stiction.studies.contact_tables import Asperities
+from stiction.studies.point import STATISTICS
 from stiction.studies.study import study_of
-from stiction.views.digits import with_unit
-from stiction.views.doubts import HALF
 from stiction.views.figures.contact import box_of, draw_frame, draw_heights
 from stiction.views.figures.ensemble import HEADLINE, dimension_axis, head, headlines, letter, rows_of_axes
 from stiction.views.onset import AMPLITUDES
-from stiction.views.point import STATISTICS
 from stiction.views.style import AREA, FORCE, FRICTION, SLIP_MAP, friction_parameters_text, label, new_figure
 
 CYCLES = ("0.55", FRICTION)  # colours of the cycles

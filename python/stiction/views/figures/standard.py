@@ -13,14 +13,12 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from stiction.studies.at_load import at_load, member_values
-from stiction.studies.budget import with_uncertainty
+from stiction.studies.at_load import member_values
 from stiction.studies.height_scale import Scaled, at_height_scale
 from stiction.studies.members import bodies_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
-from stiction.views.answer import headlines
 from stiction.views.figures.budget import budget_figure, waiting_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.distributions import FEWEST_DIRECTIONS, compass_figure, positions_figure, sizes_figure
@@ -126,7 +124,7 @@ def _of_measured(
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     asked = [float(load) for load in study.friction.load]
     loads = np.unique([*study.contact.steps(), *asked])
-    points = with_uncertainty(at_load(result, loads), result, budget=False)
+    points = result.at(loads)
     uncut, title, hardness = points.isel(cut_off=0), words_of(study), study.contact.hardness
     first = asked[0]
     over, onset = points if points.sizes["cut_off"] > 1 else result.over_cut_offs, result.onset
@@ -148,9 +146,9 @@ def _of_measured(
             yield of_scaled + of, partial(drawn_height_scale, result, scaled, place, title=title)
     if study.is_areal:
         yield "closure", partial(closure_figure, uncut.sel(load=slice(max(asked))), title=title)
-    yield "budget", lambda: budget_figure(headlines(result.answers)[0], title=title)
+    yield "budget", lambda: budget_figure(result.summary().first, title=title)
     if study.friction.wait:
-        yield "waiting", lambda: waiting_figure(headlines(result.answers)[0], title=title)
+        yield "waiting", lambda: waiting_figure(result.summary().first, title=title)
     if onset is not None:
         yield "onset", partial(onset_figure, onset, title=title)
         if has_slip_map(onset):

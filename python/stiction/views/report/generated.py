@@ -13,15 +13,16 @@ import xarray
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction._number_format import with_unit
 from stiction.mechanics.friction import RATIOS, SIX
 from stiction.mechanics.quantities import AREAL_VALIDITY, AT_HARDNESS, DIRECTED, ONSET, QUANTITIES, VALIDITY
+from stiction.studies.assessment import HALF, LIMITS_OF_CONTACTS, checks_of_ensemble
 from stiction.studies.at_load import reached_loads
 from stiction.studies.maps import MOTIONS, solved_pieces
+from stiction.studies.point import rules_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
-from stiction.views.digits import with_unit
-from stiction.views.doubts import HALF, LIMITS_OF_CONTACTS, checks_of_ensemble
-from stiction.views.point import rules_of, way_text
+from stiction.views.point import way_text
 from stiction.views.report.page import AXES, BYTES, PageResult, ReportError, counted, motions_of, packed
 from stiction.views.report.pictures import dimension_panel, profiles_panel
 

@@ -11,25 +11,22 @@ import numpy as np
 import xarray
 
 from stiction._checks import Floats
+from stiction._number_format import with_unit
 from stiction._text import printable
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import SIX
 from stiction.mechanics.hardness import EXPONENT, POWER
 from stiction.mechanics.quantities import DIRECTED, QUANTITIES, shown_in
+from stiction.studies.assessment import limit_of
 from stiction.studies.at_load import areas_of, at_load
-from stiction.studies.budget import with_uncertainty
 from stiction.studies.maps import MOTIONS
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.resolution import seen
 from stiction.studies.result import Result
 from stiction.studies.study import Study
-from stiction.views.answer import slopes_text
-from stiction.views.digits import with_unit
-from stiction.views.doubts import limit_of
 from stiction.views.figures.standard import title_of, words_of
 from stiction.views.onset import onset_note, onset_text
-from stiction.views.point import materials_text, over_text, rules_of, way_text
-from stiction.views.point import points as points_of
+from stiction.views.point import materials_text, over_text, way_text
 from stiction.views.report.page import (
     AXES,
     MOST_TEXT,
@@ -50,7 +47,8 @@ from stiction.views.report.pictures import (
 )
 from stiction.views.report.reading import GIVEN, reading_table
 from stiction.views.resolution import waves_text
-from stiction.views.sticking import sticking_of
+from stiction.views.sentence import sentence_text, slopes_text
+from stiction.views.sticking import sticking_text
 from stiction.views.text import budget_text, waited_text
 
 MOST_VALUES = 4_000_000  # numbers of measured bodies in a page
@@ -129,7 +127,7 @@ def _facts_of(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str
         "modulus": float(dataset["effective_modulus"]), "area": float(dataset["nominal_area"]),
         "kinds": _kinds(dataset), "lines": dataset["line"].values.tolist() if "line" in dataset.coords else None,
         "offsets": [listed(dataset[axis].values) for axis in ("x", "y")] if "x" in dataset.coords else None,
-        "asked": asked, "answers": _answers(result, study), "combined": _combined(result, loads), "gap": _gap(dataset),
+        "asked": asked, "answers": _answers(result), "combined": _combined(result, loads), "gap": _gap(dataset),
         "growth": _growth(result, study),
     }  # fmt: skip
 
@@ -155,8 +153,8 @@ def _held(result: Result, study: Study) -> list[str]:
     """What holds bodies that adhere, at the first mu0 and tau0 by the rule to quote."""
     if not study.contact.adheres:
         return []
-    sticking = sticking_of(next(points_of(result.at_study_loads)), rules_of(study)[0])
-    return [] if sticking is None else [sticking.text]
+    sticking = result.summary().points[0].sticking
+    return [] if sticking is None else [sticking_text(sticking)]
 
 
 def _head(study: Study, facts: dict[str, Any]) -> list[str]:
@@ -216,28 +214,27 @@ def _quantities(result: Result, facts: dict[str, Any]) -> list[dict[str, Any]]:
     return found
 
 
-def _answers(result: Result, study: Study) -> list[dict[str, Any]]:
-    at = result.at_study_loads
+def _answers(result: Result) -> list[dict[str, Any]]:
     return [
         {
             "at": answer.at, "verdict": answer.verdict, "covered": answer.covered,
-            "sentence": printable(answer.sentence, MOST_TEXT * 4),
+            "sentence": printable(sentence_text(answer), MOST_TEXT * 4),
             "doubts": [
                 {name: printable(getattr(each, name), MOST_TEXT) for name in ("text", "cure", "severity")}
                 for each in answer.doubts
             ],
-            "slopes": slopes_text(answer, point, study),
+            "slopes": slopes_text(answer),
             "intervals": {rule.rule: listed([rule.lower, rule.upper]) for rule in answer.rules},
             "parts": None if answer.parts is None else listed(answer.parts),
             "most": " ".join(filter(None, (budget_text(answer), waited_text(answer)))) or None,
         }
-        for point, answer in zip(points_of(at), result.answers, strict=True)
+        for answer in result.summary().points
     ]  # fmt: skip
 
 
 def _combined(result: Result, loads: Sequence[float]) -> list[dict[str, Any]]:
     """Return the ends of the combined intervals over cut-off and load, at each mu0 and tau0 by each sliding rule."""
-    table = with_uncertainty(at_load(result, loads), result, budget=False)["friction_combined"]
+    table = result.at(loads)["friction_combined"]
     table = table.sel(statistic=["lower", "upper"]).transpose("sliding", "mu0", "tau0", "cut_off", "load", "statistic")
     return [
         {

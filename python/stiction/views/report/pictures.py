@@ -13,11 +13,11 @@ import matplotlib as mpl
 import xarray
 from matplotlib.figure import Figure
 
+from stiction._number_format import percent, with_unit
 from stiction.studies.contact_tables import Asperities
 from stiction.studies.members import pairs_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study
-from stiction.views.digits import percent, with_unit
 from stiction.views.figures.contact import climbing, contact_figure, touching_figure
 from stiction.views.figures.loads import adhesion_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure

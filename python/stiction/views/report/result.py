@@ -16,9 +16,9 @@ from numpy.polynomial.chebyshev import chebinterpolate
 from scipy.special import stdtrit
 
 from stiction.mechanics import friction
+from stiction.studies.assessment import ADVICE, VERDICTS
 from stiction.studies.intervals import AROUND, CONFIDENCE, FEWEST_NEIGHBOURS, FEWEST_OF_SAMPLE
 from stiction.studies.result import Result
-from stiction.views.doubts import ADVICE, VERDICTS
 from stiction.views.figures.ensemble import COLOUR_QUANTILES, TICKS
 from stiction.views.point import RULES
 from stiction.views.report.generated import page_of_generated

@@ -6,10 +6,10 @@ from string import Template
 from typing import Any
 
 from stiction._core import __version__
+from stiction._number_format import percent, with_unit
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import HARMLESS, PAPERS_MU0, Characterisation, Row, characterisation_of
-from stiction.views.digits import percent, with_unit
 from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.report.page import Page, escaped, part
 from stiction.views.report.pictures import inline

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -9,6 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stiction._number_format import percent, with_unit
+from stiction.studies.assessment import Doubt, Severity
+from stiction.studies.point import is_capped
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import levelled
@@ -16,10 +20,6 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import CUTOFF_MARGIN, InstrumentLimit, instrument_limit
 from stiction.surfaces.spectrum import find_peak, power_spectrum
 from stiction.surfaces.surface import Surface
-from stiction.views.digits import percent, with_unit
-from stiction.views.doubts import Doubt, Severity
-from stiction.views.point import is_capped
-from stiction.views.scans import spectra_differ
 
 if TYPE_CHECKING:
     from stiction.studies.measured_surfaces import Body, MeasuredFile
@@ -50,6 +50,7 @@ CURE = (
     " if they are the instrument's; --texture turned, milled, ground, ... or --cutoff none if they are the surface's; "
     "two scans of one place tell (stiction characterise --repeated)"
 )
+MUCH = 2.0  # factor between spectra of one surface, above which it is said
 WHOLE_PART = 0.1  # nominal pressure over E* from which on a load is that of a larger body
 
 
@@ -149,6 +150,12 @@ def _extent(body: Body) -> tuple[float, float]:
     if isinstance(body, JoinedSpectrum):
         return np.inf, np.inf
     return (1.0, body.extent) if isinstance(body, Profile) else body.extent
+
+
+def spectra_differ(joined: JoinedSpectrum) -> bool:
+    """Whether a scan is off the others by more than a factor of two in power, whatever chance does."""
+    with np.errstate(invalid="ignore"):
+        return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MUCH)).any())
 
 
 def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Doubt]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
+from stiction._number_format import percent, significant, with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
@@ -17,8 +18,7 @@ from stiction.mechanics.materials import softer_material
 from stiction.studies.at_load import ABOVE_NOMINAL, COMPLETE
 from stiction.studies.hardness import growth_of, inputs_of, materials_of
 from stiction.studies.known import Known
-from stiction.views.digits import percent, significant, with_unit
-from stiction.views.point import (
+from stiction.studies.point import (
     RuleValue,
     contact_status_of,
     has_nominal_area,

@@ -1,0 +1,145 @@
+"""Numbers of one point of what `at_load` gives: one cell, load, mu0 and tau0."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction.mechanics.closed_forms import hardness_under_shear
+from stiction.mechanics.friction import STATUS_OK
+from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
+from stiction.studies.at_load import ABOVE_NOMINAL, COMPLETE, NO_LOAD
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.study import Study
+
+
+@dataclass(frozen=True)
+class RuleValue:
+    """Coefficient of static friction by one sliding rule."""
+
+    rule: str  # "all" or "opposing"
+    value: float  # mean over the directions of the result, and the 95 % interval of everything known
+    lower: float
+    upper: float
+    positions: tuple[float, float] = (math.nan, math.nan)  # of the mean over positions alone
+    next_test: tuple[float, float] = (math.nan, math.nan)  # between which one test lies, in one direction
+    low: float = math.nan  # four of five single members lie between this and the next
+    high: float = math.nan
+    slopes: float = math.nan  # by the slopes of the gap alone (`gentle_friction`); NaN of generated bodies
+
+
+def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
+    """Every cell, load, mu0 and tau0 of what `at_load` gives, one after the other."""
+    cells = [name for name in CELLS if name in at.dims]
+    dims = [*cells, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
+    for place in np.ndindex(*(at.sizes[name] for name in dims)):
+        yield at.isel(dict(zip(dims, place, strict=True)))
+
+
+RULE_ORDER = ("all", "opposing")
+"""Sliding rules; of measured bodies the first comes first, because mu0 is measured on smooth faces."""
+
+CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of cells of any study
+STATISTICS = ("mean", "lower", "upper")  # a mean and the ends of its 95 % interval
+
+
+def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:
+    """Return what the roughness exponent of a study is called and its value: H of self-affine surfaces, else D."""
+    has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
+    return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
+
+
+def by_rule(table: Any, rule: str) -> Any:
+    """A table of results by one sliding rule, which may be the only one."""
+    return table.sel(sliding=rule) if "sliding" in table.dims else table
+
+
+def value_of(point: xarray.Dataset, name: str) -> float:
+    """The mean of a quantity at a point, over directions too where it depends on them; NaN where there is none."""
+    if name not in point.variables:
+        return math.nan
+    table = point[name]
+    if "statistic" in table.dims:
+        table = table.sel(statistic="mean")
+    known = table.values[np.isfinite(table.values)]
+    return float(known.mean()) if known.size else math.nan
+
+
+def contact_status_of(point: xarray.Dataset, study: Study) -> str:
+    """Return the status of the true area at a point: "ok", "complete", or "above-nominal" of asperities."""
+    if "contact_status" in point:
+        return str(point["contact_status"].values)
+    above = value_of(point, "contact_area_fraction") > 1
+    return (COMPLETE if study.by_half_space else ABOVE_NOMINAL) if above else STATUS_OK
+
+
+def pressure_of(point: xarray.Dataset) -> float:
+    """Mean pressure in contact (GPa)."""
+    if "mean_pressure" in point:
+        return value_of(point, "mean_pressure")
+    area = value_of(point, "contact_area")
+    load = value_of(point, "contact_load") if "contact_load" in point else float(point["load"])
+    return load / area if area > 0 else math.nan
+
+
+def rules_of(study: Study) -> list[str]:
+    """The sliding rules of a study, the one to quote first."""
+    order = RULE_ORDER if study.is_measured else RULE_ORDER[::-1]
+    return sorted(study.contact.rules(), key=order.index)
+
+
+def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
+    """Whether load over nominal area has a meaning, which it has not for spheres on a strip of arbitrary thickness."""
+    if "nominal_area" not in point.coords:
+        return False
+    return study.is_areal or study.by_half_space or "cylinder" in law_of(study)
+
+
+def law_of(study: Study) -> str:
+    """The contact law of asperities, in whatever words; empty of a half-space."""
+    return str(study.contact.law or "").lower()
+
+
+def is_capped(study: Study) -> bool:
+    """Whether pressures have a limit."""
+    return study.contact.hardness is not None or "jackson" in law_of(study)
+
+
+def modulus_of(point: xarray.Dataset, study: Study) -> float:
+    """E* in GPa."""
+    return float(point["effective_modulus"] if "effective_modulus" in point.coords else study.contact.effective_modulus)
+
+
+def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
+    """The range of adhesion (µm) that was asked for, and that which the grid resolves, if that is longer."""
+    contact: Any = study.contact
+    asked = float(contact.adhesion_range or ADHESION_RANGE)
+    step = float(np.max(point.attrs.get("spacing_um", 0.0)))
+    return asked, max(asked, resolved_range(float(contact.work_of_adhesion), step, modulus_of(point, study)))
+
+
+def is_unloaded(point: xarray.Dataset) -> bool:
+    """Return whether the load of a point is negligible beside the pull-off force."""
+    return "pull_off" in point and float(point["load"]) < NO_LOAD * value_of(point, "pull_off")
+
+
+def hardness_of(study: Study) -> float:
+    """GPa; NaN without one."""
+    hardness = study.contact.hardness
+    return math.nan if hardness is None else float(hardness)
+
+
+def plastic_adhesion(point: xarray.Dataset, study: Study) -> float | None:
+    """Return tau0/H', the part of adhesion where all contacts yield; NaN of seizure, None without a hardness."""
+    hardness = hardness_of(study)
+    if math.isnan(hardness) or not study.by_half_space:
+        return None
+    mu0, tau0, growth = float(point["mu0"]), float(point["tau0"]), study.contact.junction_growth or 0.0
+    return tau0 / float(hardness_under_shear(hardness, mu0, tau0, growth))

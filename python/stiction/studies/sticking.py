@@ -1,0 +1,54 @@
+"""Whether bodies that adhere stick together without a load: pull-off force and pressure, and friction at no load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from stiction.studies.point import STATISTICS, by_rule
+
+if TYPE_CHECKING:
+    import xarray
+
+STICKING_PRESSURE = 1e-7
+"""Pull-off pressure (GPa) above which bodies stick: 100 Pa, which the weight of 1.3 mm of steel is."""
+
+Three = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Sticking:
+    """Pull-off force (mN), pressure (GPa) and friction at no load (mN): mean, lower and upper end of 95 % intervals."""
+
+    pull_off: Three
+    pressure: Three
+    friction: Three
+    is_bound: bool  # whether members contribute lower bounds of the pull-off force
+
+    @property
+    def sticks(self) -> Literal["yes", "no", "uncertain"]:
+        """Whether the pull-off pressure is above `STICKING_PRESSURE`, by its interval, or its value without one."""
+        value, lower, upper = self.pressure
+        if (lower if np.isfinite(lower) else value) > STICKING_PRESSURE:
+            return "yes"
+        return (
+            "no" if (upper if np.isfinite(upper) else value) < STICKING_PRESSURE and not self.is_bound else "uncertain"
+        )
+
+
+def sticking_of(point: xarray.Dataset, rule: str) -> Sticking | None:
+    """Return how bodies stick at a point of what `at_load` gives, None if they do not adhere."""
+    if "pull_off" not in point or "pull_off_pressure" not in point:
+        return None
+    force, pressure, friction = (
+        _three(by_rule(point[name], rule)) for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
+    )
+    share = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
+    return Sticking(force, pressure, friction, share > 0)
+
+
+def _three(table: xarray.DataArray) -> Three:
+    value, lower, upper = (float(table.sel(statistic=each)) for each in STATISTICS)
+    return value, lower, upper

@@ -1,0 +1,405 @@
+"""The summary of a result: everything that may be quoted of it, computed once, for every view.
+
+A summary has a point for each cell, load, mu0 and tau0. Terminal, JSON, CSV, figures, reports and notebooks render its
+points and compute nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._number_format import quoted
+from stiction.mechanics import friction
+from stiction.mechanics.brackets import friction_bracket
+from stiction.studies.assessment import MORE_CONTACTS, VERDICTS, Doubt, doubts_of
+from stiction.studies.point import (
+    CELLS,
+    STATISTICS,
+    RuleValue,
+    by_rule,
+    contact_status_of,
+    is_unloaded,
+    plastic_adhesion,
+    points,
+    rules_of,
+    shape_coordinate,
+    value_of,
+)
+from stiction.studies.sticking import Sticking, sticking_of
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.study import Study
+
+ORIGIN = "waves of unknown origin"  # as a part of the uncertainty
+DECIDES = 0.1  # part of the width of an interval that an input has to take away, if it were known, to be named
+
+
+@dataclass(frozen=True)
+class Left:
+    """The interval that would be left if one input were known exactly, the mean width of it, and the input's name."""
+
+    words: str
+    lower: float
+    upper: float
+    width: float
+
+
+@dataclass(frozen=True)
+class Waited:
+    """The coefficient after some time under load, and its 95 % interval of everything known."""
+
+    seconds: float
+    value: float
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, eq=False)
+class PointSummary:
+    """What may be quoted of one cell, load, mu0 and tau0.
+
+    Attributes
+    ----------
+    study : Study
+    values : xarray.Dataset
+        Every quantity at the point, with its intervals, as `Result.at` returns them.
+    rules : tuple of RuleValue
+        Coefficients of static friction, the sliding rule to quote first.
+    status : str
+        "ok", or why there is no coefficient.
+    doubts : tuple of Doubt
+        Caveats, faults first.
+    at : dict
+        The cell, the Hurst exponent, load (mN), mu0 and tau0 (GPa).
+    bracket : (float, float), optional
+        With a hardness and a value to quote: between mu0 + tau0/H and the upper end of the interval at this scan, with
+        what few contacts leave open, every finer scan lies where friction acts at all contacts.
+    from_roughness : float, optional
+        Part of the value that the scans contribute, beyond the inputs.
+    budget : tuple of Left
+        Intervals that would remain if one input were known, the most important input first.
+    parts : (float, float, float), optional
+        Parts of the coefficient: mu0, adhesion on the true area, and slopes.
+    waited : tuple of Waited
+        Coefficients after each dwell time of the study.
+    covered : bool
+        Whether it is the other one of two readings of a scan, which the interval of a headline contains.
+    sticking : Sticking, optional
+        Pull-off force and friction at no load of bodies that adhere.
+    """
+
+    study: Study
+    values: xarray.Dataset
+    rules: tuple[RuleValue, ...]
+    status: str
+    doubts: tuple[Doubt, ...] = ()
+    at: dict[str, Any] = field(default_factory=dict)
+    bracket: tuple[float, float] | None = None
+    from_roughness: float | None = None
+    budget: tuple[Left, ...] = ()
+    parts: tuple[float, float, float] | None = None
+    waited: tuple[Waited, ...] = ()
+    covered: bool = False
+    sticking: Sticking | None = None
+
+    @property
+    def members(self) -> float:
+        """Number of members that were averaged."""
+        return value_of(self.values, "members")
+
+    @property
+    def scans(self) -> tuple[int, int]:
+        """Number of scanned places of the upper and of the lower part."""
+        return self.study.surfaces.scan_counts
+
+    @property
+    def hardness(self) -> float | None:
+        """Hardness of the softer body, GPa."""
+        return None if self.study.contact.hardness is None else float(self.study.contact.hardness)
+
+    @property
+    def grows(self) -> bool:
+        """Whether contacts that have yielded grow under shear."""
+        return bool(self.study.contact.junction_growth)
+
+    @property
+    def contact_status(self) -> str:
+        """Status of the true area: "ok", "complete" or "above-nominal"."""
+        return contact_status_of(self.values, self.study)
+
+    @property
+    def unloaded(self) -> bool:
+        """Whether the load is negligible beside the pull-off force."""
+        return is_unloaded(self.values)
+
+    def quantity(self, name: str) -> tuple[float, float, float]:
+        """Return the mean of a quantity over directions, and its 95 % interval by the rule to quote; NaN if unknown."""
+        if name not in self.values:
+            return math.nan, math.nan, math.nan
+        table = by_rule(self.values[name], self.rules[0].rule)
+        if "statistic" not in table.dims or table.ndim > 1:
+            return value_of(self.values, name), math.nan, math.nan
+        value, lower, upper = (float(table.sel(statistic=each)) for each in STATISTICS)
+        return value, lower, upper
+
+    @property
+    def value(self) -> float:
+        """By the rule to quote."""
+        return self.rules[0].value
+
+    @property
+    def lower(self) -> float:
+        """Lower end of its 95 % interval."""
+        return self.rules[0].lower
+
+    @property
+    def upper(self) -> float:
+        """Upper end of its 95 % interval."""
+        return self.rules[0].upper
+
+    @property
+    def most(self) -> Left | None:
+        """The input that decides the width of the interval, if one does."""
+        first, width = self.budget[:1], self.upper - self.lower
+        return first[0] if first and first[0].width < (1 - DECIDES) * width else None
+
+    @property
+    def ageing(self) -> float:
+        """Growth of the coefficient over that of the logarithm of the time, from 1 s to the last one; NaN of none."""
+        last = self.waited[-1] if self.waited else Waited(1.0, self.value, self.lower, self.upper)
+        return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
+
+    @property
+    def faults(self) -> tuple[Doubt, ...]:
+        """Doubts for which it is not to be quoted."""
+        return tuple(doubt for doubt in self.doubts if doubt.severity == "fault")
+
+    @property
+    def verdict(self) -> str:
+        """Whether the value is to be quoted: "Quote it", "Quote with care" or "Do not quote"."""
+        severities = {doubt.severity for doubt in self.doubts}
+        return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
+
+
+@dataclass(frozen=True, eq=False)
+class Summary:
+    """What may be quoted of a result at some loads, mu0 and tau0.
+
+    Attributes
+    ----------
+    study : Study
+    at : xarray.Dataset
+        Every quantity with its intervals, as `Result.at` returns them, with the uncertainty budget.
+    points : tuple of PointSummary
+        A point for each cell, load, mu0 and tau0, those to quote first.
+    onset : xarray.Dataset, optional
+        Onset of sliding at the first load, mu0 and tau0 of the study.
+    over_cut_offs : xarray.Dataset, optional
+        Values of a few members over cutoff wavelengths.
+    """
+
+    study: Study
+    at: xarray.Dataset
+    points: tuple[PointSummary, ...]
+    onset: xarray.Dataset | None = None
+    over_cut_offs: xarray.Dataset | None = None
+
+    @property
+    def headlines(self) -> list[PointSummary]:
+        """The points to print: without the readings that the interval of another point contains."""
+        return [point for point in self.points if not point.covered]
+
+    @property
+    def first(self) -> PointSummary:
+        """The point to quote first."""
+        return self.headlines[0]
+
+
+def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Doubt] = (), **alongside: Any) -> Summary:
+    """Return the summary of what `Result.at` returns for a study.
+
+    Parameters
+    ----------
+    at : xarray.Dataset
+    study : Study
+    input_caveats : sequence of Doubt
+        Caveats about the bodies, as `doubts_of_inputs` gives them.
+    **alongside : xarray.Dataset
+        `onset` and `over_cut_offs`, where they are stored.
+    """
+    found = [summarize_point(point, study, input_caveats) for point in points(at)]
+    found = _with_both_readings(found) if study.surfaces.both_readings else found
+    return Summary(study, at, tuple(found), **alongside)
+
+
+def _with_both_readings(found: Sequence[PointSummary]) -> list[PointSummary]:
+    """Answers at the cutoff to quote, whose intervals cover those at the other one, and then the others."""
+    cut_off = found[0].at["cut_off"]  # the first one is that to quote
+    others = {_place(one): one for one in found if one.at["cut_off"] != cut_off}
+    own = [one for one in found if one.at["cut_off"] == cut_off]
+    first = [_covering(one, others[_place(one)]) if _place(one) in others else one for one in own]
+    return [*first, *(replace(one, covered=True) for one in others.values())]
+
+
+def _place(one: PointSummary) -> tuple[tuple[str, float], ...]:
+    """Load, mu0 and tau0 of an answer, and its cell without the cutoff."""
+    return tuple(item for item in one.at.items() if item[0] != "cut_off")
+
+
+def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
+    """An answer to quote whose intervals cover those of the other reading, with the doubts about both.
+
+    Filtering does not improve an assessment: what forbids quoting the other reading forbids quoting this one.
+    """
+    rules = tuple(_over_both(*each) for each in zip(one.rules, other.rules, strict=True))
+    both = {left.words: left for left in other.budget}
+    known = math.isfinite(one.upper - one.lower)  # which one or two positions leave open
+    budget = [Left(ORIGIN, one.lower, one.upper, one.upper - one.lower)] if known else []
+    for left in one.budget:
+        same = both.get(left.words, left)
+        low, high = min(left.lower, same.lower), max(left.upper, same.upper)
+        budget.append(Left(left.words, low, high, high - low))
+    value = other.rules[0]
+    is_measured = one.at["cut_off"] == 0
+    words = f"; {'without' if is_measured else 'with'} them μ_s is {quoted(value.value, value.lower, value.upper)}"
+    words = words if math.isfinite(value.value) else ""
+    own = [replace(each, text=each.text + words) if each.has_readings else each for each in one.doubts]
+    texts = {each.text for each in one.doubts}
+    beyond = [
+        replace(each, text=f"as measured: {each.text}")
+        for each in other.faults
+        if not (is_measured or each.has_readings or each.text in texts)
+    ]
+    doubts = sorted([*own, *beyond], key=lambda doubt: doubt.severity != "fault")
+    order = tuple(sorted(budget, key=lambda left: left.width))
+    bracket = None if any(each.severity == "fault" for each in doubts) else one.bracket
+    return replace(one, rules=rules, budget=order, doubts=tuple(doubts), bracket=bracket)
+
+
+def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
+    """A value with intervals that cover those of another reading."""
+    lower, upper = float(np.fmin(one.lower, other.lower)), float(np.fmax(one.upper, other.upper))
+    (low, high), (other_low, other_high) = one.next_test, other.next_test
+    next_test = float(np.fmin(low, other_low)), float(np.fmax(high, other_high))
+    return replace(one, lower=lower, upper=upper, next_test=next_test)
+
+
+def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Doubt] = ()) -> PointSummary:
+    """Return the summary of one point of what `Result.at` returns, with caveats from the bodies."""
+    rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
+    statuses = np.unique(by_rule(point["status"], rules[0].rule).values)
+    bad = [str(status) for status in statuses if status != friction.STATUS_OK]
+    # A direction without an answer leaves the mean over all of them without one.
+    status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
+    cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
+    mean = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
+    # Only a cutoff that was asked for takes doubts away.
+    kept = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
+    doubts = [*kept, *doubts_of(point, study, mean, status)]
+    return PointSummary(
+        study=study, values=point, rules=rules, status=status,
+        doubts=tuple(sorted(doubts, key=lambda doubt: doubt.severity != "fault")),
+        at=_place_of(point, study),
+        bracket=None if any(_spoils_bracket(doubt) for doubt in doubts) else _bracket(point, study, mean),
+        budget=_budget(point, rules[0].rule), parts=_parts(point, rules[0]),
+        from_roughness=_from_roughness(point, study, rules[0]), waited=_waited(point, rules[0].rule),
+        sticking=sticking_of(point, rules[0].rule),
+    )  # fmt: skip
+
+
+# ---- Values ----------------------------------------------------------------------------------------------------------
+
+
+def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
+    own = by_rule(point, rule)
+    name = "friction_all_round" if "friction_all_round" in own else "friction_coefficient"
+    value, lower, upper = (own[name].sel(statistic=each).item() for each in STATISTICS)
+    ends = (max(lower, 0.0) if lower < 0 <= value else lower), upper
+    lower, upper = _ends_of(own, "friction_known") or ends
+    test = _ends_of(own, "friction_next_test") or (math.nan, math.nan)
+    low, high, slopes = (value_of(own, each) for each in ("spread_low", "spread_high", "gentle_friction"))
+    return RuleValue(rule, value, lower, upper, ends, test, low, high, slopes)
+
+
+def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
+    lower, upper = (float(own[name].sel(statistic=each)) if name in own else math.nan for each in STATISTICS[1:])
+    return (lower, upper) if math.isfinite(lower) and not math.isnan(upper) else None
+
+
+def _budget(point: xarray.Dataset, rule: str) -> tuple[Left, ...]:
+    """What would be left of the interval by a rule if each input were known, the narrowest first."""
+    if "friction_if_known" not in point:
+        return ()
+    own, found = by_rule(point, rule), []
+    for index, words in enumerate(own["input_words"].values.tolist()):
+        if (ends := _ends_of(own.isel(input=index), "friction_if_known")) is not None:
+            found.append(Left(words, *ends, float(own["width_if_known"][index])))
+    return tuple(sorted(found, key=lambda left: left.width))
+
+
+def _waited(point: xarray.Dataset, rule: str) -> tuple[Waited, ...]:
+    if "friction_waited" not in point:
+        return ()
+    table = by_rule(point["friction_waited"], rule).transpose("wait", "statistic")
+    rows = zip(point["wait"].values.tolist(), table.values.tolist(), strict=True)
+    return tuple(Waited(seconds, *three) for seconds, three in rows)
+
+
+def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
+    """What holds the bodies where all contacts rub: mu0 on the load of the contacts, tau0 on their area, and slopes."""
+    if rule.rule != "all" or not math.isfinite(rule.value):
+        return None
+    load = float(point["load"])
+    area = "contact_area_at_onset" if "contact_area_at_onset" in point else "contact_area"
+    mu0, adhesion = float(point["mu0"]), float(point["tau0"]) * value_of(point, area) / load
+    if "contact_load" in point:
+        mu0 *= value_of(point, "contact_load") / load
+    return mu0, adhesion, rule.value - mu0 - adhesion
+
+
+def _place_of(point: xarray.Dataset, study: Study) -> dict[str, float]:
+    """Return the coordinates of a point; of self-affine surfaces the Hurst exponent too."""
+    place = {name: float(point[name]) for name in (*CELLS, "load", "mu0", "tau0") if name in point.coords}
+    if "fractal_dimension" in place and (shape := shape_coordinate(study, place["fractal_dimension"]))[0] == "H":
+        place["hurst_exponent"] = shape[1]
+    return place
+
+
+def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:
+    """Return what the scans contribute to the coefficient where friction acts at all contacts; None elsewhere.
+
+    Inputs alone give mu0 on the load of the contacts and, of a hardness H, tau0/H: contacts that have all yielded.
+    """
+    parts = _parts(point, rule)
+    if parts is None or not study.is_measured:
+        return None
+    return rule.value - parts[0] - (plastic_adhesion(point, study) or 0.0)
+
+
+def _spoils_bracket(doubt: Doubt) -> bool:
+    """Whether a caveat is a fault of more than the number of contacts, which the bracket allows for."""
+    return doubt.severity == "fault" and doubt.cure != MORE_CONTACTS
+
+
+def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
+    """Between which ends every finer scan lies: to second order in slopes, so that they may meet.
+
+    The upper one is that of the interval, and of the load that finer waves move between the contacts of all members.
+    """
+    hardness = study.contact.hardness
+    measured = study.is_measured and study.by_half_space and not study.contact.adheres
+    if hardness is None or not measured or all_rub.rule != "all" or not math.isfinite(all_rub.value):
+        return None
+    mu0, adhesion = float(point["mu0"]), plastic_adhesion(point, study)
+    if adhesion is None or math.isnan(adhesion):
+        return None
+    upper = all_rub.upper if math.isfinite(all_rub.upper) else None
+    contacts = value_of(point, "contact_count") * value_of(point, "members")
+    return friction_bracket(all_rub.value, mu0, adhesion, contacts, upper)
