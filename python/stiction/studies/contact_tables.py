@@ -1,31 +1,29 @@
-"""The table `[contact]` of a study, by asperities or by the half-space, and where each of its keys may stand."""
+"""The table `[contact]` of a study: a class for each contact model on each kind of surfaces."""
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, PlainSerializer, PlainValidator, create_model, model_validator
+from pydantic import Field, PlainSerializer, PlainValidator, model_validator
 
 from stiction._checks import Floats, float_array
 from stiction._units import MAGNITUDES, exact_quantity, quantity, short_repr
 from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
-from stiction.mechanics.law import LAWS, NAMED, HertzCylinder, Law, LawName, law_of
+from stiction.mechanics.law import NAMED, HertzCylinder, JacksonGreen, Law, LawName, law_of
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
 from stiction.studies.generated_surfaces import Generated, Profiles
 from stiction.studies.known import MAX_GROWTH
 from stiction.studies.measured_surfaces import Measured
 from stiction.studies.values import (
-    REQUIRED,
     ApproachesOrRange,
     ApproachRange,
+    Case,
     Directions,
     Fraction,
-    Keys,
     Length,
     LoadRange,
     LoadsOrRange,
@@ -36,8 +34,8 @@ from stiction.studies.values import (
     WorkOfAdhesion,
     array_of,
     as_tuple,
+    check_keys,
     chosen,
-    completed,
     degrees_of,
     fault_at,
     written,
@@ -45,7 +43,6 @@ from stiction.studies.values import (
 
 COMPASS = tuple(30.0 * step for step in range(12))  # directions of measured areas unless others are given, degrees
 MOST_DIRECTIONS = 360  # largest number of directions of measured areas
-_KINDS: dict[str, Any] = {"µm": Length, "GPa": Modulus}
 AROUND = 30.0  # how far a curve of lines by asperities goes to both sides of the loads that are asked for
 LOAD_STEPS = 25
 AROUND_HALF_SPACE = 10.0  # as `AROUND`, of half-planes, where each load takes a solution
@@ -56,34 +53,36 @@ AROUND_AREAS = 10**0.5  # ratio of the loads that are asked for to the one below
 # ---- Laws -----------------------------------------------------------------------------------------------------------
 
 
-class LawTable(Table):
-    """A contact law with its parameters; each law that has some has a subclass, made from its fields."""
+class HertzCylinderTable(Table):
+    """The law of elastic cylinders with their width."""
 
-    name: str
+    name: Literal["hertz-cylinder"]
+    width: Length
 
-    def law(self) -> Law:
-        """The law itself."""
-        kind = next(law for law in LAWS if law.name == self.name)
-        return kind(**{each.name: float(getattr(self, each.name)) for each in dataclasses.fields(kind)})
-
-
-def _table_of(law: type[Law]) -> type[LawTable]:
-    def entry(parameter: dataclasses.Field[Any]) -> Any:
-        given = parameter.metadata
-        kind = _KINDS.get(given["unit"]) or Annotated[float, Field(ge=given["least"], le=given["most"])]
-        return kind, ...
-
-    name: Any = Literal[law.name]
-    entries: dict[str, Any] = {"name": (name, ...)} | {each.name: entry(each) for each in dataclasses.fields(law)}
-    return create_model(f"{law.__name__}Table", __base__=LawTable, __module__=__name__, __doc__=law.__doc__, **entries)
+    def law(self) -> HertzCylinder:
+        """Return the law."""
+        return HertzCylinder(width=float(self.width))
 
 
-LAW_TABLES: dict[str, type[LawTable]] = {law.name: _table_of(law) for law in LAWS if dataclasses.fields(law)}
-globals().update({table.__name__: table for table in LAW_TABLES.values()})  # so that their instances are pickled
+class JacksonGreenTable(Table):
+    """The law of Jackson and Green with the yield strength and Poisson's ratio of the softer body."""
+
+    name: Literal["jackson-green"]
+    yield_strength: Modulus
+    poisson_ratio: Annotated[float, Field(ge=0, le=0.5)]
+
+    def law(self) -> JacksonGreen:
+        """Return the law."""
+        return JacksonGreen(yield_strength=float(self.yield_strength), poisson_ratio=self.poisson_ratio)
+
+
+LawTable = HertzCylinderTable | JacksonGreenTable
+LAW_TABLES: dict[str, type[LawTable]] = {"hertz-cylinder": HertzCylinderTable, "jackson-green": JacksonGreenTable}
+"""Tables of laws with parameters, by their key `name`."""
 
 
 def _read_law(value: object) -> LawName | LawTable:
-    """A law by its name, or a table of its parameters."""
+    """Read a law from its name, or from a table of its parameters."""
     for name in NAMED:
         if value == name:
             return name  # type: ignore[return-value]
@@ -91,37 +90,43 @@ def _read_law(value: object) -> LawName | LawTable:
         return value
     table = LAW_TABLES.get(str(value.get("name"))) if isinstance(value, Mapping) else None
     if table is None:
-        named = " or ".join(f'"{name}"' for name in NAMED)
+        names = " or ".join(f'"{name}"' for name in NAMED)
         tables = " or ".join(
             f'"{name}" ({", ".join(list(table.model_fields)[1:])})' for name, table in LAW_TABLES.items()
         )
-        raise ValueError(f"must be {named}, or a table of name {tables}, got {short_repr(value)}")
+        raise ValueError(f"must be {names}, or a table of name {tables}, got {short_repr(value)}")
     return table.model_validate(value)
 
 
-LawEntry = Annotated[
-    LawName | LawTable,
-    PlainValidator(_read_law),
-    PlainSerializer(lambda law: law.model_dump() if isinstance(law, LawTable) else law),
-]
+def _write_law(law: LawName | LawTable) -> object:
+    return law if isinstance(law, str) else law.model_dump()
+
+
+LawEntry = Annotated[LawName | LawTable, PlainValidator(_read_law), PlainSerializer(_write_law)]
 
 
 def entry_of(law: Law | LawName) -> LawName | LawTable:
-    """A law as a study has it."""
+    """Return a law as a study has it."""
     law = law_of(law)
-    if law.name not in LAW_TABLES:
-        return law.name  # type: ignore[return-value]
-    values: dict[str, Any] = {"name": law.name}
-    for each in dataclasses.fields(law):
-        value, unit = getattr(law, each.name), each.metadata["unit"]
-        values[each.name] = exact_quantity(value, unit.replace("µ", "u")) if unit in _KINDS else value
-    return LAW_TABLES[law.name].model_validate(values)
+    if isinstance(law, HertzCylinder):
+        return HertzCylinderTable(name="hertz-cylinder", width=exact_quantity(law.width, "um"))
+    if isinstance(law, JacksonGreen):
+        strength = exact_quantity(law.yield_strength, "GPa")
+        return JacksonGreenTable(name="jackson-green", yield_strength=strength, poisson_ratio=law.poisson_ratio)
+    return law.name  # type: ignore[return-value]
 
 
 # ---- Contacts -------------------------------------------------------------------------------------------------------
 
 _Name = Annotated[str, Field(min_length=1, max_length=80)]
 _Ratio = Annotated[float, Field(gt=-1, le=0.5)]
+DetectionKey = Annotated[
+    Detection,
+    Field(description="What counts as a contact: the paper's criterion, or minima of the gap, which is all of areas."),
+]
+CurvatureKey = Annotated[
+    Curvature, Field(description="Whether both bodies must be convex where they touch, or only relatively.")
+]
 TwoNames = Annotated[tuple[_Name, _Name], as_tuple]
 TwoRatios = Annotated[tuple[_Ratio, _Ratio], as_tuple]  # upper and lower body
 
@@ -140,32 +145,60 @@ class OnsetTable(Table):
         return self
 
 
-class ContactTable(Table):
-    """How a pair is pressed together; what a key is where it must not be given stands here, all defaults in `KEYS`."""
+DIRECTION = (
+    "Where the upper body is about to move, in place of `shear`; of areas also degrees from +x towards +y, or a list."
+)
+LOAD = "Elastic normal loads to press the bodies to; of measured ones loads around `friction.load` unless given."
+
+
+class ContactTable(Case):
+    """How a pair is pressed together, by any contact model on any kind of surfaces."""
 
     effective_modulus: Modulus = Field(
         default=quantity("10 GPa", "pressure"), description="E*, the elasticity of both bodies."
     )
+
+    @property
+    def step(self) -> Literal["approach", "load"]:
+        """What a pair is pressed to, one after the other."""
+        return "load"
+
+    def steps(self) -> Floats:
+        """All approaches, µm, or loads, mN."""
+        raise NotImplementedError
+
+    def rules(self) -> tuple[Sliding, ...]:
+        """Every sliding rule."""
+        raise NotImplementedError
+
+    def ways(self) -> tuple[Direction, ...]:
+        """Every direction of motion, whichever key says it."""
+        raise NotImplementedError
+
+    def degrees(self) -> Floats:
+        """Every direction of motion, from +x towards +y."""
+        return np.array([degrees_of(way) for way in self.ways()])
+
+    def motions(self) -> dict[str, list[Any]]:
+        """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
+        return {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
+
+
+# ---- Keys by the kind of surfaces -----------------------------------------------------------------------------------
+
+
+class GeneratedContact(ContactTable):
+    """Keys of the motion of generated surfaces."""
+
+    place: ClassVar[str] = "generated surfaces"
+    materials: ClassVar[None] = None
+    poisson_ratio: ClassVar[None] = None
+
     shear: Shear = Field(default="+x", description="Where the upper body is about to move along a profile.")
-    direction: Directions = Field(
-        default=("+x", "-x"),
-        description="Where the upper body is about to move, in place of `shear`; of areas also degrees from +x towards "
-        "+y, or a list.",
-    )
+    direction: Directions = Field(default=None, description=DIRECTION)
     sliding: Rules = Field(
-        default=("all", "opposing"),
+        default="opposing",
         description="Which contacts rub: those that oppose the motion, as in the paper, or all; or a list of both.",
-    )
-    load: LoadsOrRange | None = Field(
-        default=None,
-        description="Elastic normal loads to press the bodies to; of measured ones loads around `friction.load` unless "
-        "given.",
-    )
-    materials: TwoNames | None = Field(
-        default=None, description="Names of what the upper and the lower body are made of; they change nothing."
-    )
-    poisson_ratio: TwoRatios | None = Field(
-        default=None, description="Of the upper and the lower body, for the onset of sliding; 0.3 of both unless given."
     )
 
     @model_validator(mode="after")
@@ -174,59 +207,111 @@ class ContactTable(Table):
             raise fault_at("direction", f'must not be given beside shear, got "{self.shear}" for that')
         return self
 
-    @property
-    def step(self) -> Literal["approach", "load"]:
-        """What a pair is pressed to, one after the other."""
-        return "approach" if self.load is None else "load"
-
-    def steps(self) -> Floats:
-        """All approaches, µm, or loads, mN."""
-        return array_of(getattr(self, self.step))
-
     def rules(self) -> tuple[Sliding, ...]:
         """Every sliding rule."""
         return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
 
     def ways(self) -> tuple[Direction, ...]:
         """Every direction of motion, whichever key says it."""
-        given = self.shear if self.direction is None else self.direction
-        return given if isinstance(given, tuple) else (given,)
-
-    def degrees(self) -> Floats:
-        """Every direction of motion, from +x towards +y."""
-        return np.array([degrees_of(way) for way in self.ways()])
+        chosen = self.shear if self.direction is None else self.direction
+        return chosen if isinstance(chosen, tuple) else (chosen,)
 
     def motions(self) -> dict[str, list[Any]]:
-        """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
-        lists: dict[str, list[Any]] = {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
-        return {name: values for name, values in lists.items() if isinstance(getattr(self, name), tuple)}
+        """Sliding rules and directions (degrees) that are given as lists."""
+        several = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
+        return {name: values for name, values in super().motions().items() if several[name]}
+
+
+class GeneratedLoads(GeneratedContact):
+    """The load curve of generated surfaces."""
+
+    place: ClassVar[str] = "the half-space of generated surfaces"
+
+    load: LoadsOrRange = Field(
+        default=LoadRange(start=quantity("0.01 mN", "force"), stop=quantity("1 mN", "force"), count=8), description=LOAD
+    )
+
+    def steps(self) -> Floats:
+        """All loads, mN."""
+        return array_of(self.load)
+
+
+class MeasuredContact(ContactTable):
+    """Keys of measured surfaces, which are pressed to loads and moved both ways by both sliding rules."""
+
+    place: ClassVar[str] = "measured surfaces"
+
+    load: LoadsOrRange = Field(description=LOAD)
+    materials: TwoNames | None = Field(
+        default=None, description="Names of what the upper and the lower body are made of; they change nothing."
+    )
+    poisson_ratio: TwoRatios | None = Field(
+        default=None, description="Of the upper and the lower body, for the onset of sliding; 0.3 of both unless given."
+    )
+
+    def steps(self) -> Floats:
+        """All loads, mN."""
+        return array_of(self.load)
+
+    def rules(self) -> tuple[Sliding, ...]:
+        """Both sliding rules."""
+        return "all", "opposing"
+
+
+class MeasuredLinesContact(MeasuredContact):
+    """Lines of measured bodies, which are moved both ways."""
+
+    place: ClassVar[str] = "measured lines"
+
+    def ways(self) -> tuple[Direction, ...]:
+        """Both directions of motion."""
+        return "+x", "-x"
+
+
+class MeasuredAreasContact(MeasuredContact):
+    """Keys of measured areas, which are moved in several directions."""
+
+    place: ClassVar[str] = "measured areas"
+
+    direction: Directions = Field(default=COMPASS, description=DIRECTION)
+
+    def ways(self) -> tuple[Direction, ...]:
+        """Every direction of motion."""
+        assert self.direction is not None
+        return self.direction if isinstance(self.direction, tuple) else (self.direction,)
 
 
 class HalfSpace(ContactTable):
     """Contact by the elastic half-space."""
 
+    place: ClassVar[str] = "the half-space"
     law: ClassVar[None] = None
     onset: ClassVar[None] = None
 
     mechanics: Literal["half-space"] = Field(default="half-space", description="The elastic half-space.")
-    boundary: Boundary = Field(description="What lies beyond the edges: nothing, or the same surfaces again.")
-    hardness: Modulus | None = Field(description="The largest pressure of the half-space; none is elastic.")
+    boundary: Boundary = Field(
+        default="free", description="What lies beyond the edges: nothing, or the same surfaces again."
+    )
+    hardness: Modulus | None = Field(
+        default=None, description="The largest pressure of the half-space; none is elastic."
+    )
     junction_growth: float | None = Field(
         default=None,
         ge=0,
         le=MAX_GROWTH,
         description="α of p² + α s² = H², by which plastic contacts grow under shear; none is 0, with a caveat.",
     )
-    compliance_share: Fraction = Field(description="The lower body's fraction of the compliance.")
+    compliance_share: Fraction = Field(default=0.5, description="The lower body's fraction of the compliance.")
     work_of_adhesion: WorkOfAdhesion | None = Field(
-        description="Energy that parts an area in contact; none is not known, and taken as 0."
+        default=None, description="Energy that parts an area in contact; none is not known, and taken as 0."
     )
     adhesion_range: Length | None = Field(
-        description="Gap over which the attraction falls off by 1/e; 0.5 nm unless given."
+        default=None, description="Gap over which the attraction falls off by 1/e; 0.5 nm unless given."
     )
 
     tilt: Tilt = Field(
-        description="Whether the upper of free bodies keeps its orientation, or turns until the load is in the middle."
+        default="fixed",
+        description="Whether the upper of free bodies keeps its orientation, or turns until the load is in the middle.",
     )
 
     @model_validator(mode="after")
@@ -278,6 +363,7 @@ class HalfSpace(ContactTable):
 class Asperities(ContactTable):
     """Contacts of asperities, which do not feel each other."""
 
+    place: ClassVar[str] = "asperities"
     hardness: ClassVar[None] = None
     junction_growth: ClassVar[None] = None
     work_of_adhesion: ClassVar[None] = None
@@ -287,90 +373,163 @@ class Asperities(ContactTable):
         default="asperities", description="Hertzian contacts that do not interact."
     )
     law: LawEntry = Field(
-        description='What a contact carries; `{ name = "jackson-green", yield_strength = ..., poisson_ratio = ... }`.'
+        default="hertz-sphere",
+        description='What a contact carries; `{ name = "jackson-green", yield_strength = ..., poisson_ratio = ... }`.',
     )
-    detection: Detection = Field(
-        description="What counts as a contact: the paper's criterion, or minima of the gap, which is all of areas."
+    detection: DetectionKey = "gap-minimum"
+    curvature: CurvatureKey = "convex"
+
+    def motion(self) -> dict[str, Any]:
+        """Return the direction that a contact model takes, of loads none."""
+        return {}
+
+    def model(self, sliding: Sliding | None = None) -> ContactModel:
+        """What `press` takes, under one of the sliding rules, by default the first."""
+        return ContactModel(
+            effective_modulus=float(self.effective_modulus),
+            law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
+            curvature=self.curvature, sliding=sliding or self.rules()[0], **self.motion(),
+        )  # fmt: skip
+
+
+# ---- Each contact model on each kind of surfaces ---------------------------------------------------------------------
+
+
+class GeneratedAsperities(Asperities, GeneratedContact):
+    """Asperities of generated surfaces, pressed to approaches."""
+
+    place: ClassVar[str] = "asperities of generated surfaces"
+
+    approach: ApproachesOrRange = Field(
+        default=ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40),
+        description="How far the bodies are pressed together.",
     )
-    curvature: Curvature = Field(description="Whether both bodies must be convex where they touch, or only relatively.")
-    approach: ApproachesOrRange | None = Field(default=None, description="How far the bodies are pressed together.")
     onset: OnsetTable | None = Field(
         default=None,
         description="Whether it is kept how each pair begins to slide, and at which strengths, as in `{ mu0 = 0.4 }`.",
     )
 
     @model_validator(mode="after")
-    def _has_an_onset(self) -> Asperities:
+    def _has_an_onset(self) -> Self:
         if self.onset is not None and isinstance(law_of(self.model().law), HertzCylinder):
             raise fault_at("onset", "must not be given with cylinders: a line load moves far points without limit")
         return self
 
-    def model(self, sliding: Sliding | None = None) -> ContactModel:
-        """What `press` takes, under one of the sliding rules, by default the first; of loads without directions."""
-        moved: Any = {} if self.approach is None else {"shear": self.shear, "direction": self.direction}
-        return ContactModel(
-            effective_modulus=float(self.effective_modulus),
-            law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
-            curvature=self.curvature, sliding=sliding or self.rules()[0], **moved,
-        )  # fmt: skip
+    @property
+    def step(self) -> Literal["approach", "load"]:
+        """What a pair is pressed to, one after the other."""
+        return "approach"
+
+    def steps(self) -> Floats:
+        """All approaches, µm."""
+        return array_of(self.approach)
+
+    def motion(self) -> dict[str, Any]:
+        """Return the direction that a contact model takes."""
+        return {"shear": self.shear, "direction": self.direction}
 
 
-Contact = Asperities | HalfSpace  # the table `[contact]` of a study
-CONTACTS: dict[str, type[Contact]] = {"asperities": Asperities, "half-space": HalfSpace}  # cases by `mechanics`
+class AsperitiesOfGeneratedLines(GeneratedAsperities):
+    """Asperities of generated profiles."""
+
+    place: ClassVar[str] = "asperities of generated lines"
+
+    detection: DetectionKey = "cell"
 
 
-# ---- Where its keys may stand ---------------------------------------------------------------------------------------
+class AsperitiesOfGeneratedAreas(GeneratedAsperities):
+    """Asperities of generated surfaces."""
 
-KEYS: Keys = {
-    "law": {"asperities": "hertz-sphere"},
-    "detection": {
-        "asperities of generated lines": "cell", "asperities of measured lines": "gap-minimum",
-        "asperities of areas": "gap-minimum",
-    },
-    "curvature": {"asperities of lines": "convex", "asperities of areas": "signed"},
-    "boundary": {"the half-space": "free"},
-    "hardness": {"the half-space": None},
-    "compliance_share": {"the half-space": 0.5},
-    "work_of_adhesion": {"the half-space": None},
-    "adhesion_range": {"the half-space": None},
-    "tilt": {"the half-space": "fixed"},
-    "shear": {"generated surfaces": "+x"},
-    "direction": {"generated surfaces": None, "measured areas": COMPASS},
-    "sliding": {"generated surfaces": "opposing"},
-    "approach": {
-        "asperities of generated surfaces":
-            ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40),
-    },
-    "onset": {"asperities of generated surfaces": None},
-    "load": {
-        "measured surfaces": REQUIRED,
-        "the half-space of generated surfaces":
-            LoadRange(start=quantity("0.01 mN", "force"), stop=quantity("1 mN", "force"), count=8),
-    },
-    "materials": {"measured surfaces": None},
-    "poisson_ratio": {"measured surfaces": None},
-}  # fmt: skip
-"""Keys that not every table `[contact]` has, with their defaults."""
+    place: ClassVar[str] = "asperities of generated areas"
+
+    curvature: CurvatureKey = "signed"
 
 
-def contact_case(surfaces: type[Generated | Measured], given: Mapping[str, Any]) -> tuple[type[Contact], str]:
-    """The case of a table by its key `mechanics`, and its place, as in "asperities of generated lines"."""
-    bodies = surfaces.bodies
-    mechanics = chosen("mechanics", given, CONTACTS, "half-space" if bodies == "measured areas" else "asperities")
-    return CONTACTS[mechanics], f"{'the ' * (mechanics == 'half-space')}{mechanics} of {bodies}"
+class AsperitiesOfMeasuredLines(Asperities, MeasuredLinesContact):
+    """Asperities of lines of measured bodies."""
+
+    place: ClassVar[str] = "asperities of measured lines"
+    onset: ClassVar[None] = None
+
+
+class AsperitiesOfMeasuredAreas(Asperities, MeasuredAreasContact):
+    """Asperities of measured height maps."""
+
+    place: ClassVar[str] = "asperities of measured areas"
+    onset: ClassVar[None] = None
+
+    curvature: CurvatureKey = "signed"
+
+
+class HalfSpaceOfGeneratedLines(HalfSpace, GeneratedLoads):
+    """Half-planes of generated profiles."""
+
+    place: ClassVar[str] = "the half-space of generated lines"
+
+
+class HalfSpaceOfGeneratedAreas(HalfSpace, GeneratedLoads):
+    """Half-spaces of generated surfaces."""
+
+    place: ClassVar[str] = "the half-space of generated areas"
+
+
+class HalfSpaceOfMeasuredLines(HalfSpace, MeasuredLinesContact):
+    """Half-planes of lines of measured bodies."""
+
+    place: ClassVar[str] = "the half-space of measured lines"
+
+
+class HalfSpaceOfMeasuredAreas(HalfSpace, MeasuredAreasContact):
+    """Half-spaces of measured height maps."""
+
+    place: ClassVar[str] = "the half-space of measured areas"
+
+
+Contact = (
+    AsperitiesOfGeneratedLines
+    | AsperitiesOfGeneratedAreas
+    | AsperitiesOfMeasuredLines
+    | AsperitiesOfMeasuredAreas
+    | HalfSpaceOfGeneratedLines
+    | HalfSpaceOfGeneratedAreas
+    | HalfSpaceOfMeasuredLines
+    | HalfSpaceOfMeasuredAreas
+)
+"""The table `[contact]` of a study."""
+
+CONTACTS: dict[str, dict[str, type[Contact]]] = {
+    "generated lines": {"asperities": AsperitiesOfGeneratedLines, "half-space": HalfSpaceOfGeneratedLines},
+    "generated areas": {"asperities": AsperitiesOfGeneratedAreas, "half-space": HalfSpaceOfGeneratedAreas},
+    "measured lines": {"asperities": AsperitiesOfMeasuredLines, "half-space": HalfSpaceOfMeasuredLines},
+    "measured areas": {"half-space": HalfSpaceOfMeasuredAreas, "asperities": AsperitiesOfMeasuredAreas},
+}
+"""Cases of the table by the bodies and by the key `mechanics`, the first of which is the default."""
+
+SHARED: tuple[type[ContactTable], ...] = (
+    Asperities, GeneratedAsperities, MeasuredContact, GeneratedContact, MeasuredAreasContact, HalfSpace, GeneratedLoads,
+)  # fmt: skip
+"""Classes of keys that several cases share, by whose names messages say where a key belongs."""
+
+
+def contact_case(surfaces: type[Generated | Measured], table: Mapping[str, Any]) -> type[Contact]:
+    """Return the case of a table by the surfaces and its key `mechanics`."""
+    cases = CONTACTS[surfaces.bodies]
+    return cases[chosen("mechanics", table, cases)]
 
 
 def read_contact(value: Mapping[str, Any], surfaces: Generated | Measured) -> Contact:
-    """A table that goes with the surfaces."""
-    case, place = contact_case(type(surfaces), value)
-    contact = case.model_validate(completed(KEYS, place, value))
-    direction = contact.direction
-    if place.endswith("measured areas"):
+    """Read a table that goes with the surfaces."""
+    case = contact_case(type(surfaces), value)
+    check_keys(value, case, SHARED)
+    contact = case.model_validate(value)
+    if isinstance(contact, MeasuredAreasContact):
+        direction = contact.direction
         if direction is None or len(contact.ways()) > MOST_DIRECTIONS:
             raise fault_at("direction", f"must be from 1 to {MOST_DIRECTIONS} directions, got {short_repr(direction)}")
         contact = contact.model_copy(update={"direction": tuple(contact.degrees().tolist())})
-    if isinstance(surfaces, Profiles) and direction not in (None, "+x", "-x"):
-        raise fault_at("direction", f'must be "+x" or "-x" on profiles, got {short_repr(direction)}')
+    is_profile = isinstance(surfaces, Profiles)
+    if is_profile and isinstance(contact, GeneratedContact) and contact.direction not in (None, "+x", "-x"):
+        raise fault_at("direction", f'must be "+x" or "-x" on profiles, got {short_repr(contact.direction)}')
     if isinstance(contact, Asperities) and surfaces.is_areal:
         try:
             contact.model().for_surfaces()

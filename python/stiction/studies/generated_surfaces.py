@@ -11,12 +11,12 @@ from stiction._checks import Floats
 from stiction._units import exact_text, quantity, short_repr
 from stiction.studies.values import (
     MOST_VALUES,
+    Case,
     DimensionRange,
     DimensionsOrRange,
     Length,
     Lengths,
     Side,
-    Table,
     array_of,
     as_tuple,
     fault_at,
@@ -48,7 +48,7 @@ AreaAmplitude = Annotated[
 MOST_HARMONICS = 1_000_000  # largest product of directions and frequencies; each takes a phase, and time at every point
 
 
-class FractalParameters(Table):
+class FractalParameters(Case):
     """Fractal dimension and amplitude, which the members of every generated ensemble are made for."""
 
     bodies: ClassVar[str] = "generated areas"  # as the places of keys have them
@@ -99,7 +99,7 @@ class FractalParameters(Table):
 class Profiles(FractalParameters):
     """Pairs of fractal profiles by Eq. 1 of the paper."""
 
-    case: ClassVar[str] = "fractal profiles"
+    place: ClassVar[str] = "fractal profiles"
     bodies: ClassVar[str] = "generated lines"
     is_areal: ClassVar[bool] = False
 
@@ -152,7 +152,7 @@ class Areas(FractalParameters):
 class WeierstrassMandelbrotSurfaces(Areas):
     """Pairs of fractal surfaces by Eq. 1 of the paper."""
 
-    case: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
+    place: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
 
     generator: Literal["weierstrass-mandelbrot"] = Field(
         default="weierstrass-mandelbrot", description="The paper's Eq. 1 over an area."
@@ -181,7 +181,7 @@ def _dimensions_of(exponents: Any) -> Any:
 class SelfAffineSurfaces(Areas):
     """Pairs of surfaces with Gaussian heights and a spectrum that is a power law."""
 
-    case: ClassVar[str] = "self-affine surfaces"
+    place: ClassVar[str] = "self-affine surfaces"
 
     generator: Literal["self-affine"] = Field(
         default="self-affine", description="Gaussian roughness with a power-law spectrum."

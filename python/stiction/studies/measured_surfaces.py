@@ -21,6 +21,7 @@ from stiction._text import printable_path
 from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import THICKNESS
 from stiction.studies.values import (
+    Case,
     CutOffs,
     Length,
     LengthOrZero,
@@ -422,7 +423,7 @@ class Members(Protocol):
         """What all members share."""
 
 
-class MeasuredBodies(Table):
+class MeasuredBodies(Case):
     """What studies of measured surfaces have in common."""
 
     bodies: ClassVar[str] = "measured areas"  # as the places of keys have them
@@ -506,7 +507,7 @@ MOST_OFFSETS = 100_000  # largest number of positions on a pair of lines
 class MeasuredLines(MeasuredBodies):
     """Lines of two measured files, the upper carried along the lower."""
 
-    case: ClassVar[str] = "lines of measured files"
+    place: ClassVar[str] = "lines of measured files"
     pressed: ClassVar[str] = "Lines"
     bodies: ClassVar[str] = "measured lines"
     is_areal: ClassVar[bool] = False
@@ -613,7 +614,7 @@ def _facts_of_lines(slider: Profile, track: Profile, used: float, scans: tuple[A
 class MeasuredAreas(MeasuredBodies):
     """Areas of two measured maps, pressed at several relative positions."""
 
-    case: ClassVar[str] = "areas of measured maps"
+    place: ClassVar[str] = "areas of measured maps"
     pressed: ClassVar[str] = "Areas"
 
     press: Literal["areas"] = Field(default="areas", description="Areas at several relative positions.")
@@ -663,7 +664,7 @@ class MeasuredAreas(MeasuredBodies):
 class MeasuredSurrogates(MeasuredBodies):
     """Other areas of the spectra of two maps, or alike in all directions of two profiles or of several scans."""
 
-    case: ClassVar[str] = "surrogates of measured files"
+    place: ClassVar[str] = "surrogates of measured files"
     pressed: ClassVar[str] = "Surfaces with the spectra of both"
 
     press: Literal["surrogates"] = Field(default="surrogates", description="Other areas of the same spectra.")

@@ -42,7 +42,7 @@ from stiction.studies.contact_statistics import (
     patches_of,
     pressed_on_steepest,
 )
-from stiction.studies.contact_tables import Asperities, Contact, HalfSpace
+from stiction.studies.contact_tables import Asperities, ContactTable, HalfSpace
 from stiction.studies.layout import Arrays, names_of, variables_of
 from stiction.studies.members import (
     FAMILY_MEMORY,
@@ -103,7 +103,7 @@ def _nothing(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
     return np.zeros(shape, np.int64) if QUANTITIES[name].dtype is int else np.full(shape, np.nan)
 
 
-def _ways(contact: Contact) -> list[Shear]:
+def _ways(contact: ContactTable) -> list[Shear]:
     """Directions on profiles."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.degrees()]
 

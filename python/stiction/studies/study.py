@@ -6,8 +6,7 @@ import math
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -15,17 +14,23 @@ from pydantic_core import PydanticCustomError
 from stiction._checks import Floats
 from stiction._files import NotReadableError, describe_os_error, read_content
 from stiction._text import MAX_PATH_LENGTH, printable, printable_path
-from stiction._units import exact_quantity, exact_text, quantity, short_repr
+from stiction._units import Quantity, exact_quantity, exact_text, quantity, short_repr
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, HALF_SPACE_SUMS, ONSET, SUMS
-from stiction.studies.contact_tables import AROUND_AREAS, KEYS, Contact, contact_case, ladder, read_contact
+from stiction.studies.contact_tables import (
+    AROUND_AREAS,
+    Contact,
+    MeasuredAreasContact,
+    contact_case,
+    ladder,
+    read_contact,
+)
 from stiction.studies.generated_surfaces import Generated, Profiles, SelfAffineSurfaces, WeierstrassMandelbrotSurfaces
 from stiction.studies.known import KnownTable
 from stiction.studies.measured_surfaces import Measured, MeasuredFile
 from stiction.studies.values import (
-    REQUIRED,
+    Case,
     Coefficients,
-    Keys,
     LoadsOfInterest,
     Strengths,
     StudyError,
@@ -33,9 +38,8 @@ from stiction.studies.values import (
     Times,
     as_toml,
     as_tuple,
+    check_keys,
     chosen,
-    completed,
-    defaults,
     fault_at,
     toml,
     validated,
@@ -83,29 +87,63 @@ def surfaces_case(given: Mapping[str, Any]) -> type[Surfaces]:
     return cases[chosen(key, given, cases)]
 
 
-class Friction(Table):
-    """What figures of generated surfaces show, and what is asked for of measured ones."""
+ZERO_STRENGTH = quantity("0 MPa", "pressure")
+PAPER_STRENGTHS = tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200"))
+MU0 = "Molecular friction coefficients."
+TAU0 = "Adhesive shear strengths."
+LOADS = "Normal loads that are asked for; `contact.load` is the curve around them."
 
-    mu0: Coefficients = Field(description="Molecular friction coefficients.")
-    tau0: Strengths = Field(description="Adhesive shear strengths.")
-    load: LoadsOfInterest = Field(
-        default=(), description="Normal loads that are asked for; `contact.load` is the curve around them."
-    )
+
+class GeneratedFriction(Case):
+    """What figures of generated surfaces show."""
+
+    place: ClassVar[str] = "generated surfaces"
+    wait: ClassVar[tuple[Quantity, ...]] = ()
+
+    mu0: Coefficients = Field(default=(0.1, 0.4, 1.0), description=MU0)
+    tau0: Strengths = Field(default=PAPER_STRENGTHS, description=TAU0)
+
+
+class FrictionOfAsperities(GeneratedFriction):
+    """What figures of generated surfaces by asperities show."""
+
+    place: ClassVar[str] = "asperities of generated surfaces"
+    load: ClassVar[tuple[Quantity, ...]] = ()
+
+
+class FrictionOfHalfSpace(GeneratedFriction):
+    """What figures of generated surfaces by the half-space show, and the loads that are asked for."""
+
+    place: ClassVar[str] = "the half-space of generated surfaces"
+
+    load: LoadsOfInterest = Field(default=(), description=LOADS)
+
+
+class FrictionOfMeasured(Case):
+    """What is asked for of measured surfaces."""
+
+    place: ClassVar[str] = "measured surfaces"
+
+    mu0: Coefficients = Field(description=MU0)
+    tau0: Strengths = Field(default=(ZERO_STRENGTH,), description=TAU0)
+    load: LoadsOfInterest = Field(description=LOADS)
     wait: Times = Field(
         default=(), description="Times under load before it is sheared; `contact.hardness` is that after 1 s."
     )
 
 
-FRICTION_KEYS: Keys = {
-    "mu0": {"generated surfaces": (0.1, 0.4, 1.0), "measured surfaces": REQUIRED},
-    "tau0": {
-        "generated surfaces": tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200")),
-        "measured surfaces": (quantity("0 MPa", "pressure"),),
-    },
-    "load": {"measured surfaces": REQUIRED, "the half-space of generated surfaces": ()},
-    "wait": {"measured surfaces": ()},
-}
-"""Where the keys of a table `[friction]` may stand, with their defaults."""
+Friction = FrictionOfAsperities | FrictionOfHalfSpace | FrictionOfMeasured
+"""The table `[friction]` of a study."""
+FRICTIONS: tuple[type[Friction], ...] = get_args(Friction)
+SHARED_FRICTION: tuple[type[Case], ...] = (FrictionOfMeasured, GeneratedFriction, FrictionOfHalfSpace)
+"""Classes of its keys that cases share."""
+
+
+def friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Friction]:
+    """Return the case of the table `[friction]` by the surfaces and the contact model."""
+    if issubclass(surfaces, get_args(Measured)):
+        return FrictionOfMeasured
+    return FrictionOfHalfSpace if mechanics == "half-space" else FrictionOfAsperities
 
 
 class Ensemble(Table):
@@ -188,7 +226,7 @@ class Study(Table):
     """
 
     surfaces: Surfaces = Profiles()
-    contact: Contact = Field(default_factory=_empty, discriminator="mechanics")
+    contact: Contact = Field(default_factory=_empty)
     friction: Friction = Field(default_factory=_empty)
     ensemble: Ensemble = Ensemble()
     figures: Figures = Figures()
@@ -211,7 +249,7 @@ class Study(Table):
         if not tables or "load" in contact or "load" not in friction:
             return given
         try:
-            mechanics = contact_case(surfaces_case(surfaces), contact)[0].model_fields["mechanics"].default
+            mechanics = contact_case(surfaces_case(surfaces), contact).model_fields["mechanics"].default
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             around = ladder(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
         except (ValueError, TypeError):  # said of the key that is wrong
@@ -227,10 +265,7 @@ class Study(Table):
         if not isinstance(value, Mapping):
             raise ValueError(f"must be a table, got {short_repr(value)}")
         case = surfaces_case(value)
-        for key in value:
-            owners = [each.case for each in SURFACES if key in each.model_fields]
-            if owners and key not in case.model_fields:
-                raise fault_at(str(key), f"belongs to {' and '.join(owners)}, not to {case.case}")
+        check_keys(value, case, SURFACES)
         return case.model_validate(value)
 
     @field_validator("contact", "friction", mode="before")
@@ -248,7 +283,9 @@ class Study(Table):
             raise fault_at("load", "must have at least one load, got []")
         contact = info.data.get("contact")  # None where it is wrong, of which alone is reported
         mechanics = "half-space" if contact is None else contact.mechanics
-        return completed(FRICTION_KEYS, contact_case(type(surfaces), {"mechanics": mechanics})[1], value)
+        case = friction_case(type(surfaces), mechanics)
+        check_keys(value, case, SHARED_FRICTION)
+        return case.model_validate(value)
 
     @model_validator(mode="after")
     def _goes_together(self) -> Study:
@@ -404,18 +441,14 @@ class Study(Table):
         given = {key: value for key, value in given.items() if value is not None}
         try:
             surfaces = surfaces_case(given)
-            contact, place = contact_case(surfaces, given)
+            contact = contact_case(surfaces, given)
         except PydanticCustomError:  # said of the key that is wrong
             return data
-        usual = _defaults(type(self.surfaces))
-        own = {key: value for key, value in self.surfaces if value != usual[key]}
-        data["surfaces"] = written_table(surfaces.model_construct(**own))
-        usual = _defaults(type(self.contact)) | defaults(KEYS, self._place)
-        own = {key: value for key, value in self.contact if value != usual[key]}
-        own = {key: value for key, value in (defaults(KEYS, place) | own).items() if value is not REQUIRED}
-        data["contact"] = written_table(contact.model_construct(**own), KEYS, place)
+        data["surfaces"] = _carried_over(self.surfaces, surfaces)
+        data["contact"] = _carried_over(self.contact, contact)
         if not issubclass(surfaces, get_args(Measured)):
-            self._ask_again(data, changes, is_allowed="load" in defaults(FRICTION_KEYS, place))
+            friction = friction_case(surfaces, contact.model_fields["mechanics"].default)
+            self._ask_again(data, changes, is_allowed="load" in friction.model_fields)
         return data
 
     def _ask_again(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
@@ -425,27 +458,25 @@ class Study(Table):
         elif len(asked := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(asked) + 2:
             data["contact"].pop("load")
 
-    @property
-    def _place(self) -> str:
-        """What its contact is of, as in "asperities of generated lines"."""
-        return contact_case(type(self.surfaces), {"mechanics": self.contact.mechanics})[1]
-
     def _written(self) -> dict[str, dict[str, Any]]:
-        keys = {"contact": KEYS, "friction": FRICTION_KEYS}
         names = [name for name in type(self).model_fields if name != "figures" or not self.is_measured]
-        return {name: written_table(getattr(self, name), keys.get(name, {}), self._place) for name in names}
+        return {name: written_table(getattr(self, name)) for name in names}
 
 
-def _defaults(table: type[Table]) -> dict[str, Any]:
-    return {key: field.default for key, field in table.model_fields.items()}
+def _carried_over(table: Table, case: type[Table]) -> dict[str, Any]:
+    """Return the keys of another case of a table: what is not a default of its own case, and the defaults of others."""
+    own = type(table)
+    changed = {key for key, value in table if value != own.model_fields[key].default}
+    keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
+    values = {key: getattr(table, key) if key in changed else case.model_fields[key].default for key in keys}
+    return written_table(case.model_construct(**values))
 
 
-def written_table(table: Table, keys: Keys = MappingProxyType({}), place: str = "") -> dict[str, Any]:
-    """The keys of a table that are given and may stand in its place, what it is a table of first."""
-    others = keys.keys() - defaults(keys, place).keys()
-    data = {key: value for key, value in table.model_dump(exclude_none=True).items() if key not in others}
+def written_table(table: Table) -> dict[str, Any]:
+    """Return the keys of a table that are given, what it is a table of first."""
+    data = table.model_dump(exclude_none=True)
     order = {key: index - len(_FIRST) for index, key in enumerate(_FIRST)}
-    if "measured" in place and "direction" in data:
+    if isinstance(table, MeasuredAreasContact):
         order["direction"] = 1  # last, as results have it
     return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
 

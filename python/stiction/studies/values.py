@@ -6,8 +6,8 @@ import difflib
 import itertools
 import json
 import tomllib
-from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Literal, Self, TypeVar, get_args
+from collections.abc import Callable, Mapping, Sequence
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, get_args
 
 import numpy as np
 from pydantic import (
@@ -154,6 +154,12 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
 
 
+class Case(Table):
+    """A table that has other keys in other cases."""
+
+    place: ClassVar[str]  # as messages call the case
+
+
 def fault_at(key: str, message: str) -> PydanticCustomError:
     """The error that a table has a fault at one of its keys."""
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
@@ -252,33 +258,25 @@ def array_of(values: _Range | tuple[float, ...]) -> Floats:
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
 
-# ---- Keys that not all tables of a name have ------------------------------------------------------------------------
-
-Keys = Mapping[str, Mapping[str, Any]]  # where each key may stand, as in "asperities of areas", and its default there
-REQUIRED = object()  # default of a key that must be given
+# ---- Keys that not all cases of a table have ------------------------------------------------------------------------
 
 
-def defaults(keys: Keys, where: str) -> dict[str, Any]:
-    """The keys that may stand in tables of, for example, "asperities of generated lines", and their defaults."""
-    words = {*where.split(), "surfaces"}
-    return {
-        key: default
-        for key, places in keys.items()
-        for place, default in places.items()
-        if words.issuperset(place.split())
-    }
+def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type[Case]]) -> None:
+    """Raise a fault at a key that belongs to other cases of a table, or that the case requires and the table lacks.
 
-
-def completed(keys: Keys, where: str, given: Mapping[Any, Any]) -> dict[Any, Any]:
-    """A table with the defaults of what is left out; it is a fault if a key belongs elsewhere or must be given."""
-    usual = defaults(keys, where)
-    table = {**usual, **given}
-    for key in keys:
-        if key in given and key not in usual:
-            raise fault_at(key, f"belongs to {' and '.join(keys[key])}, not to {where}")
-        if table.get(key) is REQUIRED:
-            raise fault_at(key, f"must be given for {where}")
-    return table
+    `shared` are classes of keys that cases share; each has a `place`, by which messages call it.
+    """
+    for key in table:
+        if key in case.model_fields:
+            continue
+        owners = [each for each in shared if key in each.model_fields]
+        first = [each for each in owners if not any(each is not other and issubclass(each, other) for other in owners)]
+        if first:
+            places = " and ".join(dict.fromkeys(each.place for each in first))
+            raise fault_at(str(key), f"belongs to {places}, not to {case.place}")
+    for key, field in case.model_fields.items():
+        if field.is_required() and key not in table:
+            raise fault_at(key, f"must be given for {case.place}")
 
 
 _Kind = TypeVar("_Kind", bound=Table)
@@ -346,6 +344,7 @@ _WORDS = {
     "bool_type": "must be true or false", "string_type": "must be text", "literal_error": "must be {expected}",
     "greater_than": "must be above {gt:g}", "greater_than_equal": "must be at least {ge:g}",
     "less_than": "must be below {lt:g}", "less_than_equal": "must be at most {le:g}",
+    "missing": "must be given",
     "too_short": "must have at least {min_length} values, got {actual_length}",
     "too_long": "must have at most {max_length} values, got {actual_length}",
     "string_too_short": "must have at least {min_length} characters",

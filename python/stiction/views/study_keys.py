@@ -11,10 +11,11 @@ from pydantic_core import PydanticUndefined
 from stiction._units import Quantity
 from stiction.mechanics.law import NAMED
 from stiction.studies import values
-from stiction.studies.contact_tables import CONTACTS, KEYS, LAW_TABLES
+from stiction.studies.contact_tables import CONTACTS, LAW_TABLES, SHARED
+from stiction.studies.generated_surfaces import SelfAffineSurfaces
 from stiction.studies.known import KnownTable
 from stiction.studies.measured_surfaces import MeasuredFile
-from stiction.studies.study import FRICTION_KEYS, SURFACES, Ensemble, Figures, Friction
+from stiction.studies.study import FRICTIONS, SHARED_FRICTION, SURFACES, Ensemble, Figures
 from stiction.views.text import fitted
 
 Row = tuple[str, str, str, str]  # key, default, what is allowed, meaning
@@ -53,40 +54,54 @@ _KNOWN = {
 """What texts of the table `[known]` may be, by their types."""
 
 _PRESSED = "How each pair is pressed together; measured areas by the half-space unless `mechanics` says otherwise."
-_TABLES: tuple[tuple[str, str, tuple[Any, ...], values.Keys], ...] = (
-    ("`[surfaces]`, generated", "Fractal profiles, or areas of two kinds.", SURFACES[:3], {}),
-    ("`[surfaces]`, measured", "Two measured files, and how pairs are made of them.", SURFACES[3:], {}),
-    ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,), {}),
-    ("`[contact]`", _PRESSED, tuple(CONTACTS.values()), KEYS),
-    ("`[friction]`", f"{Friction.__doc__}", (Friction,), FRICTION_KEYS),
-    ("`[known]`", f"{KnownTable.__doc__}", (KnownTable,), {}),
-    ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), {}),
-    ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,), {}),
+_FRICTION = "What is asked for of measured surfaces, and what figures of generated ones show."
+_CONTACTS = tuple(dict.fromkeys(case for cases in CONTACTS.values() for case in cases.values()))
+_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values.Case], ...]], ...] = (
+    ("`[surfaces]`, generated", "Fractal profiles, or areas of two kinds.", SURFACES[:3], ()),
+    ("`[surfaces]`, measured", "Two measured files, and how pairs are made of them.", SURFACES[3:], ()),
+    ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,), ()),
+    ("`[contact]`", _PRESSED, _CONTACTS, SHARED),
+    ("`[friction]`", _FRICTION, FRICTIONS, SHARED_FRICTION),
+    ("`[known]`", f"{KnownTable.__doc__}", (KnownTable,), ()),
+    ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), ()),
+    ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,), ()),
 )
-"""Tables of a study file, their cases, and where their keys may stand."""
+"""Tables of a study file, their cases, and classes of keys that several cases share."""
 
 
 def key_tables() -> list[tuple[str, str, list[Row]]]:
-    """Title, words and rows of each table of a study file."""
+    """Return title, description and rows of each table of a study file."""
     tables = []
-    for title, words, cases, places in _TABLES:
-        owners: dict[Row, list[str]] = {}
+    for title, words, cases, shared in _TABLES:
+        owners: dict[Row, list[type[values.Table]]] = {}
         for case in cases:
             for key, entry in case.model_fields.items():
-                if not entry.repr:  # of bodies in memory, which no file of a study has
-                    continue
-                for place, default in places.get(key, {getattr(case, "case", ""): entry.default}).items():
-                    owners.setdefault(_entry(key, default, entry, cases), []).append(place)
+                if entry.repr:  # others are of bodies in memory, which no file of a study has
+                    default = PydanticUndefined if entry.is_required() else entry.default
+                    owners.setdefault(_entry(key, default, entry, cases), []).append(case)
         keys, rows = list(dict.fromkeys(row[0] for row in owners)), []
-        for (key, default, allowed, meaning), names in sorted(owners.items(), key=lambda item: keys.index(item[0][0])):
-            everywhere = "" in names or (key.strip("`") not in places and len(names) == len(cases))
-            of = "" if everywhere else f" Of {_listed(list(dict.fromkeys(names)))}."
+        for (key, default, allowed, meaning), own in sorted(owners.items(), key=lambda item: keys.index(item[0][0])):
+            of = "" if len(own) == len(cases) else f" Of {_listed(_places(own, cases, shared))}."
             rows.append((key, default, allowed, meaning + of))
         for case in cases:
-            others = getattr(case, "other_keys", {}).items()
-            rows += [(f"`{key}`", "none", allowed, f"{of} Of {case.case}.") for key, (allowed, of) in others]
+            if issubclass(case, SelfAffineSurfaces):
+                others = case.other_keys.items()
+                rows += [(f"`{key}`", "none", allowed, f"{of} Of {case.place}.") for key, (allowed, of) in others]
         tables.append((title, words, rows))
     return tables
+
+
+def _places(
+    owners: Sequence[type[values.Table]], cases: Sequence[type[values.Table]], shared: Sequence[type[values.Case]]
+) -> list[str]:
+    """Return the names of some cases of a table: of classes that cover several of them, or of the cases themselves."""
+    members = {each: {case for case in cases if issubclass(case, each)} for each in shared}
+    rest, places = set(owners), []
+    for each in sorted(shared, key=lambda each: -len(members[each])):
+        if members[each] <= rest:
+            places.append(each.place)
+            rest -= members[each]
+    return places + [case.place for case in cases if case in rest and issubclass(case, values.Case)]
 
 
 def study_keys() -> str:
@@ -112,7 +127,7 @@ def study_keys_text() -> str:
 
 def _entry(key: str, usual: Any, entry: Any, cases: tuple[Any, ...]) -> tuple[str, str, str, str]:
     """Key, default, what is allowed, meaning; a key that says of which case a table is has a row for all of them."""
-    default = "required" if usual in (values.REQUIRED, PydanticUndefined) else _toml(usual)
+    default = "required" if usual is PydanticUndefined else _toml(usual)
     if key not in ("generator", "press", "mechanics"):
         return f"`{key}`", default, _allowed_of(key, entry), str(entry.description)
     fields = [case.model_fields[key] for case in cases if key in case.model_fields]

@@ -201,7 +201,7 @@ def _head(study: Study) -> list[str]:
     how = "the elastic half-space" if study.by_half_space else "asperities"
     law = "" if study.by_half_space else f", law {contact.model(rules[0]).law}"
     return [
-        f"{surfaces.case[0].upper()}{surfaces.case[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
+        f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
         f"pressed by {how}{law}; E* = {with_unit(float(contact.effective_modulus), 'GPa')}; contacts that rub: "
         f"{' and '.join(rules)}; motion {', '.join(map(way_text, angles))}."
     ]

@@ -1,0 +1,72 @@
+"""Cases of a study's tables: which keys belong to which, and studies that earlier versions have stored."""
+
+import pickle
+from pathlib import Path
+
+import pytest
+from stiction import HertzCylinder, HertzSphere, JacksonGreen, Study
+from stiction.studies.contact_tables import CONTACTS, HertzCylinderTable, JacksonGreenTable, entry_of
+from stiction.studies.store import STUDY
+from stiction.studies.study import FRICTIONS, study_from_text
+from stiction.studies.values import StudyError
+
+STORED = {path.stem: path.read_text("utf-8") for path in (Path(__file__).parent / "stored_studies").glob("*.toml")}
+"""Studies that version 0.1.0.dev0 stored, by the case of their table `[contact]`."""
+
+
+@pytest.mark.parametrize("place", STORED)
+def test_stored_study_is_read_as_its_case_and_written_unchanged(place):
+    study = study_from_text(STORED[place], "stored")
+    assert study.contact.place.removeprefix("the ").replace(" ", "_") == place
+    assert study.to_toml().strip() == STORED[place].strip()
+    assert pickle.loads(pickle.dumps(study)) == study
+
+
+def test_stored_study_with_a_key_of_another_case_is_rejected_with_the_reason():
+    text = STORED["half-space_of_measured_areas"].replace("[friction]", 'law = "hertz-sphere"\n\n[friction]')
+    with pytest.raises(StudyError) as caught:
+        study_from_text(text, STUDY)
+    assert caught.value.faults == (
+        ("contact.law", "belongs to asperities, not to the half-space of measured areas"),
+    )  # fmt: skip
+
+
+def test_every_case_of_a_contact_has_its_own_class_and_place():
+    cases = [case for cases in CONTACTS.values() for case in cases.values()]
+    assert len(set(cases)) == len({case.place for case in cases}) == 8
+    for bodies, by_model in CONTACTS.items():
+        for model, case in by_model.items():
+            assert case.model_fields["mechanics"].default == model
+            assert case.place.endswith(bodies)
+    assert len({case.place for case in FRICTIONS}) == len(FRICTIONS)
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "message"),
+    [
+        ({"contact.hardness": "1 GPa"}, "contact.hardness", "belongs to the half-space, not to asperities of"),
+        ({"contact.materials": ["a", "b"]}, "contact.materials", "belongs to measured surfaces, not to asperities of"),
+        ({"contact.load": ["1 mN"]}, "contact.load", "belongs to measured surfaces and the half-space of generated"),
+        ({"friction.wait": ["1 h"]}, "friction.wait", "belongs to measured surfaces, not to asperities of generated"),
+        ({"friction.load": ["1 mN"]}, "friction.load", "belongs to measured surfaces and the half-space of generated"),
+        ({"surfaces.press": "lines"}, "surfaces.press", "belongs to areas of measured maps and lines of measured"),
+        ({"contact.law": {"name": "jackson-green"}}, "contact.law.yield_strength", "must be given"),
+    ],
+)
+def test_key_of_another_case_is_reported_with_its_owners(changes, key, message):
+    with pytest.raises(StudyError) as caught:
+        Study().with_changes(changes)
+    assert caught.value.faults[0][0] == key
+    assert caught.value.faults[0][1].startswith(message)
+
+
+@pytest.mark.parametrize("law", [HertzSphere(), HertzCylinder(width=2.0), JacksonGreen(0.5, 0.3)])
+def test_law_and_its_entry_in_a_study_are_equal(law):
+    entry = entry_of(law)
+    study = Study().with_changes({"contact.law": entry if isinstance(entry, str) else entry.model_dump()})
+    assert study.contact.law == entry
+    assert type(study.contact.model().law) in (str, type(law))
+    if not isinstance(entry, str):
+        assert isinstance(entry, (HertzCylinderTable, JacksonGreenTable))
+        assert entry.law() == law
+        assert pickle.loads(pickle.dumps(entry)) == entry
