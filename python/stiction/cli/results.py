@@ -79,14 +79,16 @@ def report(
     tell(f"wrote {path}")
 
 
-@command("export", "stiction export figure6 figure6.nc", "stiction export pair pair.csv")
+@command(
+    "export", "stiction export figure6 figure6.nc", "stiction export pair pair.csv", "stiction export pair pair.tex"
+)
 def export(
     directory: Directory,
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="The file to write, .nc or .csv; it must not exist yet.")
+        Path, typer.Argument(metavar="FILE", help="The file to write, .nc, .csv or .tex; it must not exist yet.")
     ],
 ) -> None:
-    """Write a result, or what is finished of it, to one netCDF file; or its values at the loads of `info` to CSV."""
+    """Write a result, or its finished part, to one netCDF file, or its values at the loads of `info` to a table."""
     from stiction.views.files import write_result
 
     write_result(opened(directory), file)

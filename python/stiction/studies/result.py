@@ -447,7 +447,7 @@ class Result:
         export(self.dataset, path)
 
     def export(self, path: str | Path) -> None:
-        """Write the result to a new file: ``.nc`` has every number, ``.csv`` the table of `to_dataframe`.
+        """Write the result to a new file: ``.nc`` has every number, ``.csv`` and ``.tex`` have a table of values.
 
         Raises
         ------

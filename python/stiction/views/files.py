@@ -8,6 +8,7 @@ from pathlib import Path
 from stiction._files import check_replaceable, new_file, replaced_file
 from stiction._text import printable_path
 from stiction.studies.result import Result
+from stiction.views.latex import latex_table
 from stiction.views.report.page import MARK
 from stiction.views.spreadsheet import csv_of_frame
 from stiction.views.style import MARKS
@@ -43,6 +44,7 @@ def result_csv(result: Result) -> str:
 WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
     ".nc": ("the whole result", Result.to_netcdf),
     ".csv": ("a table", lambda result, path: new_text(path, result_csv(result))),
+    ".tex": ("a LaTeX table", lambda result, path: new_text(path, latex_table(result.summary()))),
 }
 """What writes a result to a file that does not exist yet, and what the file then holds, by the ending of its name."""
 
