@@ -180,8 +180,12 @@ def test_onset_table_starts_at_rest(onset):
 
 def test_onset_sentence_rows_and_record_agree(onset):
     record = onset_record(onset)
-    creep = 1000 * record["displacement_at_sliding"]["mean"]
-    assert f"creeps {creep:.2g}"[:8] in onset_text(onset)
+    assert "Pre-sliding displacement " in onset_text(onset)
     assert record["iwan"]["chi"] == onset.attrs["iwan_chi"]
     assert len(record["curve"]) == onset.sizes["fraction"]
-    assert any(row[0].startswith("creep before sliding") for row in onset_rows(onset))
+    for scale in (1.0, 1e3):
+        larger = onset.assign({name: scale * onset[name] for name in ("displacement_at_sliding", "stiffness")})
+        rows = dict(onset_rows(larger)[1:])
+        (name,) = (name for name in rows if name.startswith("pre-sliding displacement"))
+        value = float(rows[name].split()[0]) * {"nm": 1e-3, "µm": 1.0, "mm": 1e3}[name.split("(")[1][:-1]]
+        assert value == pytest.approx(scale * record["displacement_at_sliding"]["mean"], rel=0.1)

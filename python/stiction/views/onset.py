@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._number_format import finite, percent, quoted, with_interval, with_unit
+from stiction._number_format import finite, percent, prefix, quoted, with_interval, with_unit
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.point import STATISTICS
 
@@ -21,17 +21,36 @@ AMPLITUDES = (0.5, 0.9)  # amplitudes of cycles over the sliding load
 
 
 def onset_text(onset: xarray.Dataset) -> str:
-    """One sentence: creep before sliding, what slips at half of the load, and the stiffness at rest."""
-    parts, creep = [], _ends(onset["displacement_at_sliding"], 1000.0)
-    if math.isfinite(creep[0]):
-        parts.append(f"it creeps {quoted(*creep)} nm before it slides")
-    slipped = _ends(onset["slipped_area"].sel(fraction=HALF), 100.0)
-    parts.append(f"at half of the load {percent(slipped[0] / 100)} of the contact slips")
-    ends = {words: _ends(onset[name]) for name, words in _STIFFNESSES.items()}
-    said = [f"{quoted(*each)} mN/µm {words}" for words, each in ends.items() if math.isfinite(each[0])]
-    parts += [f"stiffness at rest {', '.join(said)}"] if said else []
+    """Return a sentence with the pre-sliding displacement, the contact that slips, and initial stiffnesses."""
+    parts, displacement = [], onset["displacement_at_sliding"]
+    if math.isfinite(_ends(displacement)[0]):
+        factor, unit = _length_scale(displacement)
+        parts.append(f"pre-sliding displacement {quoted(*_ends(displacement, factor))} {unit}")
+    slipped = _ends(onset["slipped_area"].sel(fraction=HALF))
+    parts.append(f"{percent(slipped[0])} of the contact slips at half of the sliding load")
+    stiffnesses = []
+    for name, words in _STIFFNESSES.items():
+        factor, unit = _stiffness_scale(onset[name])
+        if math.isfinite((ends := _ends(onset[name], factor))[0]):
+            stiffnesses.append(f"{quoted(*ends)} {unit} {words}")
+    parts += [f"initial stiffness {', '.join(stiffnesses)}"] if stiffnesses else []
     words = "; ".join(parts)
     return words[0].upper() + words[1:] + "."
+
+
+def _length_scale(table: xarray.DataArray) -> tuple[float, str]:
+    """Return the factor from µm to the unit in which a mean has the fewest zeros, and this unit."""
+    value = _ends(table)[0]
+    factor, unit = prefix(value if math.isfinite(value) else 0.0, "um")
+    return 1 / factor, unit
+
+
+def _stiffness_scale(table: xarray.DataArray) -> tuple[float, str]:
+    """Return the factor from mN/µm to the unit of a mean stiffness, and this unit."""
+    return (1e-3, "N/µm") if _ends(table)[0] >= LARGE_STIFFNESS else (1.0, "mN/µm")
+
+
+LARGE_STIFFNESS = 1e4  # in mN/µm, from which on it is printed in N/µm
 
 
 _STIFFNESSES = {"stiffness": "tangential", "unloading_stiffness": "normal (unloading, ultrasonic)"}
@@ -42,12 +61,16 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
     a = onset.attrs
     head = f"{with_unit(float(a['load_mN']), 'mN')}, μ0 = {float(a['mu0']):g}, τ0 = {_strength(float(a['tau0_GPa']))}"
     half = onset.sel(fraction=HALF)
+    (length, length_unit), (rigid, rigid_unit), (normal, normal_unit) = (
+        _length_scale(onset["displacement_at_sliding"]),
+        *(_stiffness_scale(onset[name]) for name in _STIFFNESSES),
+    )
     rows = [
         ["sliding load (mN)", _cell(onset["sliding_load"])],
-        ["creep before sliding (nm)", _cell(onset["displacement_at_sliding"], 1000.0)],
-        ["tangential stiffness (mN/µm)", _cell(onset["stiffness"])],
-        ["normal stiffness, unloading or by ultrasound (mN/µm)", _cell(onset["unloading_stiffness"])],
-        ["contact that slips at half of the load (%)", _cell(half["slipped_area"], 100.0)],
+        [f"pre-sliding displacement ({length_unit})", _cell(onset["displacement_at_sliding"], length)],
+        [f"tangential stiffness ({rigid_unit})", _cell(onset["stiffness"], rigid)],
+        [f"normal stiffness, unloading or by ultrasound ({normal_unit})", _cell(onset["unloading_stiffness"], normal)],
+        ["contact that slips at half of the sliding load (%)", _cell(half["slipped_area"], 100.0)],
         ["load on it (%)", _cell(half["slipped_load"], 100.0)],
         *(
             [f"energy of a cycle of {each:g} of it (pJ)", _cell(onset["energy_lost"].sel(fraction=each), 1000.0)]
