@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, instrument_limit, self_affine
+from stiction import Profile, Surface, instrument_limit, pair, self_affine
 from stiction.studies.input_caveats import FORM, HIGHEST_MU0, SPIKE, WHOLE_PART, doubts_of_inputs
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.pair import pair_study
@@ -88,6 +88,18 @@ def test_noise_and_peaks_are_said_unless_a_cut_off_takes_them_off():
     assert instrument_limit(faint).reason == "noise floor"
     assert not any("like noise" in text for text in texts(faint, faint))
     assert any("of the mean square slope" in text for text in texts(noisy, noisy))
+
+
+def test_cutoff_above_a_third_of_a_scan_is_no_cure():
+    noise = Profile(0.1 * np.random.default_rng(2).normal(size=960), spacing=0.5)
+    short = self_affine(3, points=200, spacing=0.5, hurst_exponent=0.7, rms=0.01, shortest_wavelength=5.0)
+    cutoff = instrument_limit(noise).cut_off
+    assert short.extent / 3 < cutoff < noise.extent / 3
+    (cure,) = (each.cure for each in doubts_of_inputs(noise, short, measured_study()) if "noise" in each.text)
+    assert "--cutoff '" not in cure
+    assert "the longest cutoff of both scans is 33.3 µm" in cure
+    with pytest.raises(ValueError, match=r"cutoff must be .*, 33.3333 µm, got"):
+        pair(noise, short, load="10 MPa", mu0=0.2, effective_modulus="80 GPa", cutoff=f"{cutoff:g} um")
 
 
 def test_waves_that_the_tip_cannot_follow_are_doubted_and_stay():

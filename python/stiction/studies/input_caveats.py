@@ -13,6 +13,7 @@ import numpy as np
 from stiction._number_format import percent, with_unit
 from stiction.studies.assessment import Doubt, Severity
 from stiction.studies.point import is_capped
+from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import levelled
@@ -86,6 +87,8 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
     alone = [[each for each in of_body if each not in alike] for of_body in (of_upper, of_lower)]
     named = zip(("both bodies", "upper", "lower"), (both, *alone), strict=True)
     doubts = [replace(each, text=f"{name}: {each.text}") for name, of_body in named for each in of_body]
+    longest = MAX_CUTOFF_FRACTION * min(_shortest_side(body) for body in (upper, lower))
+    doubts = [replace(each, cure=_without_cutoff(each, longest)) for each in doubts]
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > HIGHEST_MU0:
         text = f"μ0 = {mu0:g} is more than any pair of materials has"
@@ -97,6 +100,21 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
             text = f"{with_unit(load, 'mN')} is {with_unit(load / area, 'GPa')} on {area:.3g} µm², above a tenth of E*"
             doubts.append(Doubt(text, "give the load on this area, not on a whole part", "caution"))
     return tuple(doubts)
+
+
+def _without_cutoff(doubt: Doubt, longest: float) -> str:
+    """Return the cure of a doubt, which is no filter if its cutoff is above the longest one of both scans (µm)."""
+    if not longest < doubt.cut_off < math.inf:
+        return doubt.cure
+    return (
+        f"scan a longer part, as the longest cutoff of both scans is {with_unit(longest, 'um')}; "
+        "--cutoff none keeps these waves"
+    )
+
+
+def _shortest_side(body: Body) -> float:
+    """Return the length of a profile or the shortest side of an area, µm."""
+    return body.extent if isinstance(body, Profile) else min(_extent(body))
 
 
 _NUMBER = re.compile(r"\d[\d.]*")

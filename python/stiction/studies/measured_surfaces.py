@@ -32,7 +32,8 @@ from stiction.studies.values import (
     read_length,
     written,
 )
-from stiction.surfaces.cut_off import cut_off
+from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
+from stiction.surfaces.filters import checked_cutoff
 from stiction.surfaces.interchange import extract_heights
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.interpret import Missing, Outliers
@@ -494,6 +495,8 @@ class MeasuredBodies(Case):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default
                 raise ValueError(f'surfaces.press: of a spectrum there are "surrogates" alone, got "{press}"')
+            if wavelength > 0:
+                checked_cutoff("cutoff", wavelength, scan, longest=MAX_CUTOFF_FRACTION)
             yield cut_off(scan, wavelength) if wavelength > 0 else scan
 
 

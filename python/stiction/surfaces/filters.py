@@ -100,7 +100,8 @@ def checked_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: f
     low, high = 2 * min(body.spacings), longest * min(sides)
     if not low <= length * ROUND_OFF_FACTOR or not length <= high * ROUND_OFF_FACTOR:
         end = "the shortest side" if longest == 1 else "a third of the shortest side"
-        raise ValueError(f"{name} must be from two points, {low:g} µm, to {end}, {high:g} µm, got {value!r}")
+        got = repr(value) if isinstance(value, str) else f"{length:g} µm"
+        raise ValueError(f"{name} must be from two points, {low:g} µm, to {end}, {high:g} µm, got {got}")
     return length
 
 
