@@ -23,8 +23,8 @@ def shot(driver, name: str, height: int = 720) -> None:
     size(driver, 1280, height)
     driver.execute_script("document.activeElement.blur(); document.getElementById('inputs').scrollTo(0, 0)")
     time.sleep(0.5)
-    done = driver.execute_cdp_cmd("Page.captureScreenshot", {})
-    (IMAGES / f"app_{name}.png").write_bytes(base64.b64decode(done["data"]))
+    completed = driver.execute_cdp_cmd("Page.captureScreenshot", {})
+    (IMAGES / f"app_{name}.png").write_bytes(base64.b64decode(completed["data"]))
 
 
 def size(driver, width: int, height: int) -> None:

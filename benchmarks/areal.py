@@ -33,8 +33,8 @@ def pair_of(points: int, *, shortest: float | None = 0.5, repetition: int = 0, l
 
 
 def both_rules(upper, lower):
-    found = candidates(upper, lower, deepest=DEEPEST)
-    return [press(found, APPROACHES, direction=DIRECTIONS, sliding=rule) for rule in SLIDING]
+    points = candidates(upper, lower, deepest=DEEPEST)
+    return [press(points, APPROACHES, direction=DIRECTIONS, sliding=rule) for rule in SLIDING]
 
 
 def took(call: Callable[[], object]) -> float:

@@ -39,8 +39,8 @@ def answers(table: str) -> dict[str, str]:
 def times(answer: str, name: str) -> float | None:
     """How many times our time: the whole answer, or what stands behind a name in it."""
     if ";" in answer or " s, " in answer:
-        found = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", answer)
-        return float(found[1]) if found else None
+        result = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", answer)
+        return float(result[1]) if result else None
     return float(answer)
 
 
@@ -49,7 +49,7 @@ def measured(table: str) -> dict[str, dict[str, float]]:
     result: dict[str, dict[str, float]] = {}
     for task, ways in BARS.items():
         for name, pattern in ways.items():
-            answer = next((known[each] for each in known if re.fullmatch(pattern, each)), None)
+            answer = next((known[item] for item in known if re.fullmatch(pattern, item)), None)
             ratio = None if answer is None else times(answer, name)
             if ratio is not None:
                 result.setdefault(task, {})[name] = ratio

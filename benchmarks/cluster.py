@@ -80,7 +80,7 @@ def stored(study: Study, sums: list[dict], executor: Executor, *, seen: bool) ->
 
 
 def rows() -> list[tuple[str, str]]:
-    found = []
+    results = []
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
         for name in STUDIES:
             study = Study.named(name).with_changes({"ensemble.repetitions": 1_000_000})
@@ -98,7 +98,7 @@ def rows() -> list[tuple[str, str]]:
                     for _ in range(TIMES)]  # fmt: skip
             rate, own = (statistics.median(one[0][i] for one in each) for i in range(2))
             sent = statistics.median(one[1] for one in each)
-            found += [
+            results += [
                 (f"a repetition of {name}: time on one core", f"{cost:.3g} s"),
                 ("... its sums", f"{bytes_of_member(study) / 1e3:.0f} kB"),
                 ("... repetitions in a block", f"{size}"),
@@ -108,4 +108,4 @@ def rows() -> list[tuple[str, str]]:
                 ("... time of the process that hands out the work, for one", f"{1e6 * own:.0f} µs"),
                 ("... workers that keep it busy", f"{cost / own:,.0f}"),
             ]
-    return found
+    return results

@@ -46,10 +46,10 @@ def family(pid: int) -> list[int]:
     for stat in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
             parents[int(stat.parent.name)] = int(stat.read_text().rpartition(")")[2].split()[1])
-    found = [pid]
-    for each in found:
-        found += [child for child, parent in parents.items() if parent == each]
-    return found
+    result = [pid]
+    for item in result:
+        result += [child for child, parent in parents.items() if parent == item]
+    return result
 
 
 def resident(pid: int) -> int:
@@ -61,7 +61,7 @@ def resident(pid: int) -> int:
 
 
 def rows() -> list[tuple[str, str]]:
-    found = []
+    values = []
     for what, (name, *changes) in STUDIES.items():
         with tempfile.TemporaryDirectory() as folder:
             sets = [word for change in changes for word in ("--set", change)]
@@ -72,5 +72,5 @@ def rows() -> list[tuple[str, str]]:
                     words = ["-c", *arguments]
                 else:
                     words = ["-m", "stiction", *arguments]
-                found.append((f"{what}: {command}", f"{peak(folder, words):.0f} MiB"))
-    return found
+                values.append((f"{what}: {command}", f"{peak(folder, words):.0f} MiB"))
+    return values

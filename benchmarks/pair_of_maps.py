@@ -61,10 +61,10 @@ def solving(study: Study) -> Callable[[], None]:
 
 
 def beginning_to_slide(study: Study) -> None:
-    load, mu0, tau0 = (float(each[0]) for each in (study.friction.load, study.friction.mu0, study.friction.tau0))
+    load, mu0, tau0 = (float(item[0]) for item in (study.friction.load, study.friction.mu0, study.friction.tau0))
     for member in range(FEW):
-        found = onset_of_member(study, member, load=load, mu0=mu0, tau0=tau0, cut_off=study.surfaces.quoted_cut_off())
-        assert found is not None
+        result = onset_of_member(study, member, load=load, mu0=mu0, tau0=tau0, cut_off=study.surfaces.quoted_cut_off())
+        assert result is not None
 
 
 def seconds(task: Callable[[], None]) -> float:
@@ -74,8 +74,8 @@ def seconds(task: Callable[[], None]) -> float:
 
 
 def rows() -> list[tuple[str, str]]:
-    with tempfile.TemporaryDirectory() as made:
-        folder = Path(made)
+    with tempfile.TemporaryDirectory() as created:
+        folder = Path(created)
         scans(folder)
         commands = [of_command(folder, "0")]
         study, over = (open_stored(folder / "0" / sub).study for sub in ("", FOLDER))

@@ -56,12 +56,12 @@ def largest_difference(driver, dataset: xarray.Dataset) -> float:
             "const [at] = readOff(picked().result, 'friction', d, 0, [load], mu0, tau0);"
             "return [at.status, at.value, at.lower, at.upper]"
         )
-        status, *found = driver.execute_script(script, d, load, mu0, tau0)
-        wanted = friction_map(dataset.isel(fractal_dimension=[d]), [load], mu0=[mu0], tau0=[tau0]).squeeze()
-        assert status == str(wanted["status"].values)
+        status, *result = driver.execute_script(script, d, load, mu0, tau0)
+        reference = friction_map(dataset.isel(fractal_dimension=[d]), [load], mu0=[mu0], tau0=[tau0]).squeeze()
+        assert status == str(reference["status"].values)
         if status == "ok":
-            expected = np.array([float(wanted[name]) for name in ("friction_coefficient", "lower", "upper")])
-            largest = max(largest, float(np.max(np.abs(np.array(found) / expected - 1))))
+            expected = np.array([float(reference[name]) for name in ("friction_coefficient", "lower", "upper")])
+            largest = max(largest, float(np.max(np.abs(np.array(result) / expected - 1))))
     return largest
 
 
@@ -69,8 +69,8 @@ def screenshot(driver, path: Path) -> None:
     """The upper part of the page as it opens."""
     browser.settle(driver)
     clip = {"x": 0, "y": 0, "width": 1280, "height": 1960, "scale": 1}
-    done = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})
-    path.write_bytes(base64.b64decode(done["data"]))
+    completed = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})
+    path.write_bytes(base64.b64decode(completed["data"]))
 
 
 def rows() -> list[tuple[str, str]]:

@@ -115,9 +115,9 @@ def parameters_of_command() -> str:
 
 def replaced(text: str, start: str, end: str, new: str) -> str:
     """Return a text with what is between a start and an end replaced."""
-    head, found, rest = text.partition(start)
+    head, result, rest = text.partition(start)
     _, closed, tail = rest.partition(end)
-    assert found, start
+    assert result, start
     assert closed, end
     return head + start + new + end + tail
 

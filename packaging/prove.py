@@ -76,8 +76,8 @@ def call(
 ) -> str:
     """Run a command, within another, and return what it said; end with that if it fails."""
     whole = [*within, *map(str, command)]
-    said = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if quiet else {}
-    done = subprocess.run(whole, check=False, cwd=cwd, env=env, text=True, **said)  # type: ignore[call-overload]
+    message = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if quiet else {}
+    done = subprocess.run(whole, check=False, cwd=cwd, env=env, text=True, **message)  # type: ignore[call-overload]
     if done.returncode != 0:
         fail(f"{(done.stdout or '').strip()}\n{shlex.join(map(str, command))} ended with {done.returncode}".strip())
     return done.stdout or ""
@@ -109,10 +109,10 @@ def check_wheel(wheel: Path, folder: Path) -> None:
         if len(extensions) != 1:
             fail(f"{wheel.name} holds {len(extensions)} extensions, not one")
         # auditwheel notes what it bundles, here nothing, in a bill of materials.
-        said = {name for name in names if name.startswith(f"{STEM}.dist-info/sboms/")}
+        message = {name for name in names if name.startswith(f"{STEM}.dist-info/sboms/")}
         compare(
             "the wheel, of the package and its licences",
-            names - said,
+            names - message,
             [*package, *extensions, *(f"{STEM}.dist-info/{name}" for name in about)],
         )
         check_metadata(archive.read(f"{STEM}.dist-info/METADATA"))
@@ -171,10 +171,10 @@ class Elsewhere:
         tools = folder / "tools"
         tools.mkdir()
         for name in ("sh", "bash", "cat", "setsid", "mount", "umount"):  # what the tests use
-            if found := shutil.which(name):
-                (tools / name).symlink_to(found)
-        kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
-        self.environment = kept | {"PATH": f"{self.bin}{os.pathsep}{tools}"}
+            if result := shutil.which(name):
+                (tools / name).symlink_to(result)
+        stored = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
+        self.environment = stored | {"PATH": f"{self.bin}{os.pathsep}{tools}"}
         self.mounts = self.hides()
         call(sys.executable, "-m", "venv", folder / "environment")
         # Dependency groups need pip 25.1.
@@ -290,8 +290,8 @@ def prove(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) -> None:
         elsewhere.check_hidden()
         by = "a mount namespace and PATH" if elsewhere.mounts else "PATH alone"
         say(f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {by}")
-        kept = shutil.copy(wheel, folder)  # this tree is out of sight
-        elsewhere.pip(kept)
+        stored = shutil.copy(wheel, folder)  # this tree is out of sight
+        elsewhere.pip(stored)
         elsewhere.check_installed()
         if (seconds := elsewhere.seconds_of_an_import()) > SECONDS_OF_AN_IMPORT:
             fail(f"import stiction takes {seconds:.1f} s")
@@ -309,8 +309,8 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="without the tests")
     parser.add_argument("wheel", type=Path)
     parser.add_argument("tests", nargs="*", help="instead of all of them")
-    asked = parser.parse_args()
-    prove(asked.wheel.resolve(), with_tests=not asked.quick, wanted=asked.tests)
+    options = parser.parse_args()
+    prove(options.wheel.resolve(), with_tests=not options.quick, wanted=options.tests)
 
 
 if __name__ == "__main__":

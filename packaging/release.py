@@ -59,10 +59,10 @@ def changelog_is_dated() -> str | None:
 
 @check("CITATION.cff has the version, the date and the address")
 def citation_agrees() -> str | None:
-    said = text("CITATION.cff")
+    message = text("CITATION.cff")
     dated = re.search(rf"^## {re.escape(RELEASE)} \((\d.*)\)$", text("CHANGELOG.md"), re.MULTILINE)
-    wanted = [f"version: {RELEASE}", f"date-released: {dated[1] if dated else 'YYYY-MM-DD'}", "repository-code: http"]
-    return absent("CITATION.cff has no", (line for line in wanted if line not in said))
+    expected = [f"version: {RELEASE}", f"date-released: {dated[1] if dated else 'YYYY-MM-DD'}", "repository-code: http"]
+    return absent("CITATION.cff has no", (line for line in expected if line not in message))
 
 
 @check("the addresses of the project are public ones")
@@ -88,17 +88,17 @@ def recipe_lacks() -> Iterator[str]:
     if f'version: "{RELEASE}"' not in lines:
         yield f'version: "{RELEASE}"'
     python = f"python{PROJECT['requires-python']}"
-    for each in (python, *PROJECT["dependencies"]):
-        name, bound = re.fullmatch(r"([\w-]+)(>=.+)", each).groups()  # type: ignore[union-attr]
-        wanted = f"- {'matplotlib-base' if name == 'matplotlib' else name} {bound}"
-        if wanted not in lines:
-            yield wanted
+    for item in (python, *PROJECT["dependencies"]):
+        name, bound = re.fullmatch(r"([\w-]+)(>=.+)", item).groups()  # type: ignore[union-attr]
+        expected = f"- {'matplotlib-base' if name == 'matplotlib' else name} {bound}"
+        if expected not in lines:
+            yield expected
 
 
 @check("packaging/tested.txt has a version of every dependency")
 def tested_is_whole() -> str | None:
     tested = {line.split("==")[0].lower() for line in text("packaging/tested.txt").splitlines() if "==" in line}
-    names = [re.split(">=", each)[0].lower() for each in PROJECT["dependencies"]]
+    names = [re.split(">=", item)[0].lower() for item in PROJECT["dependencies"]]
     return absent("./dev tested, for it lacks", (name for name in names if name not in tested))
 
 
@@ -128,7 +128,7 @@ def absent(what: str, missing: Iterator[str]) -> str | None:
 
 def walk(*, tagged: bool) -> bool:
     """Whether nothing is open. The workflow of a tag builds and proves by itself."""
-    checks = [each for each in CHECKS if not (tagged and each[1] is wheels_are_proven)]
+    checks = [item for item in CHECKS if not (tagged and item[1] is wheels_are_proven)]
     if tagged:
         checks.append((f"the tag v{VERSION} is on this commit", tag_is_here))
     opened = 0
@@ -167,10 +167,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Walk the list of docs/project/releasing.md.")
     parser.add_argument("--tagged", action="store_true", help="for the tag that is being released")
     parser.add_argument("--address", metavar="URL", help="write the public address of the sources where it belongs")
-    asked = parser.parse_args()
-    if asked.address:
-        write_address(asked.address)
-    elif not walk(tagged=asked.tagged):
+    options = parser.parse_args()
+    if options.address:
+        write_address(options.address)
+    elif not walk(tagged=options.tagged):
         sys.exit(1)
 
 

@@ -34,21 +34,21 @@ sys.exit(sys.version_info[:2] != (3, int(sys.argv[1])) or not os.path.exists(hea
 
 def pythons() -> dict[str, Path]:
     """By "3.11" and so on, an interpreter that can make environments: on PATH, or one of pyenv's."""
-    found = {}
+    result = {}
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
     for minor in range(OLDEST, NEWEST + 1):
         own = [Path(sys.executable)] if sys.version_info[:2] == (3, minor) else []
         others = [*sorted(pyenv.glob(f"3.{minor}.*/bin/python")), Path(shutil.which(f"python3.{minor}") or "/none")]
         for python in (*own, *others):
             if python.exists() and works(python, minor):
-                found[f"3.{minor}"] = python
+                result[f"3.{minor}"] = python
                 break
-    return found
+    return result
 
 
 def works(python: Path, minor: int) -> bool:
-    done = subprocess.run([python, "-c", ABLE, str(minor)], check=False, capture_output=True)
-    return done.returncode == 0
+    completed = subprocess.run([python, "-c", ABLE, str(minor)], check=False, capture_output=True)
+    return completed.returncode == 0
 
 
 def commit() -> str:
@@ -129,12 +129,12 @@ def main() -> None:
             wheel = repair(build_wheel(sdist, python, own), own)
             call(sys.executable, "-m", "twine", "check", "--strict", wheel)
             # Kept whatever comes of the proof, which takes long.
-            kept = Path(shutil.copy(wheel, UNPROVEN))
+            stored = Path(shutil.copy(wheel, UNPROVEN))
             with_tests = not asked.quick and python == Path(sys.executable)
-            if prove(kept, python, with_tests=with_tests):
-                shutil.move(kept, DIST)
+            if prove(stored, python, with_tests=with_tests):
+                shutil.move(stored, DIST)
             else:
-                failed.append(kept.name)
+                failed.append(stored.name)
         shutil.copy(sdist, DIST)
     for made in sorted(DIST.iterdir()):
         say(f"{made.relative_to(ROOT)}")

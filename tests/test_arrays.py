@@ -32,9 +32,9 @@ LINE = MAPS[0][0]
 
 @pytest.mark.parametrize("spacing", [0.1, "100 nm", ("0.1 um", 0.1)])
 def test_array_with_spacing_and_unit_is_that_surface(spacing):
-    found = surface_parameters(1e3 * MAPS[0], spacing=spacing, unit="nm")
-    assert found.Sq == pytest.approx(surface_parameters(UPPER).Sq, rel=1e-12)
-    assert found.Sdq == pytest.approx(surface_parameters(UPPER).Sdq, rel=1e-12)
+    result = surface_parameters(1e3 * MAPS[0], spacing=spacing, unit="nm")
+    assert result.Sq == pytest.approx(surface_parameters(UPPER).Sq, rel=1e-12)
+    assert result.Sdq == pytest.approx(surface_parameters(UPPER).Sdq, rel=1e-12)
 
 
 @pytest.mark.parametrize(("function", "of"), [
@@ -52,11 +52,11 @@ def test_functions_of_one_body_accept_arrays(function, of):
 
 def test_half_space_and_pair_accept_arrays():
     expected = half_space(UPPER, LOWER, [1e-3], effective_modulus=10.0)
-    found = half_space(*MAPS, [1e-3], spacing="100 nm", effective_modulus=10.0)
-    assert np.array_equal(found.contact_area, expected.contact_area)
-    asked = {"load": "1 MPa", "mu0": 0.2, "effective_modulus": "10 GPa", "shifts": 2, "onset": 0}
-    found = pair(1e3 * MAPS[0], 1e3 * MAPS[1], spacing="0.1 um", unit="nm", **asked)
-    assert found.value == pytest.approx(pair(UPPER, LOWER, **asked).value, rel=1e-9)
+    curve = half_space(*MAPS, [1e-3], spacing="100 nm", effective_modulus=10.0)
+    assert np.array_equal(curve.contact_area, expected.contact_area)
+    options = {"load": "1 MPa", "mu0": 0.2, "effective_modulus": "10 GPa", "shifts": 2, "onset": 0}
+    curve = pair(1e3 * MAPS[0], 1e3 * MAPS[1], spacing="0.1 um", unit="nm", **options)
+    assert curve.value == pytest.approx(pair(UPPER, LOWER, **options).value, rel=1e-9)
 
 
 @pytest.mark.parametrize(("function", "words"), [
@@ -100,10 +100,10 @@ OTHERS = {
 @pytest.mark.parametrize("wrong", [np.zeros((24, 24)), 3, "x", None], ids=["array", "number", "text", "none"])
 def test_function_of_a_body_rejects_another_kind_in_one_sentence(name, wrong):
     function = getattr(stiction, name)
-    given = {
-        each.name: wrong if each.name in BODIES else OTHERS.get(each.name, 1.0)
-        for each in inspect.signature(function).parameters.values()
-        if each.name in BODIES or (each.default is each.empty and each.kind is not each.VAR_KEYWORD)
+    arguments = {
+        value.name: wrong if value.name in BODIES else OTHERS.get(value.name, 1.0)
+        for value in inspect.signature(function).parameters.values()
+        if value.name in BODIES or (value.default is value.empty and value.kind is not value.VAR_KEYWORD)
     }
     with pytest.raises(ValueError, match=r"must|give|is for"):
-        function(**given)
+        function(**arguments)

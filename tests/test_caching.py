@@ -23,11 +23,11 @@ def test_cached_property_does_not_block_other_objects():
     other = threading.Thread(target=lambda: slow.value)
     other.start()
     assert begun.wait(10)
-    found = []
-    mine = threading.Thread(target=lambda: found.append(quick.value))
+    values = []
+    mine = threading.Thread(target=lambda: values.append(quick.value))
     mine.start()
     mine.join(10)
-    assert found == [quick.value]
+    assert values == [quick.value]
     end.set()
     other.join()
     assert slow.value is slow.value

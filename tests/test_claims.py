@@ -62,14 +62,14 @@ def test_resampled_ensemble_begins_with_that_of_the_maps(result, resampled):
     ):
         for amplitude in (0.05, 0.1, 0.2):
             ours = resampled.at(what, load, tau0=tau0, amplitude=amplitude)[0]
-            wanted = expected.sel(amplitude=amplitude).values[:, 0, 0, 0]
-            assert np.isfinite(wanted).sum() >= 6
-            assert np.allclose(ours, wanted, rtol=1e-12, equal_nan=True)
+            reference = expected.sel(amplitude=amplitude).values[:, 0, 0, 0]
+            assert np.isfinite(reference).sum() >= 6
+            assert np.allclose(ours, reference, rtol=1e-12, equal_nan=True)
 
 
 def test_resampled_intervals_agree_with_those_of_the_maps(result, resampled):
-    found = resampled.at("friction", resampled.middle)[1:]
-    lower, upper = np.quantile(found, [0.025, 0.975], axis=0)
+    computed = resampled.at("friction", resampled.middle)[1:]
+    lower, upper = np.quantile(computed, [0.025, 0.975], axis=0)
     theirs = friction_map(result, [resampled.middle], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
     ratio = (np.log(upper / lower) / np.log(theirs["upper"] / theirs["lower"]).values.ravel())[:6]
     assert ratio.min() > 0.6
@@ -186,8 +186,8 @@ WORLDS = {
 
 @pytest.mark.parametrize("name", WORLDS)
 def test_verdict_is_true_in_true_worlds_and_false_in_false_worlds(name):
-    found = [judged(name, made_up(**world)) for world in WORLDS[name]]
-    assert [(outcome.verdict, outcome.left_out) for outcome in found] == [("true", ()), ("false", ())]
+    computed = [judged(name, made_up(**world)) for world in WORLDS[name]]
+    assert [(outcome.verdict, outcome.left_out) for outcome in computed] == [("true", ()), ("false", ())]
 
 
 def test_numbers_of_parts_equal_those_of_the_world():
@@ -235,20 +235,20 @@ def test_columns_use_their_sliding_rule_and_mechanics():
     for rule, share in (("opposing", 0.2), ("all", 0.4)):
         result["tangential_elastic"].loc[{"sliding": rule}] = share * load
     for rule, share in (("opposing", 0.2), ("all", 0.4)):
-        found = {each.part.name: each for each in judge(result, sliding=rule, ruling="bands")}
+        computed = {item.part.name: item for item in judge(result, sliding=rule, ruling="bands")}
         # F_N at mu0 = 0.4 is 0.96 of the load.
-        assert found["6"].value == pytest.approx(share / 0.96 / 0.4, rel=1e-9)
-        assert found["1b"].value == pytest.approx(0.9, rel=1e-9)
+        assert computed["6"].value == pytest.approx(share / 0.96 / 0.4, rel=1e-9)
+        assert computed["1b"].value == pytest.approx(0.9, rel=1e-9)
         # Stiffness at equal F_N: F_N = c L and L = δ^1.5, so dF_N/dδ goes as c^(2/3), but for interpolation.
-        assert found["8c"].value == pytest.approx(1 - (0.9 / 0.99) ** (2 / 3), abs=0.01)
+        assert computed["8c"].value == pytest.approx(1 - (0.9 / 0.99) ** (2 / 3), abs=0.01)
     with pytest.raises(ValueError, match="sliding"):
         judge(made_up(), sliding="all")
 
 
 def test_part_is_undefined_if_its_range_has_one_dimension():
     result = made_up().sel(fractal_dimension=slice(1.0, 1.501))
-    found = {outcome.part.name: outcome.verdict for outcome in judge(result)}
-    assert {name for name, verdict in found.items() if verdict == "undefined"} == {"2b", "3b", "4b", "5", "7c"}
+    computed = {outcome.part.name: outcome.verdict for outcome in judge(result)}
+    assert {name for name, verdict in computed.items() if verdict == "undefined"} == {"2b", "3b", "4b", "5", "7c"}
     # Friction that falls up to the last D has no minimum there.
     result = made_up(**adhesion(lambda d, a, f: 3 - d)).sel(fractal_dimension=slice(1.0, 1.501))
     assert judged("4c", result).verdict == "undefined"
@@ -263,10 +263,10 @@ def test_bands_reject_self_locked_dimensions():
 def test_part_is_undefined_over_less_than_half_of_its_range():
     # Friction locks where the normal load is negative: at all D above 1.45.
     world = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
-    found = {outcome.part.name: outcome for outcome in judge(made_up(**world))}
-    assert found["5"].verdict == "undefined"
-    assert found["2a"].left_out == pytest.approx((1.5,))
-    assert found["2a"].verdict != "undefined"
+    computed = {outcome.part.name: outcome for outcome in judge(made_up(**world))}
+    assert computed["5"].verdict == "undefined"
+    assert computed["2a"].left_out == pytest.approx((1.5,))
+    assert computed["2a"].verdict != "undefined"
 
 
 def test_claims_reject_studies_with_too_few_values():
@@ -296,8 +296,8 @@ def test_judge_rejects_absent_amplitude(result):
 def test_tables_are_written_from_stored_results(tmp_path):
     small = {"surfaces.points": 4000, "surfaces.extent": "2 um", "contact.approach.count": 6}
     claims.write_tables(tmp_path, tmp_path, changes=small | {"ensemble.repetitions": 20})
-    kept = (tmp_path / "claims.md").read_text(encoding="utf-8")
-    assert kept.count("| **") == 2 * len(CLAIMS)
+    text = (tmp_path / "claims.md").read_text(encoding="utf-8")
+    assert text.count("| **") == 2 * len(CLAIMS)
     claims.write_tables(tmp_path, tmp_path)  # of what is there, nothing is computed again
-    assert (tmp_path / "claims.md").read_text(encoding="utf-8") == kept
+    assert (tmp_path / "claims.md").read_text(encoding="utf-8") == text
     assert "| amplitude 0.05 µm |" in (tmp_path / "variants.md").read_text(encoding="utf-8").splitlines()[0]

@@ -81,14 +81,14 @@ class Block(NamedTuple):
 
 def blocks(page):
     """Everything on a page that is set as code, wherever it stands."""
-    found = []
+    values = []
     for token in MarkdownIt().parse(page.read_text(encoding="utf-8")):
         if token.type == "fence":
             kind = token.info.strip()
-            found.append(Block(kind if kind.startswith("{code-cell}") else kind.split(" ")[0], token.content))
+            values.append(Block(kind if kind.startswith("{code-cell}") else kind.split(" ")[0], token.content))
         elif token.type == "code_block":
-            found.append(Block("indented", token.content))
-    return found
+            values.append(Block("indented", token.content))
+    return values
 
 
 def named(pages):
@@ -125,8 +125,8 @@ def made_small(command):
             return re.sub(r"ensemble\.repetitions=\d+", "ensemble.repetitions=70", command)
         case _:
             return command
-    if asked := re.search(r"ensemble\.repetitions=(\d+)", command):
-        changes["ensemble.repetitions"] = max(2, int(asked[1]) // 500)
+    if options := re.search(r"ensemble\.repetitions=(\d+)", command):
+        changes["ensemble.repetitions"] = max(2, int(options[1]) // 500)
     return command + "".join(f" --set {shlex.quote(f'{key}={value}')}" for key, value in changes.items())
 
 
@@ -139,15 +139,15 @@ def run_command(line, cwd):
         case ["stiction", *_]:
             words, _, to = made_small(line).partition(" > ")
             if re.search("--(cluster|scheduler)", words):  # processes of its own begin from an interpreter of its own
-                done = subprocess.run(
+                completed = subprocess.run(
                     [sys.executable, "-m", *shlex.split(words)], cwd=cwd, capture_output=True, text=True, timeout=240,
                     check=False,
                 )  # fmt: skip
             else:
-                done = call_stiction(*shlex.split(words)[1:], cwd=cwd)
-            assert done.returncode == 0, (line, done.stderr)
+                completed = call_stiction(*shlex.split(words)[1:], cwd=cwd)
+            assert completed.returncode == 0, (line, completed.stderr)
             if to:
-                (cwd / to.strip()).write_text(done.stdout, encoding="utf-8")
+                (cwd / to.strip()).write_text(completed.stdout, encoding="utf-8")
             for study in cwd.glob("*.toml"):
                 study.write_text(Study.from_toml(study).with_changes(SMALL_STUDY).to_toml(), encoding="utf-8")
         case ["./dev", command, *_]:
@@ -270,11 +270,11 @@ def test_code_of_page_on_clusters_runs(page, tmp_path, monkeypatch):
                     run_command(here(part), tmp_path)
                 elif block.kind == "python":
                     (tmp_path / "page.py").write_text(here(part), encoding="utf-8")
-                    done = subprocess.run(
+                    completed = subprocess.run(
                         [sys.executable, "page.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120,
                         check=False,
                     )  # fmt: skip
-                    assert done.returncode == 0, done.stderr
+                    assert completed.returncode == 0, completed.stderr
                 if (tmp_path / "big").exists():
                     assert store.info(tmp_path / "big").finished == 2
                     shutil.rmtree(tmp_path / "big")  # or the next would find nothing to compute
@@ -322,7 +322,7 @@ def test_reference_lists_every_key_option_and_study():
     reference = script("reference")
     pages = reference.pages(ROOT / "docs")
     tables = [
-        each for table in Study.model_fields.values() for each in get_args(table.annotation) or [table.annotation]
+        item for table in Study.model_fields.values() for item in get_args(table.annotation) or [table.annotation]
     ]
     for table in tables:
         for key, entry in table.model_fields.items():

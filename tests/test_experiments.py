@@ -31,10 +31,10 @@ def test_largest_square_is_in_disc_and_loading_is_first(tmp_path):
 @pytest.mark.parametrize("hurst", [0.5, 0.9])
 def test_added_wavelengths_continue_the_spectrum(hurst):
     gap = self_affine_surface(1, hurst_exponent=hurst, rms=20.0, shape=(256, 256), spacing=250.0)
-    found, density = SCRIPT["spectrum_of"](gap)
-    assert found == pytest.approx(hurst, abs=EXPONENT)
-    wave, made = 1 / 800.0, SCRIPT["waves"]((256, 256), 250.0, density, 10e3, 1)
-    again = SCRIPT["spectrum_of"](Surface(made, spacing=250.0))[1]
+    result, density = SCRIPT["spectrum_of"](gap)
+    assert result == pytest.approx(hurst, abs=EXPONENT)
+    wave, created = 1 / 800.0, SCRIPT["waves"]((256, 256), 250.0, density, 10e3, 1)
+    again = SCRIPT["spectrum_of"](Surface(created, spacing=250.0))[1]
     assert again(wave) == pytest.approx(density(wave), rel=0.3)
 
 
@@ -45,5 +45,5 @@ def test_fixed_settings_reproduce_documented_numbers(name):
     closure, _ = SCRIPT["computed"](SCRIPT["gap_of"](folder, name), steps)
     (load, stress), _ = SCRIPT["measured"](folder, name)
     for of, (closures, at) in zip(FOUND[name], ((closure, steps), (load, stress)), strict=True):
-        found = [SCRIPT["secant"](closures, at, between) for between in (SCRIPT["LOW"], SCRIPT["HIGH"])]
-        assert found == pytest.approx(of, abs=1)
+        result = [SCRIPT["secant"](closures, at, between) for between in (SCRIPT["LOW"], SCRIPT["HIGH"])]
+        assert result == pytest.approx(of, abs=1)

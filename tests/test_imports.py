@@ -73,8 +73,8 @@ def test_views_import_no_store_and_no_statistics():
 
 def loaded_of_others(code):
     code = f"import sys; before = set(sys.modules); {code}; print(*(set(sys.modules) - before))"
-    said = subprocess.check_output([sys.executable, "-c", code], text=True).splitlines()[-1]
-    loaded = {name.split(".")[0] for name in said.split()}
+    message = subprocess.check_output([sys.executable, "-c", code], text=True).splitlines()[-1]
+    loaded = {name.split(".")[0] for name in message.split()}
     return {name for name in loaded - set(sys.stdlib_module_names) - {"stiction"} if not name.startswith("_")}
 
 
@@ -117,7 +117,7 @@ def test_public_names_are_not_in_command_layers(room):
 
 def test_help_lists_every_command_with_its_module():
     group = typer.main.get_command(application.app)
-    listed = {name: module for each in application.COMMANDS.values() for name, (module, _) in each.items()}
+    listed = {name: module for value in application.COMMANDS.values() for name, (module, _) in value.items()}
     assert group.list_commands(None) == list(listed)
     for name, module in listed.items():
         command = group.get_command(None, name)

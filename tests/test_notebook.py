@@ -76,15 +76,17 @@ def test_public_names_have_examples_and_full_signatures():
     for name in NAMES:
         if name not in ERRORS:
             assert examples_of(name).examples, name
-            kinds = {each.kind for each in inspect.signature(getattr(stiction, name)).parameters.values()}
+            kinds = {item.kind for item in inspect.signature(getattr(stiction, name)).parameters.values()}
             assert not kinds & {inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL}, name
 
 
 def test_signatures_match_accepted_arguments(upper, lower):
     for call, approach in ((press, [0.01]), (contacts, 0.01)):
         parameters = inspect.signature(call).parameters
-        given = {key: each.default for key, each in parameters.items() if each.kind is each.KEYWORD_ONLY}
-        call(upper, lower, approach, **given | {"model": stiction.ContactModel()})
+        arguments = {
+            key: parameter.default for key, parameter in parameters.items() if parameter.kind is parameter.KEYWORD_ONLY
+        }
+        call(upper, lower, approach, **arguments | {"model": stiction.ContactModel()})
 
 
 OF_A_UNIT = {
@@ -100,8 +102,8 @@ OF_A_UNIT = {
 
 
 def test_docstrings_give_units_of_numbers():
-    told = "\n".join(inspect.getdoc(getattr(stiction, name)) or "" for name in NAMES)
-    for names, kind in re.findall(r"^ *([a-z]\w*(?:, \w+)*) : (.*)$", told, re.MULTILINE):
+    text = "\n".join(inspect.getdoc(getattr(stiction, name)) or "" for name in NAMES)
+    for names, kind in re.findall(r"^ *([a-z]\w*(?:, \w+)*) : (.*)$", text, re.MULTILINE):
         for each in names.split(", "):
             if each in OF_A_UNIT and re.search(r"\b(float|ndarray|array_like)\b", kind):
                 assert re.search(rf"\b{OF_A_UNIT[each]}(\W|$)", kind), f"{each} : {kind}"
@@ -114,8 +116,8 @@ AS_WRITTEN = {"Ball", "ContactModel", "FrictionTest", "HertzCylinder", "HertzSph
 def test_public_classes_define_repr():
     for name in NAMES:
         if inspect.isclass(kind := getattr(stiction, name)):
-            made = getattr(kind, "__dataclass_params__", None)
-            generated = made is not None and made.repr and kind.__repr__.__doc__ is None  # all of ours have words
+            created = getattr(kind, "__dataclass_params__", None)
+            generated = created is not None and created.repr and kind.__repr__.__doc__ is None  # all of ours have words
             assert kind.__repr__ is not object.__repr__ or name in ERRORS, name
             assert not generated or name in AS_WRITTEN, name
 
@@ -129,9 +131,9 @@ def test_dir_lists_public_names_only():
 
 
 def shown(upper, lower, curve):
-    row, found = lower.row(0), press(upper, lower, [0.01, 0.02, 0.04])
+    row, result = lower.row(0), press(upper, lower, [0.01, 0.02, 0.04])
     yield from (upper, row, power_spectrum(row), surface_parameters(lower), roughness_parameters(row))
-    yield from (curve, curve.contact(1), curve.onset(1, mu0=0.3), found)
+    yield from (curve, curve.contact(1), curve.onset(1, mu0=0.3), result)
     line = half_space(levelled_row(upper), levelled_row(lower), [0.05, 0.1])
     yield from (line, line.contact(0), line.onset(0, mu0=0.3))
 
@@ -141,21 +143,21 @@ def levelled_row(body):
 
 
 def readable(upper, lower):
-    found = press(upper, lower, [0.02])
+    result = press(upper, lower, [0.02])
     spectrum = surface_spectrum(lower)
-    yield from (found.validity, contacts(upper, lower, 0.02), candidates(upper, lower, deepest=0.02))
+    yield from (result.validity, contacts(upper, lower, 0.02), candidates(upper, lower, deepest=0.02))
     yield from (spectrum, spectrum.radial(), stiction.asperities(lower.row(0), "lower"))
     yield from (stiction.line_roughness(lower, "x"), stiction.scale_dependent_roughness(lower))
     yield from (stiction.material("brass"), stiction.ContactModel(), stiction.Study.named("quick"))
 
 
 def test_reprs_are_short_without_arrays(upper, lower, curve):
-    for each in (*shown(upper, lower, curve), *readable(upper, lower)):
-        text = repr(each)
+    for item in (*shown(upper, lower, curve), *readable(upper, lower)):
+        text = repr(item)
         assert len(text) <= LONGEST_REPR
         assert "array(" not in text
         assert " object at 0x" not in text
-        assert type(each).__name__ in text
+        assert type(item).__name__ in text
 
 
 def test_reprs_have_units(upper, lower, curve):
@@ -169,12 +171,12 @@ def test_reprs_have_units(upper, lower, curve):
 
 
 def test_results_have_html_with_figure_or_table(upper, lower, curve):
-    for each in shown(upper, lower, curve):
-        shows = each._repr_html_()
+    for item in shown(upper, lower, curve):
+        shows = item._repr_html_()
         assert "<img" in shows or "<table" in shows
-        if hasattr(each, "plot"):
+        if hasattr(item, "plot"):
             ax = Figure().subplots()
-            assert each.plot(ax) is ax
+            assert item.plot(ax) is ax
             assert ax.get_xlabel() or not ax.get_xticks().size
 
 
@@ -220,47 +222,51 @@ def datasets(upper, lower, by_function, folder):
     small = {"ensemble.repetitions": 2, "surfaces.points": 3000, "contact.approach": ["5 nm", "20 nm", "40 nm"]}
     ran = stiction.run(stiction.Study.named("quick").with_changes(small)).dataset
     loads = [1e-3, 2e-3]
-    made = [pressed, stiction.pressed_maps_mean(pressed), lines, stiction.traverse_mean(lines), ran]
-    made += [stiction.friction_map(ran, loads), stiction.area_map(ran, loads), stiction.stiffness_map(ran, loads)]
-    made += [stiction.nondimensional(ran), at_load(ran, loads), member_values(ran, loads)]
-    made += [stiction.resolution(upper, lower, [1.0], hardness=1.0, effective_modulus=10.0, cut_offs=[0.8])]
+    created = [pressed, stiction.pressed_maps_mean(pressed), lines, stiction.traverse_mean(lines), ran]
+    created += [stiction.friction_map(ran, loads), stiction.area_map(ran, loads), stiction.stiffness_map(ran, loads)]
+    created += [stiction.nondimensional(ran), at_load(ran, loads), member_values(ran, loads)]
+    created += [stiction.resolution(upper, lower, [1.0], hardness=1.0, effective_modulus=10.0, cut_offs=[0.8])]
     rough = stiction.scale_dependent_roughness(lower)
-    made += [stiction.spectral_resolution(rough, rough, pressure=0.01, hardness=1.0, mu0=0.3)]
-    made += [by_function.dataset, by_function.at("10 MPa"), member_values(by_function.source, [1.0])]
-    made += [contact_picture(by_function.source), xarray.load_dataset(folder / "onset.nc")]
-    return made
+    created += [stiction.spectral_resolution(rough, rough, pressure=0.01, hardness=1.0, mu0=0.3)]
+    created += [by_function.dataset, by_function.at("10 MPa"), member_values(by_function.source, [1.0])]
+    created += [contact_picture(by_function.source), xarray.load_dataset(folder / "onset.nc")]
+    return created
 
 
 def test_dataset_names_are_not_xarray_methods(upper, lower, where):
-    kept = pair(where / "upper.npy", where / "lower.npy", directory=where / "kept", **ASKED | {"onset": 2, "mu0": 0.2})
-    found = {
-        str(name) for each in datasets(upper, lower, kept, where / "kept") for name in (*each.dims, *each.variables)
+    stored = pair(
+        where / "upper.npy", where / "lower.npy", directory=where / "kept", **ASKED | {"onset": 2, "mu0": 0.2}
+    )
+    result = {
+        str(name)
+        for dataset in datasets(upper, lower, stored, where / "kept")
+        for name in (*dataset.dims, *dataset.variables)
     }
-    found |= set(QUANTITIES)
+    result |= set(QUANTITIES)
     array = lower.to_xarray()
-    assert (found | {*array.dims, array.name}) & TAKEN == KEPT
+    assert (result | {*array.dims, array.name}) & TAKEN == KEPT
 
 
 def test_contacts_of_result_are_a_frame(by_function):
-    found = by_function.contacts(["5 MPa", "10 MPa"], members=[0, 2])
-    assert list(found.columns) == [
+    result = by_function.contacts(["5 MPa", "10 MPa"], members=[0, 2])
+    assert list(result.columns) == [
         "member", "cut_off_um", "load_mN", "x_um", "y_um", "force_mN", "area_um2", "mean_pressure_GPa", "slope_x",
         "slope_y", "at_edge",
     ]  # fmt: skip
-    loads = found.groupby(["member", "load_mN"])["force_mN"].sum()
+    loads = result.groupby(["member", "load_mN"])["force_mN"].sum()
     assert len(loads) == 4
     np.testing.assert_allclose(loads, loads.index.get_level_values("load_mN"), rtol=1e-9)
-    areas = found[found["load_mN"] == found["load_mN"].max()].groupby("member")["area_um2"].sum()
-    pressed = by_function.dataset["contact_area"].isel(cut_off=0).sel(load=found["load_mN"].max(), method="nearest")
+    areas = result[result["load_mN"] == result["load_mN"].max()].groupby("member")["area_um2"].sum()
+    pressed = by_function.dataset["contact_area"].isel(cut_off=0).sel(load=result["load_mN"].max(), method="nearest")
     np.testing.assert_allclose(areas, pressed.sel(repetition=[0, 2]), rtol=1e-9)
-    np.testing.assert_array_equal(found["mean_pressure_GPa"], found["force_mN"] / found["area_um2"])
+    np.testing.assert_array_equal(result["mean_pressure_GPa"], result["force_mN"] / result["area_um2"])
 
 
 def test_contacts_default_to_typical_member(by_function):
     picture = contact_picture(by_function.source)
-    found = by_function.contacts()
-    assert set(found["member"]) == {picture.attrs["member"]}
-    np.testing.assert_array_equal(found["force_mN"], picture["contact_force"])
+    result = by_function.contacts()
+    assert set(result["member"]) == {picture.attrs["member"]}
+    np.testing.assert_array_equal(result["force_mN"], picture["contact_force"])
     for members, words in ((3, "members must be some of the 3"), ([], "members must be"), (0.5, "whole number")):
         with pytest.raises(ValueError, match=words):
             by_function.contacts(members=members)
@@ -271,8 +277,8 @@ def test_contacts_default_to_typical_member(by_function):
 def test_contacts_of_generated_result_equal_direct_call():
     small = {"ensemble.repetitions": 3, "surfaces.points": 3000, "surfaces.fractal_dimension": [1.1, 1.4]}
     study = stiction.Study.named("quick").with_changes(small)
-    found = stiction.run(study).contacts(1e-3, members=[0, 1])
-    one = found[(found["fractal_dimension"] == 1.4) & (found["member"] == 1)]
+    result = stiction.run(study).contacts(1e-3, members=[0, 1])
+    one = result[(result["fractal_dimension"] == 1.4) & (result["member"] == 1)]
     upper, lower = stiction.pair_of(study, 1, fractal_dimension=1.4, amplitude=float(one["amplitude_um"].iloc[0]))
     approach = float(stiction.approach_at_load(upper, lower, 1e-3, mu0=0.0))
     listed = contacts(upper, lower, approach, sliding="all")
@@ -352,10 +358,10 @@ def test_text_with_unit_equals_number(upper, lower):
 def scan(lower, tmp_path_factory):
     path = tmp_path_factory.mktemp("scan") / "scan.npy"
     write_surface(lower, path)
-    found = read_surface(path)
-    np.testing.assert_array_equal(found.heights, lower.heights)
-    assert found.spacing == lower.spacing
-    return found
+    result = read_surface(path)
+    np.testing.assert_array_equal(result.heights, lower.heights)
+    assert result.spacing == lower.spacing
+    return result
 
 
 def test_measured_surface_requires_modulus(upper, scan):
@@ -400,8 +406,8 @@ def test_press_accepts_two_surfaces_without_warning(scan, upper, lower):
 def test_mirrored_surface_has_no_elastic_tangential_load(lower):
     """Slopes of a body on its mirror image cancel: without a molecular coefficient nothing holds it."""
     mirrored = Surface(-lower.heights, spacing=lower.spacing)
-    found = half_space(mirrored, lower, "1 mN", direction=[0, 90], sliding="all")
-    assert np.abs(found.tangential_elastic).max() < 1e-6 * found.normal_elastic.max()
+    result = half_space(mirrored, lower, "1 mN", direction=[0, 90], sliding="all")
+    assert np.abs(result.tangential_elastic).max() < 1e-6 * result.normal_elastic.max()
 
 
 # ---- A pair ----------------------------------------------------------------------------------------------------------
@@ -425,8 +431,8 @@ def where(tmp_path_factory):
 def by_command(where):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stiction.views.figures.drawn", lambda *_, **__: [])
-        done = call_stiction("pair", "upper.npy", "lower.npy", *OPTIONS, "--output", "command", cwd=where)
-    assert done.returncode == 0, done
+        completed = call_stiction("pair", "upper.npy", "lower.npy", *OPTIONS, "--output", "command", cwd=where)
+    assert completed.returncode == 0, completed
     return open_result(where / "command")
 
 
@@ -447,15 +453,15 @@ def test_pair_function_equals_command(by_command, by_function, where):
 
 
 def test_at_command_reads_result_of_pair_function(by_function, where):
-    done = check_stiction("at", "function", "--load", "10 MPa", cwd=where)
-    assert f"{by_function.value:.2f}" in done.stdout
+    completed = check_stiction("at", "function", "--load", "10 MPa", cwd=where)
+    assert f"{by_function.value:.2f}" in completed.stdout
 
 
 def test_pair_of_arrays_equals_pair_of_files(by_function):
     """The same heights, and a history of one step less."""
     load = float(by_function.study.friction.load[0])
-    asked = ASKED | {"load": load, "tau0": 0.05, "effective_modulus": 80.0}
-    result = pair(surface("upper"), surface("lower"), mechanics="asperities", **asked)
+    options = ASKED | {"load": load, "tau0": 0.05, "effective_modulus": 80.0}
+    result = pair(surface("upper"), surface("lower"), mechanics="asperities", **options)
     for name in ("contact_area", "tangential_elastic"):
         np.testing.assert_array_equal(result.dataset[name], by_function.dataset[name])
     assert result.value == by_function.value
@@ -505,9 +511,9 @@ BAD = [
 
 @pytest.mark.parametrize(("changed", "words"), BAD)
 def test_pair_rejects_bad_input_in_one_sentence(upper, lower, changed, words):
-    given = {"first": upper, "second": lower} | ASKED | changed
+    arguments = {"first": upper, "second": lower} | ASKED | changed
     with pytest.raises(ValueError, match=words) as refused:
-        pair(given.pop("first"), given.pop("second"), **given)
+        pair(arguments.pop("first"), arguments.pop("second"), **arguments)
     assert "--" not in str(refused.value)
     assert "\n" not in str(refused.value)
 
@@ -519,10 +525,10 @@ def test_pair_warns_about_flipped_surface(upper, lower):
 
 def test_pair_replaces_other_result_only_on_request(by_function, where, tmp_path):
     folder = tmp_path / "result"
-    asked = ASKED | {"mechanics": "asperities", "directory": folder}
-    pair(where / "upper.npy", where / "lower.npy", **asked)
-    assert pair(where / "upper.npy", where / "lower.npy", **asked | {"mu0": 0.1}).study.friction.mu0 == (0.1,)
-    other = asked | {"effective_modulus": "70 GPa"}
+    options = ASKED | {"mechanics": "asperities", "directory": folder}
+    pair(where / "upper.npy", where / "lower.npy", **options)
+    assert pair(where / "upper.npy", where / "lower.npy", **options | {"mu0": 0.1}).study.friction.mu0 == (0.1,)
+    other = options | {"effective_modulus": "70 GPa"}
     with pytest.raises(ValueError, match="holds another study") as refused:
         pair(where / "upper.npy", where / "lower.npy", **other)
     assert "\n" not in str(refused.value)

@@ -21,9 +21,9 @@ def module(path, monkeypatch):
     for name in ("prove", "wheel", "release"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     spec = importlib.util.spec_from_file_location(path.stem, path)
-    made = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(made)
-    return made
+    created = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(created)
+    return created
 
 
 @pytest.fixture
@@ -38,8 +38,8 @@ def text(name):
 
 
 def test_python_versions_agree_in_all_files():
-    said = [re.search(r":: 3\.(\d+)$", each) for each in PYPROJECT["project"]["classifiers"]]
-    minors = [int(each[1]) for each in said if each]
+    message = [re.search(r":: 3\.(\d+)$", item) for item in PYPROJECT["project"]["classifiers"]]
+    minors = [int(item[1]) for item in message if item]
     assert PYPROJECT["project"]["requires-python"] == f">=3.{minors[0]}"
     assert minors == list(range(minors[0], minors[-1] + 1))
     assert PYPROJECT["tool"]["cibuildwheel"]["build"].split() == [f"cp3{minor}-*" for minor in minors]
@@ -48,7 +48,7 @@ def test_python_versions_agree_in_all_files():
 
 
 def test_hooks_have_versions_of_lint():
-    pinned = dict(each.split("==") for each in PYPROJECT["dependency-groups"]["lint"])
+    pinned = dict(item.split("==") for item in PYPROJECT["dependency-groups"]["lint"])
     revisions = re.findall(
         r"repo: \S+/(?:mirrors-)?([\w-]+?)(?:-pre-commit)?\n    rev: v(\S+)", text(".pre-commit-config.yaml")
     )

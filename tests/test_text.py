@@ -11,10 +11,10 @@ from stiction._text import printable, printable_path
 
 def test_printable_escapes_control_characters():
     for text in ("\x1b[31m", "a\nb", "\r", "\x07", "\u202e", "\u2028", "\x9b2J", "\ud800", "\x00", "\u200b"):
-        said = printable(f"one{text}two")
-        assert said.isprintable()
-        assert said.startswith("one")
-        assert said.endswith("two")
+        message = printable(f"one{text}two")
+        assert message.isprintable()
+        assert message.startswith("one")
+        assert message.endswith("two")
     assert printable("µm é 漢字 ⟨D⟩") == "µm é 漢字 ⟨D⟩"
 
 

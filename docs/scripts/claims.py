@@ -170,7 +170,7 @@ def variant_study(name: str) -> Study:
 
 def has_amplitudes(amplitudes: Floats) -> bool:
     """Whether those are there that a claim is about."""
-    return all(bool(np.isclose(amplitudes, each, rtol=1e-9).any()) for each in (FLATTER, STEEPER))
+    return all(bool(np.isclose(amplitudes, item, rtol=1e-9).any()) for item in (FLATTER, STEEPER))
 
 
 class Resampled:
@@ -325,33 +325,33 @@ class Part:
 
 def _mean(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
     """Mean over fractal dimensions in a range."""
-    kept = values[:, r.usable(values, r.within(start, stop))]
-    return np.asarray(np.nansum(kept, axis=1) / np.isfinite(kept).sum(axis=1))
+    stored = values[:, r.usable(values, r.within(start, stop))]
+    return np.asarray(np.nansum(stored, axis=1) / np.isfinite(stored).sum(axis=1))
 
 
 def _extreme(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats | Band:
     """The largest (fmax) or smallest (fmin) of several quantities over the D at which all have one."""
     usable = r.usable(np.sum(arrays, axis=0), r.within(*_ALL))
-    kept = np.concatenate([values[:, usable] for values in arrays], axis=1)
-    if r.ruling == "percentiles" or not kept.size:
-        return np.asarray(pick.reduce(kept, axis=1, initial=np.nan))
+    stored = np.concatenate([values[:, usable] for values in arrays], axis=1)
+    if r.ruling == "percentiles" or not stored.size:
+        return np.asarray(pick.reduce(stored, axis=1, initial=np.nan))
     # In 95 of 100 ensembles no value is further off than so many of its standard deviations.
-    spread = np.nanstd(kept[1:], axis=0)
+    spread = np.nanstd(stored[1:], axis=0)
     known = spread > 0
-    off = np.abs(kept[1:, known] - kept[0, known]) / spread[known]
+    off = np.abs(stored[1:, known] - stored[0, known]) / spread[known]
     reach = float(np.quantile(np.fmax.reduce(off, axis=1, initial=0.0), 0.95)) * spread
-    least = 0.0 if (kept[0] >= 0).all() else -math.inf
-    ends = [float(pick.reduce(kept[0] + side * reach)) for side in (-1, 1)]
-    return Band(float(pick.reduce(kept[0])), max(ends[0], least), ends[1])
+    least = 0.0 if (stored[0] >= 0).all() else -math.inf
+    ends = [float(pick.reduce(stored[0] + side * reach)) for side in (-1, 1)]
+    return Band(float(pick.reduce(stored[0])), max(ends[0], least), ends[1])
 
 
 def _slope(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
     """Least-squares slope over fractal dimensions in a range."""
-    kept = r.usable(values, r.within(start, stop))
-    if kept.sum() < 2:
+    stored = r.usable(values, r.within(start, stop))
+    if stored.sum() < 2:
         return np.full(values.shape[0], np.nan)
-    x = r.dimensions[kept] - r.dimensions[kept].mean()
-    return np.asarray((values[:, kept] * x).sum(axis=1) / (x * x).sum())
+    x = r.dimensions[stored] - r.dimensions[stored].mean()
+    return np.asarray((values[:, stored] * x).sum(axis=1) / (x * x).sum())
 
 
 # Ranges of fractal dimensions.
@@ -373,10 +373,10 @@ def _exponent(r: Resampled) -> Floats:
     load, area = np.where(known, load, 0.0), np.where(known, area, 0.0)
     load -= np.where(known, load.sum(axis=2, keepdims=True) / known.sum(axis=2, keepdims=True), 0.0)
     exponents = (area * load).sum(axis=2) / (load * load).sum(axis=2)
-    kept = exponents[:, r.usable(exponents, r.within(*_ALL))]
-    if not kept.size:
+    stored = exponents[:, r.usable(exponents, r.within(*_ALL))]
+    if not stored.size:
         return np.full(exponents.shape[0], np.nan)
-    return np.asarray(kept[:, np.argmax(np.abs(kept[0] - 1))])  # where the ensemble itself is farthest from linear
+    return np.asarray(stored[:, np.argmax(np.abs(stored[0] - 1))])  # where the ensemble itself is farthest from linear
 
 
 def _growth(r: Resampled) -> Floats:
@@ -430,14 +430,14 @@ def _dip_from(start: float, stop: float) -> Measure:
 
 def _minimum(r: Resampled) -> Floats:
     values = r.at("friction", r.middle, tau0=0.2)
-    kept = r.usable(values, r.within(*_ALL))
-    if not kept.any():
+    stored = r.usable(values, r.within(*_ALL))
+    if not stored.any():
         return np.full(values.shape[0], np.nan)
-    least = np.argmin(np.where(np.isfinite(values[:, kept]), values[:, kept], np.inf), axis=1)
-    found = np.asarray(r.dimensions[kept][least])
+    least = np.argmin(np.where(np.isfinite(values[:, stored]), values[:, stored], np.inf), axis=1)
+    result = np.asarray(r.dimensions[stored][least])
     # The last D is no minimum where friction may fall further within the range that the claim speaks of.
-    end = r.dimensions[kept][-1]
-    return np.full(found.shape, np.nan) if found[0] == end < _MINIMUM[1] else found
+    end = r.dimensions[stored][-1]
+    return np.full(result.shape, np.nan) if result[0] == end < _MINIMUM[1] else result
 
 
 def _light_over_heavy(r: Resampled) -> Floats:
@@ -694,8 +694,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repetitions", type=int)
     parser.add_argument("--columns", action="store_true")
-    asked = parser.parse_args()
-    write_tables(ROOT / "build/claims", ROOT / "docs/generated", asked.repetitions, columns=asked.columns)
+    options = parser.parse_args()
+    write_tables(ROOT / "build/claims", ROOT / "docs/generated", options.repetitions, columns=options.columns)
 
 
 def write_tables(

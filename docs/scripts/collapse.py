@@ -144,9 +144,9 @@ def random_pair(case: dict, repetition: int) -> Pair:
     steepness = [gradient(body.heights, spacing, periodic=True) for body in bodies]
     ratio = case.get("ratio", 1.0)
     shares = (1.0, 0.0) if ratio is None else (ratio / np.hypot(1, ratio), 1 / np.hypot(1, ratio))
-    heights = [body.heights * share / each for body, share, each in zip(bodies, shares, steepness, strict=True)]
+    heights = [body.heights * share / item for body, share, item in zip(bodies, shares, steepness, strict=True)]
     factor = case["h"] / gradient(heights[0] - heights[1], spacing, periodic=True)
-    return tuple(type(bodies[0])(factor * each, spacing=spacing) for each in heights)
+    return tuple(type(bodies[0])(factor * height, spacing=spacing) for height in heights)
 
 
 class Loads:
@@ -158,7 +158,7 @@ class Loads:
 
 def gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
     steps = spacing if isinstance(spacing, tuple) else (spacing,)
-    return float(np.sqrt(sum(np.square(each).mean() for each in slopes(heights, steps, periodic=periodic))))
+    return float(np.sqrt(sum(np.square(slope).mean() for slope in slopes(heights, steps, periodic=periodic))))
 
 
 def measured_areas(case: dict) -> list[Pair]:
@@ -201,10 +201,10 @@ def of_pair(case: dict, upper, lower, boundary: str) -> dict:
         sideways = along[0] * np.cos(angle) - along[1] * np.sin(angle)
     else:
         forward, sideways = along[0], np.zeros(1)
-    curved = [slopes(each, spacing, periodic=periodic)[axis] for axis, each in enumerate(along)]
-    steep = float(np.sqrt(sum(np.square(each).mean() for each in along)))
-    fourth = np.mean([np.square(each).mean() for each in curved])
-    second = np.mean([np.square(each).mean() for each in along])
+    curved = [slopes(item, spacing, periodic=periodic)[axis] for axis, item in enumerate(along)]
+    steep = float(np.sqrt(sum(np.square(item).mean() for item in along)))
+    fourth = np.mean([np.square(item).mean() for item in curved])
+    second = np.mean([np.square(item).mean() for item in along])
     bodies = [gradient(body.heights, spacing, periodic=periodic) for body in (upper, lower)]
     nominal = float(np.prod(spacing)) * heights.size  # a line is 1 µm thick
     load = case.get("load", LIGHT) * MODULUS * steep * nominal
@@ -226,7 +226,7 @@ def of_pair(case: dict, upper, lower, boundary: str) -> dict:
     pressure = curves[0].contact(0).pressure
     touching = pressure > 0
     interface = slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
-    leaning = [each[touching] for each in interface]
+    leaning = [item[touching] for item in interface]
     cell = float(np.prod(spacing))
     area = patches_of(pressure, periodic=periodic, hardness=np.inf)[2] * cell
     on_ground = float(area.sum())
@@ -235,7 +235,7 @@ def of_pair(case: dict, upper, lower, boundary: str) -> dict:
     row["contacts"] = int(curves[0].contact_count[0])
     for rule, (name, tau0) in product(RULES, TAU0.items()):
         values = [
-            each.friction_coefficient(mu0=MU0, tau0=tau0) for each in (curve.with_sliding(rule) for curve in curves)
+            item.friction_coefficient(mu0=MU0, tau0=tau0) for item in (curve.with_sliding(rule) for curve in curves)
         ]
         row[f"mu {rule} {name}"] = float(np.mean(values))
     # The same with every point for itself, in place of patches that oppose as a whole.
@@ -269,7 +269,7 @@ def by_asperities(upper, lower, load: float, ways, name: str, keywords: dict, st
         curves = [press(upper, lower, approach, sliding=rule, direction=way, **common) for way in ways]
         row[f"{name} kappa"] = float(curves[0].contact_area[0] * MODULUS * steep / curves[0].normal_elastic[0])
         for key, tau0 in TAU0.items():
-            values = [each.friction_coefficient(mu0=MU0, tau0=tau0) for each in curves]
+            values = [curve.friction_coefficient(mu0=MU0, tau0=tau0) for curve in curves]
             row[f"{name} {rule} {key}"] = float(np.mean(values))
     return row
 
@@ -288,16 +288,16 @@ def finished() -> dict[str, dict]:
 def computed() -> list[dict]:
     """Every case whose data are here, computed now or before."""
     DONE.parent.mkdir(exist_ok=True)
-    done = finished()
+    completed = finished()
     everything = [case for case in cases() if "file" not in case or (DATA / case["file"]).exists()]
-    missing = [case for case in everything if json.dumps(case) not in done]
+    missing = [case for case in everything if json.dumps(case) not in completed]
     with DONE.open("a", encoding="utf-8") as file, ProcessPoolExecutor(2) as pool:
         for index, row in enumerate(pool.map(measured, missing), start=1):
-            done[json.dumps(row["case"])] = row
+            completed[json.dumps(row["case"])] = row
             file.write(json.dumps(row) + "\n")
             file.flush()
             print(f"\r{index} of {len(missing)} points", end="", file=sys.stderr, flush=True)
-    return [done[json.dumps(case)] for case in everything]
+    return [completed[json.dumps(case)] for case in everything]
 
 
 # ---- What came out ---------------------------------------------------------------------------------------------------
@@ -328,9 +328,9 @@ def summary(row: dict) -> dict:
     """Means over the pairs of a case, and ratios of means to those of the closed form, with standard errors."""
     together = row["pairs"]
     names = ("rms_gradient", "rms_slope", "nayak", "slope_ratio", "fraction", "kappa", "contacts")
-    found = {name: float(np.mean([pair[name] for pair in together])) for name in names}
-    found |= {"family": row["case"]["family"], "case": row["case"], "pairs": len(together)}
-    found["kappa_error"] = float(np.std([pair["kappa"] for pair in together], ddof=1) / np.sqrt(len(together)))
+    result = {name: float(np.mean([pair[name] for pair in together])) for name in names}
+    result |= {"family": row["case"]["family"], "case": row["case"], "pairs": len(together)}
+    result["kappa_error"] = float(np.std([pair["kappa"] for pair in together], ddof=1) / np.sqrt(len(together)))
     models = {f"mu {rule}": rule for rule in SUMMED} | {
         f"{name} {rule}": rule for name in ("asperities", "cylinders", "spheres") for rule in RULES
     }
@@ -338,11 +338,11 @@ def summary(row: dict) -> dict:
         values = np.array([pair.get(f"{model} {key}", np.nan) for pair in together])
         if np.isfinite(values).all():
             form = np.array([expected(pair, rule, tau0) for pair in together])
-            found[f"{model} {key}"] = float(values.mean())
-            found[f"{model} {key} over form"] = float(values.mean() / form.mean()) if form.any() else np.nan
+            result[f"{model} {key}"] = float(values.mean())
+            result[f"{model} {key} over form"] = float(values.mean() / form.mean()) if form.any() else np.nan
             spread = np.std(values - form * values.mean() / form.mean(), ddof=1) if form.any() else np.nan
-            found[f"{model} {key} error"] = float(spread / form.mean() / np.sqrt(len(together)))
-    return found
+            result[f"{model} {key} error"] = float(spread / form.mean() / np.sqrt(len(together)))
+    return result
 
 
 def per_cent(points: list[dict], name: str) -> str:
@@ -362,11 +362,11 @@ def table(points: list[dict]) -> list[str]:
     ]
     for family, words in FAMILIES.items():
         for low, high in pairwise(EDGES):
-            some = [each for each in points if each["family"] == family and low <= each["rms_gradient"] < high]
+            some = [point for point in points if point["family"] == family and low <= point["rms_gradient"] < high]
             if not some:
                 continue
             model = "cylinders" if family.endswith("line") else "asperities"
-            kappas, counts = ([each[name] for each in some] for name in ("kappa", "contacts"))
+            kappas, counts = ([item[name] for item in some] for name in ("kappa", "contacts"))
             cells = [
                 words, f"{low:g} to {high:g}", f"{len(some)}", f"{min(kappas):.2f} to {max(kappas):.2f}",
                 f"{min(counts):.0f} to {max(counts):.0f}",
@@ -406,15 +406,15 @@ def draw(points: list[dict]) -> None:
     axes = figure.subplots(2, 2).ravel()
     slope = np.geomspace(0.01, 3, 200)
     for family, colour in zip(FAMILIES, COLOURS, strict=True):
-        some = [each for each in points if each["family"] == family]
+        some = [point for point in points if point["family"] == family]
         if not some:
             continue
         line = family.endswith("line")
-        gradient = np.array([each["rms_gradient"] for each in some])
-        mean_slope = np.array([each["rms_slope"] for each in some]) / (2 * np.sqrt(2 * np.pi))
+        gradient = np.array([item["rms_gradient"] for item in some])
+        mean_slope = np.array([item["rms_slope"] for item in some]) / (2 * np.sqrt(2 * np.pi))
         mark = {"ls": "", "marker": "s" if line else "o", "ms": 2.6, "color": colour, "mew": 0.5}
         model = "cylinders" if line else "asperities"
-        get = lambda name: np.array([each.get(name, np.nan) for each in some])  # noqa: E731, B023
+        get = lambda name: np.array([item.get(name, np.nan) for item in some])  # noqa: E731, B023
         axes[0].plot(mean_slope, get(f"{model} opposing 0"), ls="", marker="x", ms=2, color="0.75", zorder=0)
         axes[0].plot(mean_slope, get("mu opposing 0"), **mark | {"mfc": "white", "ms": 2.2})
         axes[0].plot(mean_slope, get("mu points 0"), **mark, label=FAMILIES[family])
@@ -424,7 +424,7 @@ def draw(points: list[dict]) -> None:
         axes[2].plot(gradient, 100 * (get("mu points 0 over form") - 1), **mark)
         axes[2].plot(gradient, 100 * (get("mu opposing 0 over form") - 1), **mark | {"mfc": "white", "ms": 2.2})
         axes[3].plot(gradient, 100 * (get("mu all 0 over form") - 1), **mark)
-        first = [np.mean([expected(pair, "all", 0.0, order=1) for pair in each["together"]]) for each in some]
+        first = [np.mean([expected(pair, "all", 0.0, order=1) for pair in item["together"]]) for item in some]
         axes[3].plot(gradient, 100 * (get("mu all 0") / first - 1), **mark | {"mfc": "white", "ms": 2.2})
     s = slope / (4 * np.sqrt(np.pi))
     axes[0].plot(s, gentle_friction(MU0, rms_gradient=slope), color="0.1", lw=1, label="closed form")
@@ -460,19 +460,19 @@ def draw_limits(points: list[dict]) -> None:
              (0.8, 0.4): ("#D55E00", "s")}  # fmt: skip
     for (hurst, gradient), (colour, marker) in style.items():
         some = [
-            each for each in points if each["family"] == "load" and (each["case"]["H"], each["case"]["h"]) == (
+            point for point in points if point["family"] == "load" and (point["case"]["H"], point["case"]["h"]) == (
                 hurst, gradient,
             )
         ]  # fmt: skip
-        load = [each["case"]["load"] for each in some]
+        load = [item["case"]["load"] for item in some]
         mark = {"color": colour, "marker": marker, "ms": 3, "lw": 0.8, "label": f"H = {hurst:g}, h' = {gradient:g}"}
-        by_load.plot(load, [100 * (each["mu points 0 over form"] - 1) for each in some], **mark)
+        by_load.plot(load, [100 * (item["mu points 0 over form"] - 1) for item in some], **mark)
         by_load.plot(
-            load, [100 * (each["mu opposing 0 over form"] - 1) for each in some], **mark | {"mfc": "white", "label": ""}
+            load, [100 * (item["mu opposing 0 over form"] - 1) for item in some], **mark | {"mfc": "white", "label": ""}
         )
         if gradient == 0.1:
             kappas.errorbar(
-                load, [each["kappa"] for each in some], [each["kappa_error"] for each in some],
+                load, [item["kappa"] for item in some], [item["kappa_error"] for item in some],
                 **mark | {"label": f"H = {hurst:g}"},
             )  # fmt: skip
     fine = np.geomspace(LOADS[0], LOADS[-1], 200)
@@ -480,9 +480,9 @@ def draw_limits(points: list[dict]) -> None:
     kappas.plot(fine, erf(np.sqrt(2) * fine) / fine, color="0.3", lw=0.9, ls="--", label="Persson")
     kappas.plot(fine, np.minimum(1 / fine, 3), color="0.8", lw=0.7, zorder=0)
     for family, colour in list(zip(FAMILIES, COLOURS, strict=True))[:5]:
-        some = [each for each in points if each["family"] == family]
+        some = [point for point in points if point["family"] == family]
         spectra.plot(
-            [each["nayak"] for each in some], [each["kappa"] for each in some], ls="", color=colour, ms=2.4,
+            [item["nayak"] for item in some], [item["kappa"] for item in some], ls="", color=colour, ms=2.4,
             marker="s" if family.endswith("line") else "o", label=FAMILIES[family],
         )  # fmt: skip
     for value, dash in ((np.sqrt(2 * np.pi), "-."), (np.sqrt(8 / np.pi), "--")):

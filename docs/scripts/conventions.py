@@ -88,22 +88,22 @@ def draw_bodies(ax: Axes, these: Pair, bottom: float, top: float) -> None:
 
 
 def draw_pair(ax: Axes, these: Pair) -> None:
-    x, lower, found = these.lower.x, these.lower.heights, these.found
+    x, lower, result = these.lower.x, these.lower.heights, these.found
     touching = these.upper.heights - these.first_touch
     bottom, top = lower.min() - 0.4, touching.max() + 0.45
     draw_bodies(ax, these, bottom, top)
     ax.set_xlim(-0.95, x[-1] + 0.05)
     ax.plot(x, touching, color=INK, linewidth=0.5, linestyle=(0, (4, 3)))
-    vectors = (plane(each) for each in (found.centre, found.normal, found.tangent))
+    vectors = (plane(item) for item in (result.centre, result.normal, result.tangent))
     for number, (centre, normal, tangent) in enumerate(zip(*vectors, strict=True)):
-        colour, kind = (OPPOSING, "opposes") if found.opposing[number] else (OTHER, "does not oppose")
+        colour, kind = (OPPOSING, "opposes") if result.opposing[number] else (OTHER, "does not oppose")
         arrow(ax, centre, centre + 0.6 * normal, colour, width=1.2)
         word(ax, centre + 0.6 * normal, "n", 0.06, color=colour, weight="bold", ha="left", va="bottom")
-        if found.opposing[number]:
+        if result.opposing[number]:
             arrow(ax, centre, centre + 0.45 * tangent, colour, width=1.2)
             word(ax, centre + 0.53 * tangent, "t", color=colour, weight="bold")
         ax.plot(*centre, "o", color=colour, markersize=2.5)
-        word(ax, centre, f"{number + 1}: {kind}", 0.1 if found.opposing[number] else -0.1, -0.42, color=colour)
+        word(ax, centre, f"{number + 1}: {kind}", 0.1 if result.opposing[number] else -0.1, -0.42, color=colour)
 
     word(ax, np.array([0.15, bottom + 0.1]), "lower body: solid below its profile", ha="left", va="bottom")
     word(ax, np.array([0.15, top - 0.1]), "upper body: solid above its profile", ha="left", va="top")
@@ -127,8 +127,8 @@ def draw_pair(ax: Axes, these: Pair) -> None:
 
 def draw_contact(ax: Axes, these: Pair) -> None:
     """Draw the spheres of the enlarged contact."""
-    found = these.found
-    centre, normal, tangent = (plane(each)[ENLARGED] for each in (found.centre, found.normal, found.tangent))
+    result = these.found
+    centre, normal, tangent = (plane(item)[ENLARGED] for item in (result.centre, result.normal, result.tangent))
     draw_bodies(ax, these, centre[1] - 1.05, centre[1] + 0.9)
     ax.set_xlim(centre[0] - 1.3, centre[0] + 1.3)
     for body, side, lowered, along in (
@@ -137,8 +137,8 @@ def draw_contact(ax: Axes, these: Pair) -> None:
     ):
         spheres = asperities(body, side)
         middle, radius = (
-            plane(spheres.centre)[found.index[ENLARGED]] - [0.0, lowered],
-            spheres.radius[found.index[ENLARGED]],
+            plane(spheres.centre)[result.index[ENLARGED]] - [0.0, lowered],
+            spheres.radius[result.index[ENLARGED]],
         )
         circle = Circle(middle, radius, fill=False, linewidth=0.6, linestyle="--", edgecolor=INK)
         circle.set_clip_path(ax.add_patch(Rectangle((centre[0] - 1.3, centre[1] - 1.05), 2.6, 1.95, fill=False, lw=0)))
@@ -158,7 +158,7 @@ def draw_contact(ax: Axes, these: Pair) -> None:
 
 
 def draw_angle(ax: Axes, corner: np.ndarray, radius: float, left: np.ndarray, right: np.ndarray, name: str) -> None:
-    start, end = (float(np.arctan2(each[1], each[0])) for each in (right, left))
+    start, end = (float(np.arctan2(item[1], item[0])) for item in (right, left))
     ax.add_patch(
         Arc(corner, 2 * radius, 2 * radius, theta1=np.degrees(start), theta2=np.degrees(end), color=INK, linewidth=0.6)
     )
@@ -168,8 +168,8 @@ def draw_angle(ax: Axes, corner: np.ndarray, radius: float, left: np.ndarray, ri
 
 def draw_forces(ax: Axes, these: Pair) -> None:
     """Draw the forces on the upper body at the enlarged contact, tip to tail, and the loads in balance with them."""
-    found = these.found
-    normal, tangent = plane(found.normal)[ENLARGED], plane(found.tangent)[ENLARGED]
+    result = these.found
+    normal, tangent = plane(result.normal)[ENLARGED], plane(result.tangent)[ENLARGED]
     # In units of the normal force.
     start, middle, end = np.zeros(2), normal, normal + MU0 * tangent
     foot = np.array([end[0], 0.0])

@@ -93,13 +93,15 @@ def one(axes, normal, tangent):
 
 def save(path):
     """Write the picture."""
-    lower, found = pair()
-    steepest = int(np.argmax(np.where(found.opposing, np.hypot(found.normal[:, 0], found.normal[:, 1]), -1)))
+    lower, result = pair()
+    steepest = int(np.argmax(np.where(result.opposing, np.hypot(result.normal[:, 0], result.normal[:, 1]), -1)))
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(160 * MILLIMETRE, 74 * MILLIMETRE))
-        whole(figure.add_axes((-0.06, -0.12, 0.7, 1.16), projection="3d", computed_zorder=False), lower, found)
+        whole(figure.add_axes((-0.06, -0.12, 0.7, 1.16), projection="3d", computed_zorder=False), lower, result)
         one(
-            figure.add_axes((0.56, -0.08, 0.44, 1.08), projection="3d"), found.normal[steepest], found.tangent[steepest]
+            figure.add_axes((0.56, -0.08, 0.44, 1.08), projection="3d"),
+            result.normal[steepest],
+            result.tangent[steepest],
         )
         figure.savefig(path, dpi=200)
 

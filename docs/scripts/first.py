@@ -43,8 +43,8 @@ def friction_against_load():
             directory=folder,
             **GIVEN,
         )
-        found = result.summary().headlines
-        rules = [{each.rule: (each.value, each.lower, each.upper) for each in one.rules} for one in found]
+        computed = result.summary().headlines
+        rules = [{item.rule: (item.value, item.lower, item.upper) for item in one.rules} for one in computed]
         return {rule: np.transpose([one[rule] for one in rules]) for rule in RULES}
 
 

@@ -27,8 +27,8 @@ LEAST = 0.2  # MPa, below which there is nothing measured
 
 def gap_of(folder, name, *, square=True):
     """The gap (µm) in the largest square of the disc, or in the disc and missing outside, as a surface."""
-    with np.load(folder / f"{name}.npz") as held:
-        heights, spacing = held["gap_um"].astype(float), float(held["spacing_um"])
+    with np.load(folder / f"{name}.npz") as stored:
+        heights, spacing = stored["gap_um"].astype(float), float(stored["spacing_um"])
     side = int(DIAMETER / (np.sqrt(2) if square else 1) / spacing)
     first = [(count - side) // 2 for count in heights.shape]
     inside = heights[first[0] : first[0] + side, first[1] : first[1] + side]
@@ -69,8 +69,8 @@ def spectrum_of(gap):
     heights = heights * np.hanning(gap.heights.shape[1])
     wave = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, gap.spacing[0]) for n in gap.heights.shape), indexing="ij"))
     power = np.abs(np.fft.fft2(heights)) ** 2 * np.prod(gap.spacing) / heights.size / (9 / 64)
-    there = (wave > 1 / FITTED[1]) & (wave < 1 / FITTED[0])
-    slope, level = np.polyfit(np.log(wave[there]), np.log(power[there]), 1)
+    present = (wave > 1 / FITTED[1]) & (wave < 1 / FITTED[0])
+    slope, level = np.polyfit(np.log(wave[present]), np.log(power[present]), 1)
     return -slope / 2 - 1, lambda wave: np.exp(level + np.euler_gamma) * wave**slope  # mean of the log of a power
 
 
@@ -163,8 +163,8 @@ def whole(bands):
         middle = bands[""][0][which]
         middle = middle - middle[0] if which == 0 else middle
         sums = np.zeros((2, middle.size))
-        for kind, found in bands.items():
-            others = [each[which] - (each[which][0] if which == 0 else 0) - middle for each in found] if kind else []
+        for kind, result in bands.items():
+            others = [item[which] - (item[which][0] if which == 0 else 0) - middle for item in result] if kind else []
             if others:
                 sums += np.square([np.minimum(0, np.min(others, axis=0)), np.maximum(0, np.max(others, axis=0))])
         ends.append((middle, middle - np.sqrt(sums[0]), middle + np.sqrt(sums[1])))
@@ -180,8 +180,8 @@ def draw(shown):
             for ax, (middle, low, high) in ((upper, closure), (lower, stiffness)):
                 ax.fill_between(stress, low, high, color=ALL, alpha=0.2, linewidth=0, label="all uncertainties")
                 ax.plot(stress, middle, color=ALL, label="computed, nothing fitted")
-            for _, each in bands["E"][:2]:
-                lower.plot(stress, each, color=ALL, linewidth=0.5, linestyle="--")
+            for _, item in bands["E"][:2]:
+                lower.plot(stress, item, color=ALL, linewidth=0.5, linestyle="--")
             upper.plot(stress, load - load[0], "o", color=FORCE, markersize=3, label="measured, loading")
             upper.plot(falling, back - load[0], "x", color=FORCE, markersize=3, label="measured, unloading")
             at = (stress[1:] + stress[:-1]) / 2

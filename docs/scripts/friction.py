@@ -21,7 +21,7 @@ STYLES = {"lines": ("#D55E00", "s", "lines, spheres"), "half-spaces": ("#0072B2"
 
 def gradients(dimensions: np.ndarray) -> np.ndarray:
     """h' of the gap of two areas of the study: exact slopes of Eq. 1 over the mean height of ten areas."""
-    found = []
+    values = []
     for dimension in dimensions:
         heights = [
             np.ptp(
@@ -34,8 +34,8 @@ def gradients(dimensions: np.ndarray) -> np.ndarray:
         ]  # fmt: skip
         moments = weierstrass_mandelbrot_moments(dimension, shortest_wavelength=2 * EXTENT / SIDE)
         # Along x and y alike, and two bodies.
-        found.append(AMPLITUDE * np.mean(1 / np.array(heights)) * np.sqrt(4 * moments.slope))
-    return np.array(found)
+        values.append(AMPLITUDE * np.mean(1 / np.array(heights)) * np.sqrt(4 * moments.slope))
+    return np.array(values)
 
 
 def drawn(ax: Axes, result: Resampled, values: np.ndarray, name: str, *, hollow: bool = False) -> None:

@@ -39,19 +39,19 @@ def results(directory: Path) -> dict:
             "ensemble.repetitions": 50,
         }
     )
-    found = {}
+    result = {}
     for name, study in {"half-plane": exact, "cylinders": cylinders}.items():
         path = directory / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        found[name] = store.read(path) if "--as-is" in sys.argv and path.exists() else run(study, store=path).dataset
-    return found
+        result[name] = store.read(path) if "--as-is" in sys.argv and path.exists() else run(study, store=path).dataset
+    return result
 
 
 def main(directory: Path) -> None:
-    found = results(directory)
+    computed = results(directory)
     figure = Figure(figsize=(6.7, 4.8), dpi=200, layout="constrained")
     axes = figure.subplots(2, 2, sharex=True, sharey="row")
-    for name, result in found.items():
+    for name, result in computed.items():
         shown = friction_map(result, LOADS, mu0=[MU0], tau0=STRENGTHS).squeeze()
         for row, rule in enumerate(("opposing", "all")):
             for ax, load in zip(axes[row], LOADS, strict=True):
@@ -74,7 +74,7 @@ def main(directory: Path) -> None:
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=7.5, frameon=False)
     figure.savefig(DOCS / "images/half_plane.png")
-    print({name: int(np.size(result["repetition"])) for name, result in found.items()})
+    print({name: int(np.size(result["repetition"])) for name, result in computed.items()})
 
 
 if __name__ == "__main__":

@@ -87,7 +87,7 @@ def asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndarray:
     for rule in RULES:
         both = [press(upper, lower, approaches, sliding=rule, direction=way, **law) for way in ("+x", "-x")]
         load = both[0].normal_elastic
-        first = np.array([int(np.argmax(load >= wanted)) for wanted in loads])
+        first = np.array([int(np.argmax(load >= expected)) for expected in loads])
         assert (load[first] >= loads).all(), "a load is not reached"
         part = (loads - load[first - 1]) / (load[first] - load[first - 1])
 
@@ -166,7 +166,7 @@ def draw(results: dict) -> None:
 
 def tables(results: dict) -> str:
     def written(values: np.ndarray, column: int, load: int) -> str:
-        mean, low, high = (each[load] for each in ratio(values, column))
+        mean, low, high = (item[load] for item in ratio(values, column))
         return f"{mean:.2f} ({low:.2f} to {high:.2f})"
 
     def both(values: np.ndarray, column: int, load: int) -> str:
@@ -200,7 +200,7 @@ def main(workers: int = 1) -> None:
     keys = [(kind, band, hurst) for (kind, band), hurst in product(CASES, HURST)]
     with ProcessPoolExecutor(workers) as pool:
         jobs = {key: [pool.submit(measured, *key, k) for k in range(CASES[key[:2]])] for key in keys}
-        results = {key: np.array([job.result() for job in each]) for key, each in jobs.items()}
+        results = {key: np.array([job.result() for job in item]) for key, item in jobs.items()}
     draw(results)
     (DOCS / "generated/half_space.md").write_text(tables(results), encoding="utf-8")
 

@@ -64,8 +64,8 @@ def main():
             kinds["sections along y"] = list(surrogates(*bodies, "column"))
         own = None
         for kind, pairs in kinds.items():
-            found = np.array([answers(*pair) for pair in pairs])
-            mean, error = found.mean(axis=0), found.std(axis=0, ddof=1) / np.sqrt(PAIRS)
+            result = np.array([answers(*pair) for pair in pairs])
+            mean, error = result.mean(axis=0), result.std(axis=0, ddof=1) / np.sqrt(PAIRS)
             own = mean if own is None else own
             cells = []
             for value, wide, ratio in zip(mean, error, mean / own, strict=True):

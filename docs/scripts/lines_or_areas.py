@@ -27,18 +27,18 @@ def answers(upper, lower):
     """A/A0 (%) and mu_s of each kind of pressing."""
     area = (POINTS * SPACING) ** 2
     load = [PRESSURE * area]
-    found = {}
+    computed = {}
     for name, boundary in (("areas: half-space, periodic", "periodic"), ("areas: half-space, free edges", "free")):
         curve = half_space(upper, lower, load, boundary=boundary, direction=FOUR)
-        found[name] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
+        computed[name] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
     curve = press(upper, lower, approach_at_load(upper, lower, load, mu0=0.0), direction=FOUR)
-    found["areas: asperities"] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
+    computed["areas: asperities"] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
     model = tamaas.Model(tamaas.model_type.basic_2d, [POINTS * SPACING] * 2, [POINTS, POINTS])
     model.E, model.nu = 10.0, 0.0
     tamaas.PolonskyKeerRey(model, np.ascontiguousarray(lower.heights - upper.heights), 1e-10).solve(PRESSURE)
     share = patches_of(np.ascontiguousarray(model.traction), periodic=True, hardness=np.inf)[2]
-    found["tamaas, points under pressure"] = share.size / model.traction.size, np.nan
-    found["tamaas, less what edges add"] = share.sum() / model.traction.size, np.nan
+    computed["tamaas, points under pressure"] = share.size / model.traction.size, np.nan
+    computed["tamaas, less what edges add"] = share.sum() / model.traction.size, np.nan
     uppers, lowers = paired_lines(flipped(upper), lower, lines=LINES)
     length = uppers[0].extent
     for name, law, curvature in (
@@ -49,8 +49,8 @@ def answers(upper, lower):
             uppers, lowers, [PRESSURE * length], mu0=MU0, law=law, curvature=curvature, detection="gap-minimum"
         )
         friction = result["friction_coefficient"].where(result["status"] == "ok")
-        found[name] = float(result["contact_area"].mean()) / length, float(friction.mean())
-    return found
+        computed[name] = float(result["contact_area"].mean()) / length, float(friction.mean())
+    return computed
 
 
 def main():
@@ -58,7 +58,7 @@ def main():
     every = [answers(*bodies(repetition)) for repetition in range(PAIRS)]
     lines = ["| pressed as | A/A0 (%) | μ_s, opposing |", "|---|---|---|"]
     for name in every[0]:
-        values = np.array([each[name] for each in every]) * [100, 1]
+        values = np.array([item[name] for item in every]) * [100, 1]
         mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(PAIRS)
         cells = ["" if np.isnan(one) else f"{one:.3g} ± {off:.2g}" for one, off in zip(mean, error, strict=True)]
         lines.append(f"| {name} | {' | '.join(cells)} |")

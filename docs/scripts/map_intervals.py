@@ -49,9 +49,9 @@ def table(own, intervals):
         ("16 surrogates", f"the mean of all {pairs} pairs", intervals["surrogates"], everybody),
     ]
     lines = ["| interval over | held against | A/A0 | μ_s, opposing | μ_s, all |", "|---|---|---|---|---|"]
-    for of, truth, found, wanted in rows:
-        mean, low, high = np.moveaxis(np.array(found), -1, 0)
-        inside = (low <= wanted) & (wanted <= high)
+    for of, truth, result, expected in rows:
+        mean, low, high = np.moveaxis(np.array(result), -1, 0)
+        inside = (low <= expected) & (expected <= high)
         width = np.median((high - low) / mean, axis=0)
         cells = [f"{100 * inside[:, k].mean():.0f} %, {100 * width[k]:.1f} %" for k in range(3)]
         lines.append(f"| {of} | {truth} | {' | '.join(cells)} |")

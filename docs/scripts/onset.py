@@ -83,7 +83,7 @@ def asperities() -> list[str]:
         "load that slips at half of it: half-space, asperities",
     )
     for band in BANDS:
-        found = [[[] for _ in range(6)] for _ in LOADS]
+        result = [[[] for _ in range(6)] for _ in LOADS]
         for repetition in range(PAIRS):
             upper, lower, unit = pair(band, repetition)
             exact = half_space(upper, lower, np.multiply(LOADS, unit), effective_modulus=MODULUS, boundary="periodic")
@@ -97,13 +97,13 @@ def asperities() -> list[str]:
                     [one.onset(k, mu0=MU0, tau0=tau0 * MODULUS, steps=[0.5, 1.0]) for one in (curve, exact)]
                     for tau0 in STRENGTHS
                 ]
-                found[k][0].append(ways[0][0].stiffness / ways[0][1].stiffness)
+                result[k][0].append(ways[0][0].stiffness / ways[0][1].stiffness)
                 for s in range(2):
-                    found[k][1 + s].append(ways[s][0].displacement_at_sliding / ways[s][1].displacement_at_sliding)
-                found[k][3].append(ways[1][0].sliding_load / ways[1][1].sliding_load)
-                found[k][4].append(ways[0][1].slipped_load[0])
-                found[k][5].append(ways[0][0].slipped_load[0])
-        for load, columns in zip(LOADS, found, strict=True):
+                    result[k][1 + s].append(ways[s][0].displacement_at_sliding / ways[s][1].displacement_at_sliding)
+                result[k][3].append(ways[1][0].sliding_load / ways[1][1].sliding_load)
+                result[k][4].append(ways[0][1].slipped_load[0])
+                result[k][5].append(ways[0][0].slipped_load[0])
+        for load, columns in zip(LOADS, result, strict=True):
             ratios = " | ".join(interval(column) for column in columns[:4])
             slips = ", ".join(f"{100 * np.mean(column):.0f} %" for column in columns[4:])
             lines.append(f"| {band} | {load:g} | {ratios} | {slips} |")
@@ -154,8 +154,8 @@ def _stuck(touching: np.ndarray, *, both: bool) -> float:
         return np.concatenate([scipy.fft.irfft2(way, touching.shape)[touching] for way in ways])
 
     size_of = count * (1 + both)
-    wanted = np.zeros(size_of)
-    wanted[:count] = 1.0
+    expected = np.zeros(size_of)
+    expected[:count] = 1.0
     # The mean plane of all does not move: a constant is added to the kernel and taken off the compliance again.
     lift = 10.0 / MODULUS
 
@@ -167,7 +167,7 @@ def _stuck(touching: np.ndarray, *, both: bool) -> float:
             )
         return result
 
-    q, _ = cg(LinearOperator((size_of, size_of), lifted), wanted, rtol=1e-8, maxiter=5000)
+    q, _ = cg(LinearOperator((size_of, size_of), lifted), expected, rtol=1e-8, maxiter=5000)
     load = q[:count].sum() / n**2
     return float(1 / (1 / load - lift))
 
@@ -245,8 +245,8 @@ def over_dimension() -> list[str]:
     at = [result.at(load).squeeze() for result, load in ((lines, 4e-3), (areas, 0.1))]
     for dimension in at[1]["fractal_dimension"].values:
         cells = [f"{dimension:.1f}"]
-        for each in at:
-            one = each.sel(fractal_dimension=dimension, method="nearest")
+        for item in at:
+            one = item.sel(fractal_dimension=dimension, method="nearest")
             for name, factor in (
                 ("displacement_at_sliding", 1000.0),
                 ("fraction_slipped", 100.0),

@@ -32,14 +32,14 @@ def pressed(hurst, seed, *, ratio=16, pressures=PRESSURES):
 def main():
     of_exponents = []
     for hurst in (0.3, 0.5, 0.8):
-        found = [pressed(hurst, seed) for seed in range(SEEDS)]
-        area, gap, stiffness = (np.mean([each[i] for each in found], axis=0) for i in range(3))
+        result = [pressed(hurst, seed) for seed in range(SEEDS)]
+        area, gap, stiffness = (np.mean([item[i] for item in result], axis=0) for i in range(3))
         of_exponents.append(area)
         print(f"H = {hurst}: area {np.round(area, 4)} gap {np.round(gap, 3)} K rms / p {np.round(stiffness, 2)}")
     print("spread over H:", np.round(np.ptp(of_exponents, axis=0) / np.mean(of_exponents, axis=0), 3))
     for ratio in (2, 4, 8, 16, 32):
-        found = [pressed(0.8, seed, ratio=ratio, pressures=(0.1,)) for seed in range(SEEDS)]
-        area, nayak = np.mean([each[0][0] for each in found]), np.mean([each[3] for each in found])
+        result = [pressed(0.8, seed, ratio=ratio, pressures=(0.1,)) for seed in range(SEEDS)]
+        area, nayak = np.mean([item[0][0] for item in result]), np.mean([item[3] for item in result])
         print(f"longest over shortest {ratio}: Nayak {nayak:.2f}, area at 0.1 {area:.4f}")
 
 

@@ -71,23 +71,23 @@ def names(docs: Path) -> str:
 
 def targets(docs: Path) -> dict[str, str]:
     """What the reference calls each name, by the name as pages write it."""
-    found = (
+    result = (
         name for group in GROUPS for name in ENTRY.findall((docs / f"reference/api_{group}.md").read_text("utf-8"))
     )
-    return {name.split(".")[-1]: name if name.startswith("stiction.") else f"stiction.{name}" for name in found}
+    return {name.split(".")[-1]: name if name.startswith("stiction.") else f"stiction.{name}" for name in result}
 
 
 def _summary(name: str) -> str:
     """The first paragraph of a docstring."""
-    found: object = stiction
+    result: object = stiction
     parts = name.removeprefix("stiction.").split(".")
     if len(parts) > 1:
-        found, parts = importlib.import_module(f"stiction.{'.'.join(parts[:-1])}"), parts[-1:]
+        result, parts = importlib.import_module(f"stiction.{'.'.join(parts[:-1])}"), parts[-1:]
     for part in parts:
-        found = getattr(found, part)
-    if isinstance(found, str):
+        result = getattr(result, part)
+    if isinstance(result, str):
         return "The version of the package."
-    first = (inspect.getdoc(found) or "").split("\n\n")[0]
+    first = (inspect.getdoc(result) or "").split("\n\n")[0]
     return " ".join(first.split())
 
 
@@ -104,7 +104,7 @@ def commands() -> str:
         usage = command.get_usage(context).partition(":")[2].strip()
         lines += [f"## `stiction {name}`", "", *_paragraphs(command.help or ""), "", "```text", usage, "```", ""]
         for kind in ("argument", "option"):
-            rows = [_parameter(each) for each in command.get_params(context) if each.param_type_name == kind]
+            rows = [_parameter(param) for param in command.get_params(context) if param.param_type_name == kind]
             if rows:
                 lines += [f"| {kind} | default | meaning |", "|---|---|---|", *rows, ""]
         shown = re.findall(r"^  (stiction .*)$", command.epilog or "", re.MULTILINE)
@@ -113,7 +113,7 @@ def commands() -> str:
 
 
 def _paragraphs(text: str) -> list[str]:
-    return [" ".join(each.split()) + "\n" for each in text.split("\n\n")]
+    return [" ".join(part.split()) + "\n" for part in text.split("\n\n")]
 
 
 def _parameter(parameter: Any) -> str:
@@ -138,9 +138,9 @@ def parameters() -> str:
     """Return a table of the parameters of each kind of profile, and of surfaces."""
     tables = {f"Parameters of the {name}": PROFILE_PARAMETERS[letter] for letter, name in _PROFILES.items()}
     lines = []
-    for title, found in (tables | {"Parameters of a surface": SURFACE_PARAMETERS}).items():
+    for title, result in (tables | {"Parameters of a surface": SURFACE_PARAMETERS}).items():
         lines += [f"## {title}", "", _row("name", "meaning", "formula", "unit", "needs", "source"), f"|{6 * '---|'}"]
-        for each in found:
+        for each in result:
             formula = f"${each.formula}$".replace("|", r"\vert ")
             lines.append(_row(f"*{each.name}*", each.meaning, formula, each.unit or "1", each.needs, each.source))
         lines.append("")

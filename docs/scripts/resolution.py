@@ -80,7 +80,7 @@ def bracketing():
 def answers(bodies, seen, hardness, name):
     load = PRESSURE * math.prod(bodies[0].extent)
     result = resolution(
-        *bodies, [load], hardness=hardness, cut_offs=[each * SPACING for each in seen], mu0=MU0, tau0=TAU0,
+        *bodies, [load], hardness=hardness, cut_offs=[item * SPACING for item in seen], mu0=MU0, tau0=TAU0,
         effective_modulus=MODULUS, boundary="periodic",
     )  # fmt: skip
     by_rule = result.friction_coefficient[..., 0]
@@ -123,7 +123,7 @@ def continuing():
             # The mean pressure of the elastic answer reaches this hardness at about 10 points.
             hardness = MODULUS * SLOPES[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
             options = {"mu0": MU0, "tau0": TAU0, "effective_modulus": MODULUS, "boundary": "periodic", "cut_offs": []}
-            said = resolution(*coarse, [load], hardness=hardness, **options)
+            message = resolution(*coarse, [load], hardness=hardness, **options)
             truth = half_space(
                 *fine, [load], effective_modulus=MODULUS, boundary="periodic", sliding="all",
                 direction=[0.0, 90.0, 180.0, 270.0],
@@ -134,17 +134,17 @@ def continuing():
             kappa = float(truth.contact_area[0]) * MODULUS * gradient(fine) / load
             gap = Surface(fine[0].heights - fine[1].heights, spacing=SPACING)
             reached = scale_dependent_roughness(gap, periodic=True).wavelength_of(kappa * hardness / MODULUS)
-            at = said.sel(finer_wavelength=4 * SPACING, method="nearest")
-            seen = Surface(coarse[0].heights - coarse[1].heights, spacing=4 * SPACING)
-            estimate = gap_exponent(seen, True)
+            at = message.sel(finer_wavelength=4 * SPACING, method="nearest")
+            recorded = Surface(coarse[0].heights - coarse[1].heights, spacing=4 * SPACING)
+            estimate = gap_exponent(recorded, True)
             one = {
                 "hurst": hurst, "index": index, "friction": friction, "wavelength": reached, "kappa": kappa,
-                "said_kappa": float(said.elastic_kappa[0]),
+                "said_kappa": float(message.elastic_kappa[0]),
                 "said_friction": at.continued_elastic_friction_coefficient[0].values.tolist(),
-                "said_wavelength": said.plastic_wavelength[0, 0].values.tolist(),
+                "said_wavelength": message.plastic_wavelength[0, 0].values.tolist(),
                 "gradient": gradient(fine), "said_gradient": at.continued_rms_gradient.values.tolist(),
                 "exponent": None if estimate is None else [estimate.value, estimate.lower, estimate.upper],
-                "at_scan": float(said.friction_coefficient.sel(sliding="all")[0, 0]),
+                "at_scan": float(message.friction_coefficient.sel(sliding="all")[0, 0]),
                 "finer_wavelength": float(at.finer_wavelength),
             }  # fmt: skip
             found.append(one)
@@ -180,9 +180,9 @@ def joining():
             Surface(grey_dilation(piece, structure=tip, mode="nearest"), spacing=SPACING) for piece in pieces
         ],
     }
-    names = [name for name, each in scans.items() for _ in each]
+    names = [name for name, item in scans.items() for _ in item]
     joined = joined_spectrum(
-        [scan for each in scans.values() for scan in each],
+        [scan for value in scans.values() for scan in value],
         tip_radii=[radius if name == "fine probe" else None for name in names],
         per_decade=PER_DECADE,
     )
@@ -245,7 +245,7 @@ def inside(rows, name, limit, most):
     """Pairs of which every finer answer is between the limit and a coarser one's end, but for second order."""
     count = 0
     for row in rows:
-        values, ends, steep = (row["plastic"][each] for each in (name, most, "gradient"))
+        values, ends, steep = (row["plastic"][item] for item in (name, most, "gradient"))
         pairs = [(fine, coarse) for coarse in range(len(values)) for fine in range(coarse)]
         count += all(
             row["limit"][limit] <= values[fine] <= ends[coarse] * (1 + steep[fine] ** 2 / 8) for fine, coarse in pairs
@@ -269,9 +269,9 @@ def bracket_lines(groups):
     for words, rows in groups.items():
         for said, prefix in (("the upper end of the bracket", "most_"), ("the answer at the coarser cut-off", "")):
             parts = [
-                each
+                item
                 for limit, name in enumerate(("area", "all"))
-                for each in (inside(rows, name, limit, prefix + name), widths(rows, name, limit, prefix + name))
+                for item in (inside(rows, name, limit, prefix + name), widths(rows, name, limit, prefix + name))
             ]
             lines.append(f"| {said}; {words} | {' | '.join(parts)} |")
     return lines
@@ -343,8 +343,8 @@ def joined_lines(together):
     contribution = np.array(together["contribution"])
     for index, length in enumerate(together["wavelength"]):
         parts = [
-            sum(contribution[scan, index] for scan, name in enumerate(together["names"]) if name == each)
-            for each in wanted
+            sum(contribution[scan, index] for scan, name in enumerate(together["names"]) if name == item)
+            for item in wanted
         ]
         lines.append(
             f"| {length:.3g} | {together['count'][index]:.0f} "
@@ -417,7 +417,7 @@ def picture(by_hurst, together):
     ratio = np.array(together["ratio"], dtype=float)
     looks = {"microscope": ("o", "#0072b2"), "large probe": ("s", "#009e73"), "fine probe": ("^", "#d55e00")}
     for name, (marker, colour) in looks.items():
-        scans = [scan for scan, each in enumerate(together["names"]) if each == name]
+        scans = [scan for scan, item in enumerate(together["names"]) if item == name]
         for scan in scans:
             label = name if scan == scans[0] else None
             density = ratio[scan] * together["density"]

@@ -24,8 +24,8 @@ class Served:
 
     def __init__(self, process, folder):
         self.process, self.folder, self.cookie, self.key = process, folder, "", ""
-        said = process.stderr.readline() + process.stderr.readline()
-        self.port, self.token = re.search(r"http://127\.0\.0\.1:(\d+)/\?token=(\S+)", said).groups()
+        message = process.stderr.readline() + process.stderr.readline()
+        self.port, self.token = re.search(r"http://127\.0\.0\.1:(\d+)/\?token=(\S+)", message).groups()
         self.origin = f"http://127.0.0.1:{self.port}"
         self.address = f"{self.origin}/?token={self.token}"
 
@@ -96,10 +96,10 @@ class Served:
 def until(value, holds):
     """The value, as soon as it holds."""
     end = time.monotonic() + 10 * PATIENCE
-    while not holds(found := value()):
-        assert time.monotonic() < end, found
+    while not holds(result := value()):
+        assert time.monotonic() < end, result
         time.sleep(0.1)
-    return found
+    return result
 
 
 @contextlib.contextmanager

@@ -59,7 +59,9 @@ def fresh(driver, app):
     driver.get_log("browser")
     yield driver
     complaints = [entry["message"] for entry in driver.get_log("browser") if entry["level"] != "INFO"]
-    assert [each for each in complaints if "status of 400" not in each and "status of 413" not in each] == []
+    assert [
+        complaint for complaint in complaints if "status of 400" not in complaint and "status of 413" not in complaint
+    ] == []
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +130,7 @@ def answer(driver):
     """Numbers that the page shows of each rule, in full, and the sentence."""
     lines = "return [...document.querySelectorAll('#answer .value')].map((each) => ({...each.dataset}))"
     rules = driver.execute_script(lines)
-    shown = {each["rule"]: [float(each[name]) for name in ("value", "lower", "upper")] for each in rules}
+    shown = {rule["rule"]: [float(rule[name]) for name in ("value", "lower", "upper")] for rule in rules}
     return shown, driver.execute_script("return document.getElementById('sentence')?.textContent")
 
 
@@ -136,13 +138,13 @@ def same_as(driver, folder, monkeypatch):
     """What the line says that the page shows, of the same files: its numbers and sentence."""
     line = driver.find_element("id", "command").get_property("textContent")
     monkeypatch.setattr(showing, "draw_result", lambda *_, **__: None)
-    done = check_stiction(*shlex.split(line)[1:], "--json", cwd=folder)
-    return of_record(json.loads(done.stdout))
+    completed = check_stiction(*shlex.split(line)[1:], "--json", cwd=folder)
+    return of_record(json.loads(completed.stdout))
 
 
 def of_record(record):
     first = record["answers"][0]
-    return {each["rule"]: [each["value"], each["lower"], each["upper"]] for each in first["rules"]}, first["sentence"]
+    return {item["rule"]: [item["value"], item["lower"], item["upper"]] for item in first["rules"]}, first["sentence"]
 
 
 def inside(driver, script):
@@ -175,9 +177,9 @@ def test_form_has_a_field_for_each_option_of_a_pair(fresh):
     fill(fresh, {"cutoff": "0.1 um,0.2 um", "adhesion": "50", "tip": "10 nm", "mu0": "0,15..0,25", "hardness": "2±0,2"})
     fresh.execute_script("document.querySelectorAll('[name=columns]')[1].value = 'x,z'")
     options = fresh.execute_script("return optionsOfPair()")
-    asked = {"mechanics": "half-space", "lay": "grooves", "cutoff": "0.1 um,0.2 um", "adhesion": "50 mJ/m^2"}
-    asked |= {"tip": "10 nm", "hardness": "2±0.2 GPa", "mu0": "0.15..0.25"}
-    assert asked.items() <= dict(options).items()
+    arguments = {"mechanics": "half-space", "lay": "grooves", "cutoff": "0.1 um,0.2 um", "adhesion": "50 mJ/m^2"}
+    arguments |= {"tip": "10 nm", "hardness": "2±0.2 GPa", "mu0": "0.15..0.25"}
+    assert arguments.items() <= dict(options).items()
     assert [value for name, value in options if name == "columns"] == ["", "x,z"]
     names = set(fresh.execute_script("return [...document.querySelectorAll('#pair [name]')].map(({name}) => name)"))
     assert names == set(OPTIONS["pair"])
@@ -240,7 +242,7 @@ def test_metal_profiles_give_a_result(fresh, tmp_path, monkeypatch, rough_pair):
 def test_maps_give_the_result_of_the_command_at_each_step(app, fresh, maps, monkeypatch):
     """Drop, answer, another mu0, share, reload: always what the command says."""
     roughness = json.loads(call_stiction("characterise", maps[0], "--json", cwd=app.folder).stdout)["values"]
-    height = with_unit(next(each["value"] for each in roughness if each["name"] == "Sq"), "um")
+    height = with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")
     assert f"Sq {height}," in drop(fresh, "upper", maps[0])["hint"]
     assert "Sq" in choose(fresh, "lower", maps[1])["hint"]
     fill(fresh, HARD)
@@ -267,9 +269,9 @@ def test_maps_give_the_result_of_the_command_at_each_step(app, fresh, maps, monk
         assert fresh.find_element("name", "mu0").get_property("value") == mu0
         assert f"--mu0={mu0}" in fresh.find_element("id", "command").get_property("textContent")
         assert f"μ0 = {mu0}," in answer(fresh)[1]
-    shown, said = answer(fresh)
+    shown, message = answer(fresh)
     numbers, sentence = same_as(fresh, maps[0].parent, monkeypatch)
-    assert said == sentence
+    assert message == sentence
     assert shown == {rule: pytest.approx(values, rel=1e-12) for rule, values in numbers.items()}
 
     job = fresh.execute_script("return current")
@@ -313,8 +315,8 @@ def test_stopped_job_is_stored_and_resumes_with_another_window_open(fresh, tmp_p
     assert f"{told['finished']} of 400 are finished" in fresh.find_element("id", "answer").text
     studies = app.private()[0].glob("results/*/pair/study.toml")
     (folder,) = [path.parent for path in studies if "repetitions = 400" in path.read_text("utf-8")]
-    said = call_stiction("info", folder, "--json", cwd=app.folder)
-    assert answer(fresh) == of_record(json.loads(said.stdout))
+    message = call_stiction("info", folder, "--json", cwd=app.folder)
+    assert answer(fresh) == of_record(json.loads(message.stdout))
     with app.held(200):
         press(fresh)
         until(lambda: app.jobs()[-1]["finished"], lambda count: count > told["finished"])
@@ -434,8 +436,8 @@ def test_cookie_sent_to_another_port_gives_no_access(app, fresh):
             assert fresh.execute_script("return localStorage.getItem('key')") is None
         finally:
             other.shutdown()
-    assert any(app.cookie in each for each in seen)
-    assert not any(app.key in each for each in seen)
+    assert any(app.cookie in item for item in seen)
+    assert not any(app.key in item for item in seen)
     status, _, page = app.ask("GET", "/", X_Stiction_Key=None)
     assert status == 200
     assert app.key not in page.decode()

@@ -102,8 +102,8 @@ def test_names_of_scans_are_not_used_as_paths(app, name):
     status, _, body = app.ask("PUT", f"/scans?name={quote(name)}", b"x (um),z (um)\n0,0\n1,1\n" + name.encode())
     assert status == 200
     (root,) = app.private()
-    (kept,) = (root / "files" / json.loads(body)["scan"]).iterdir()
-    assert len(kept.name) <= 60
+    (stored,) = (root / "files" / json.loads(body)["scan"]).iterdir()
+    assert len(stored.name) <= 60
     assert {path for path in app.folder.rglob("*") if "files" not in path.parts} == before
 
 
@@ -116,7 +116,7 @@ def test_paths_outside_the_app_are_rejected(app, path):
 
 
 @pytest.mark.parametrize(
-    "asked",
+    "options",
     [
         {"command": "table", "options": []},
         {"command": "pair", "options": [["output", "/tmp/x"]], "upper": "1", "lower": "1"},
@@ -134,8 +134,8 @@ def test_paths_outside_the_app_are_rejected(app, path):
     ],
     ids=str,
 )
-def test_jobs_reject_commands_that_the_page_does_not_offer(app, asked):
-    assert app.ask("POST", "/jobs", json.dumps(asked).encode())[0] in (400, 404)
+def test_jobs_reject_commands_that_the_page_does_not_offer(app, options):
+    assert app.ask("POST", "/jobs", json.dumps(options).encode())[0] in (400, 404)
     assert app.jobs() == []
 
 
@@ -172,9 +172,9 @@ def test_menu_entry_starts_the_app(app):
     assert status == 200
     entry = (app.folder / "applications" / "stiction.desktop").read_text("utf-8")
     assert json.loads(body)["file"] == str(app.folder / "applications" / "stiction.desktop")
-    said = dict(line.split("=", 1) for line in entry.splitlines()[1:])
-    assert said["Path"] == str(app.folder)
-    command = [*shlex.split(said["Exec"]), "--help"]
+    arguments = dict(line.split("=", 1) for line in entry.splitlines()[1:])
+    assert arguments["Path"] == str(app.folder)
+    command = [*shlex.split(arguments["Exec"]), "--help"]
     assert "drop two scans" in subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
@@ -209,9 +209,9 @@ def test_simultaneous_requests_are_answered_or_rejected(app):
             return "refused"
 
     with ThreadPoolExecutor(250) as pool:
-        found = list(pool.map(ask, range(1000)))
-    assert set(found) <= {200, "refused"}
-    assert found.count(200) > 50
+        result = list(pool.map(ask, range(1000)))
+    assert set(result) <= {200, "refused"}
+    assert result.count(200) > 50
     assert app.memory() < MOST_MEMORY
     assert until(app.is_alive, bool)
 
@@ -261,7 +261,7 @@ def test_results_with_undecodable_names_are_listed(app):
             pass
     status, _, body = app.ask("GET", "/results")
     assert status == 200
-    assert [each["name"] for each in json.loads(body)] == ["bad\N{REPLACEMENT CHARACTER}", "fine"]
+    assert [load["name"] for load in json.loads(body)] == ["bad\N{REPLACEMENT CHARACTER}", "fine"]
     assert app.ask("POST", "/jobs", b'{"command": "open", "name": "bad\\udcff"}')[0] == 404
 
 
@@ -273,12 +273,17 @@ def test_stopped_first_results_do_not_block_requests(app, tmp_path):
     options = [["young", "10 GPa"], ["poisson", "0.3"], ["mu0", "0.2"], ["load", "1 MPa"]]
     with app.held(0):
         for shifts in range(2, 8):
-            asked = {"command": "pair", "upper": upper, "lower": lower, "options": [*options, ["shifts", f"{shifts}"]]}
-            job = app.post("/jobs", asked)["job"]
+            arguments = {
+                "command": "pair",
+                "upper": upper,
+                "lower": lower,
+                "options": [*options, ["shifts", f"{shifts}"]],
+            }
+            job = app.post("/jobs", arguments)["job"]
             until(lambda: app.jobs()[-1]["words"], lambda words: words == "pressing asperities")
             app.post(f"/jobs/{job}/stop", {})
         assert app.ask("GET", f"/scans/{upper}")[0] == 200
-        until(lambda: {each["state"] for each in app.jobs()[-6:]}, lambda states: states == {"stopped"})
+        until(lambda: {item["state"] for item in app.jobs()[-6:]}, lambda states: states == {"stopped"})
 
 
 def test_sketch_of_measured_surfaces_is_rejected(app):
@@ -305,19 +310,19 @@ def test_server_ends_without_traceback_during_requests_and_jobs(tmp_path):
         upper, lower = (server.take(path) for path in write_maps(tmp_path))
         options = [["young", "10 GPa"], ["poisson", "0.3"], ["mu0", "0.2"], ["load", "1 MPa"]]
         for seed in range(3):
-            asked = {
+            arguments = {
                 "command": "pair",
                 "upper": upper,
                 "lower": lower,
                 "options": [*options, ["shifts", f"{seed + 2}"]],
             }
-            server.post("/jobs", asked)
+            server.post("/jobs", arguments)
         until(server.jobs, lambda jobs: jobs[0]["total"])
         with ThreadPoolExecutor(8) as pool:
             answers = [pool.submit(server.ask, "GET", f"/scans/{upper}") for _ in range(8)]
             server.process.send_signal(signal.SIGTERM)
             assert server.process.wait(30) == 0
-            assert all(each.exception() or each.result()[0] in (200, 503) for each in answers)
+            assert all(answer.exception() or answer.result()[0] in (200, 503) for answer in answers)
         assert server.process.stderr.read() == ""
 
 
@@ -338,9 +343,9 @@ def test_killed_command_is_reported(tmp_path):
 
 
 def _children(parent):
-    found = []
+    values = []
     for status in Path("/proc").glob("[0-9]*/stat"):
         with suppress(OSError):  # which has ended meanwhile
             if int(status.read_text(encoding="utf-8").rpartition(")")[2].split()[1]) == parent:
-                found.append(int(status.parent.name))
-    return found
+                values.append(int(status.parent.name))
+    return values

@@ -24,23 +24,23 @@ def shell(script, *arguments, cwd):
 
 
 def test_run_continues_after_its_reader_closes_the_pipe(tmp_path):
-    done = shell('"$@" | true', "run", "quick", *TINY, cwd=tmp_path)
-    assert done.returncode == 0
-    assert all(line.startswith("repetitions ") for line in done.stderr.splitlines())  # progress, of a busy machine
+    completed = shell('"$@" | true', "run", "quick", *TINY, cwd=tmp_path)
+    assert completed.returncode == 0
+    assert all(line.startswith("repetitions ") for line in completed.stderr.splitlines())  # progress, of a busy machine
     assert (tmp_path / "quick" / "area.png").exists()
-    done = shell('"$@" | true', "studies", "figure6", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+    completed = shell('"$@" | true', "studies", "figure6", cwd=tmp_path)
+    assert (completed.returncode, completed.stderr) == (0, "")
 
 
 def test_commands_report_full_disk_and_replace_unencodable_letters(tmp_path):
-    done = shell('"$@" > /dev/full', "studies", cwd=tmp_path)
-    assert_rejected(done, "stiction: ", "No space left on device")
-    done = subprocess.run(
+    completed = shell('"$@" > /dev/full', "studies", cwd=tmp_path)
+    assert_rejected(completed, "stiction: ", "No space left on device")
+    completed = subprocess.run(
         [sys.executable, "-m", "stiction", "run", "quick", *TINY, "--set", "figures.draw=[]"],
         cwd=tmp_path, capture_output=True, check=False, timeout=120, env=os.environ | {"PYTHONIOENCODING": "latin-1"},
     )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, b"")
-    assert "?_s [95 %]" in done.stdout.decode("latin-1")
+    assert (completed.returncode, completed.stderr) == (0, b"")
+    assert "?_s [95 %]" in completed.stdout.decode("latin-1")
 
 
 @pytest.mark.parametrize(
@@ -98,11 +98,11 @@ def test_failed_thread_start_is_reported_in_one_message(tmp_path, monkeypatch):
 )
 def test_hostile_study_is_rejected_in_short_lines(tmp_path, content, words):
     (tmp_path / "s.toml").write_text(content)
-    done = call_stiction("run", "s.toml", cwd=tmp_path)
-    assert_rejected(done, words)
-    assert done.stderr.replace("\n", "").isprintable()
-    assert len(done.stderr) < 1000
-    assert all(line.startswith("stiction: s.toml: ") for line in done.stderr.splitlines())
+    completed = call_stiction("run", "s.toml", cwd=tmp_path)
+    assert_rejected(completed, words)
+    assert completed.stderr.replace("\n", "").isprintable()
+    assert len(completed.stderr) < 1000
+    assert all(line.startswith("stiction: s.toml: ") for line in completed.stderr.splitlines())
 
 
 def test_pipes_and_devices_are_rejected_as_inputs(tmp_path):
@@ -117,11 +117,11 @@ def test_pipes_and_devices_are_rejected_as_inputs(tmp_path):
 
 def test_names_of_any_kind_are_printed_on_one_line(tmp_path):
     for name in ("a\nstiction: all is well", "\x1b[31m", "a/b" * 1500, "x" * 5000):
-        done = call_stiction("info", name, cwd=tmp_path)
-        assert_rejected(done, "stiction: ")
-        assert len(done.stderr.splitlines()) == 1
-        assert len(done.stderr) < 500
-        assert done.stderr.strip().isprintable()
+        completed = call_stiction("info", name, cwd=tmp_path)
+        assert_rejected(completed, "stiction: ")
+        assert len(completed.stderr.splitlines()) == 1
+        assert len(completed.stderr) < 500
+        assert completed.stderr.strip().isprintable()
 
 
 def test_reports_and_exports_accept_long_names(tmp_path):
@@ -145,17 +145,17 @@ def test_command_suggests_nearest_known_word(arguments, hint, tmp_path):
 
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
 def test_command_with_closed_streams_computes_and_writes(tmp_path, closed):
-    done = shell(f'"$@" {closed}', "run", "quick", *TINY, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "" if "2" in closed else done.stderr)
-    assert "Traceback" not in done.stderr
+    completed = shell(f'"$@" {closed}', "run", "quick", *TINY, cwd=tmp_path)
+    assert (completed.returncode, completed.stderr) == (0, "" if "2" in closed else completed.stderr)
+    assert "Traceback" not in completed.stderr
     assert (tmp_path / "quick" / "area.png").exists()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits address space")
 @pytest.mark.parametrize("limit", [150_000, 450_000, 1_040_000])
 def test_low_address_space_is_reported_in_one_message(tmp_path, limit):
-    done = shell(f'ulimit -v {limit}; "$@"', "run", "quick", *TINY, cwd=tmp_path)
-    assert_rejected(done, "memory is limited to", "at least 1073 MB")
+    completed = shell(f'ulimit -v {limit}; "$@"', "run", "quick", *TINY, cwd=tmp_path)
+    assert_rejected(completed, "memory is limited to", "at least 1073 MB")
 
 
 EMPTY = [

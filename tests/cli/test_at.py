@@ -43,8 +43,8 @@ def folder(tmp_path_factory, no_figures):
 
 
 def said(*arguments, cwd):
-    done = check_stiction(*arguments, cwd=cwd, without_figures=True)
-    return done.stdout
+    completed = check_stiction(*arguments, cwd=cwd, without_figures=True)
+    return completed.stdout
 
 
 # ---- at --------------------------------------------------------------------------------------------------------------
@@ -94,8 +94,8 @@ def test_at_uses_defaults_of_the_result_and_reports_status(folder):
 def test_at_without_options_uses_conditions_of_the_study(folder):
     record = json.loads(said("at", "maps", "--json", cwd=folder))
     study = open_stored(folder / "maps").study
-    asked = [(float(load), 0.3, float(tau0)) for load in study.friction.load for tau0 in study.friction.tau0]
-    assert [(one["at"]["load"], one["at"]["mu0"], one["at"]["tau0"]) for one in record["answers"]] == asked
+    options = [(float(load), 0.3, float(tau0)) for load in study.friction.load for tau0 in study.friction.tau0]
+    assert [(one["at"]["load"], one["at"]["mu0"], one["at"]["tau0"]) for one in record["answers"]] == options
     record = json.loads(said("at", "study", "--load", "1 uN", "--json", cwd=folder))
     friction = open_stored(folder / "study").study.friction
     assert {one["at"]["tau0"] for one in record["answers"]} == {0.0, 0.1}
@@ -249,14 +249,14 @@ def test_run_extends_result_in_its_directory(folder, name, tmp_path):
 
 
 def test_plot_uses_output_directory_and_formats(folder, tmp_path, monkeypatch):
-    wanted = []
+    values = []
 
     def drawn(_, where, *, formats):
-        wanted.append((where, formats))
+        values.append((where, formats))
         return [where / "a.pdf"]
 
     monkeypatch.setattr("stiction.views.figures.drawn", drawn)
     text = said("plot", "lines", "--output", str(tmp_path / "figures"), "--format", "pdf,svg", cwd=folder)
     assert text.splitlines() == [f"wrote {tmp_path / 'figures' / 'a.pdf'}"]
-    assert wanted == [(tmp_path / "figures", ("pdf", "svg"))]
+    assert values == [(tmp_path / "figures", ("pdf", "svg"))]
     assert_rejected(call_stiction("plot", "lines", "--format", "bmp", cwd=folder), "formats must be some of png")

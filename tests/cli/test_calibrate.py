@@ -48,23 +48,23 @@ def pressed(tmp_path_factory):
 
 def test_calibrate_with_ball_identifies_and_stores_both_parameters(tmp_path):
     table(tmp_path / "forces.csv", ball_rows())
-    done = check_stiction("calibrate", "forces.csv", *BALL, "-o", "film", cwd=tmp_path)
-    first, *rest = done.stdout.splitlines()
+    completed = check_stiction("calibrate", "forces.csv", *BALL, "-o", "film", cwd=tmp_path)
+    first, *rest = completed.stdout.splitlines()
     assert first.startswith("μ0 + τ0 A/F = ")
     assert rest[0].startswith("μ0 = 0.1")
     assert float(rest[1].removeprefix("τ0 = ").split()[0]) == pytest.approx(12, rel=0.01)
-    assert done.stdout.count("χ²") == 1  # both rules are one of a ball
-    kept = read_interface(tmp_path / "film")
-    assert kept.separated
-    assert kept.about["surfaces"] == "ball"
+    assert completed.stdout.count("χ²") == 1  # both rules are one of a ball
+    stored = read_interface(tmp_path / "film")
+    assert stored.separated
+    assert stored.about["surfaces"] == "ball"
     assert (tmp_path / "film.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_calibrate_separates_parameters_with_two_finishes_only(pressed):
-    given = ["forces.csv", "--pair", "ground", "--pair", "lapped/", "--sliding", "all", "--json"]
-    record = json.loads(check_stiction("calibrate", *given, cwd=pressed, without_figures=True).stdout)
+    arguments = ["forces.csv", "--pair", "ground", "--pair", "lapped/", "--sliding", "all", "--json"]
+    record = json.loads(check_stiction("calibrate", *arguments, cwd=pressed, without_figures=True).stdout)
     assert (record["kind"], record["separated"]) == ("interface", True)
-    values = {each["name"]: each for each in record["values"]}
+    values = {item["name"]: item for item in record["values"]}
     assert values["mu0"]["lower"] < MU0 < values["mu0"]["upper"]
     assert values["tau0"]["lower"] < 0.3 < values["tau0"]["upper"]
     one = check_stiction("calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=pressed)
@@ -74,8 +74,8 @@ def test_calibrate_separates_parameters_with_two_finishes_only(pressed):
 
 def test_calibrate_warns_about_ball_beyond_yield(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
-    done = check_stiction("calibrate", *options, cwd=tmp_path)
-    assert "may be beyond yield" in done.stderr
+    completed = check_stiction("calibrate", *options, cwd=tmp_path)
+    assert "may be beyond yield" in completed.stderr
 
 
 @pytest.mark.parametrize(
@@ -131,8 +131,8 @@ def test_calibrate_rejects_conflicting_arguments(tmp_path, arguments, words):
 def test_calibrate_accepts_lower_bounds_and_semicolons(tmp_path):
     text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(f"{x};{y};{0.03 * y};1" for x, y, _ in ball_rows())
     (tmp_path / "forces.csv").write_text(f"{text}\n50;0.1;0.01;0\n", encoding="utf-8")
-    done = check_stiction("calibrate", "forces.csv", *BALL, "--json", cwd=tmp_path)
-    assert np.isclose(json.loads(done.stdout)["fits"][0]["freedom"], 3)
+    completed = check_stiction("calibrate", "forces.csv", *BALL, "--json", cwd=tmp_path)
+    assert np.isclose(json.loads(completed.stdout)["fits"][0]["freedom"], 3)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-16-le"])
@@ -180,22 +180,22 @@ def test_tests_file_uses_units_of_its_columns(tmp_path):
 def test_calibrate_widens_tau0_by_ranges_of_moduli(tmp_path, ranges):
     table(tmp_path / "forces.csv", ball_rows())
     common = ("calibrate", "forces.csv", "--ball", "5 mm", "--json", "--sliding", "all")
-    done = check_stiction(*common, *ranges, cwd=tmp_path, without_figures=True)
-    wide = {each["name"]: each for each in json.loads(done.stdout)["values"]}["tau0"]
+    completed = check_stiction(*common, *ranges, cwd=tmp_path, without_figures=True)
+    wide = {load["name"]: load for load in json.loads(completed.stdout)["values"]}["tau0"]
     ends = {"--effective-modulus": ("2", "4.5"), "--young": ("2.25", "4.86"), "--upper": ("2.49", "3.53")}[ranges[0]]
     for end in ends:
-        done = check_stiction(*common, "--effective-modulus", f"{end} GPa", cwd=tmp_path, without_figures=True)
-        tau0 = {each["name"]: each for each in json.loads(done.stdout)["values"]}["tau0"]["value"]
+        completed = check_stiction(*common, "--effective-modulus", f"{end} GPa", cwd=tmp_path, without_figures=True)
+        tau0 = {load["name"]: load for load in json.loads(completed.stdout)["values"]}["tau0"]["value"]
         assert wide["lower"] < tau0 < wide["upper"]
 
 
 def test_interfaces_lists_directory_of_stored_interfaces(tmp_path):
     write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "film", {"operator": "A. B."})
     (tmp_path / "notes.txt").write_text("nothing")
-    done = call_stiction("interfaces", ".", cwd=tmp_path)
-    assert done.stdout.splitlines()[0] == "film"
-    assert "operator A. B." in done.stdout
-    assert "notes" not in done.stdout
+    completed = call_stiction("interfaces", ".", cwd=tmp_path)
+    assert completed.stdout.splitlines()[0] == "film"
+    assert "operator A. B." in completed.stdout
+    assert "notes" not in completed.stdout
     assert_rejected(call_stiction("interfaces", "nowhere", cwd=tmp_path), "nowhere", "cannot be listed")
     (tmp_path / "empty").mkdir()
     assert "empty: holds no interfaces" in call_stiction("interfaces", "empty", cwd=tmp_path).stdout

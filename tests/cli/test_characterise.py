@@ -47,9 +47,9 @@ def folder(tmp_path, profile, surface):
 
 def characterise(*arguments, cwd):
     """History, the rest of the table, and the figure, beside which a page is written."""
-    done = check_stiction("characterise", *arguments, cwd=cwd, without_figures=True)
-    assert done.stderr == ""
-    lines = done.stdout.splitlines()
+    completed = check_stiction("characterise", *arguments, cwd=cwd, without_figures=True)
+    assert completed.stderr == ""
+    lines = completed.stdout.splitlines()
     assert lines.pop(0).startswith(f"{Path(arguments[0]).name}: ")
     table = next(at for at, line in enumerate(lines) if line.startswith("points"))
     assert lines[0].startswith("history")
@@ -70,27 +70,27 @@ def words(text):
 
 def test_characterise_file_equals_profile_in_memory(folder, profile):
     level = levelled(profile, "line")
-    history, said, figure = characterise("scan.csv", cwd=folder)
-    assert words(said) == table(characterisation_text(level))
+    history, message, figure = characterise("scan.csv", cwd=folder)
+    assert words(message) == table(characterisation_text(level))
     assert history == ["read from scan.csv", "spacing 0.01 µm (header and positions agree)", level.history[-1]]
     assert figure == folder / "scan.png"
     assert imread(figure).shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
-    history, said, figure = characterise("heights.npy", "--unit", "um", "--spacing", "10 nm", cwd=folder)
-    assert words(said) == table(characterisation_text(level))
+    history, message, figure = characterise("heights.npy", "--unit", "um", "--spacing", "10 nm", cwd=folder)
+    assert words(message) == table(characterisation_text(level))
     assert history == ["read from heights.npy", level.history[-1]]
 
 
 def test_characterise_uses_unit_trend_band_and_output_options(folder, profile):
     in_nm = Profile(profile.heights / 1000, spacing=0.01)
-    history, said, figure = characterise(
+    history, message, figure = characterise(
         "heights.npy", "--unit", "um,nm", "--spacing", "0.01um", "--level", "quadratic", "--band", "0.1 um, 5000nm",
         "--output", "mine.PNG", cwd=folder,
     )  # fmt: skip
-    assert words(said) == table(characterisation_text(levelled(in_nm, "quadratic"), band=(0.1, 5.0)))
+    assert words(message) == table(characterisation_text(levelled(in_nm, "quadratic"), band=(0.1, 5.0)))
     assert history[-1] == "levelled by a parabola"
     assert figure == folder / "mine.PNG"
-    history, said, _ = characterise("scan.csv", "--level", "none", cwd=folder)
-    assert words(said) == table(characterisation_text(profile))
+    history, message, _ = characterise("scan.csv", "--level", "none", cwd=folder)
+    assert words(message) == table(characterisation_text(profile))
     assert not any("levelled" in step for step in history)
 
 
@@ -100,35 +100,35 @@ def test_characterise_interpolates_missing_points_and_selects_columns(folder, pr
     (folder / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
     assert_rejected(call_stiction("characterise", "gaps.csv", cwd=folder), "1 missing points of 3000", "interpolate")
     for missing, done in (("interpolate", "interpolated"), ("mask", "masked")):
-        history, said, _ = characterise("gaps.csv", "--missing", missing, cwd=folder)
+        history, message, _ = characterise("gaps.csv", "--missing", missing, cwd=folder)
         assert (
             f"1 missing points {done}, 0.033 % of all points; the largest gap has 1 point, at x 0.98 µm to 0.99 µm"
             in history
         )
-        assert "outliers none" in words(said)
+        assert "outliers none" in words(message)
     # And columns are those asked for.
     lines = (folder / "scan.csv").read_text(encoding="utf-8").splitlines()
     at = lines.index("x (um),z (um)")
     wide = [f"{index},{line},7" for index, line in enumerate(lines[at + 1 :])]
     (folder / "wide.csv").write_text("\n".join(["n,x (um),z (um),t (s)", *wide]), encoding="utf-8")
-    history, said, _ = characterise("wide.csv", "--columns", "x,z", cwd=folder)
-    assert words(said) == table(characterisation_text(levelled(profile, "line")))
+    history, message, _ = characterise("wide.csv", "--columns", "x,z", cwd=folder)
+    assert words(message) == table(characterisation_text(levelled(profile, "line")))
     assert history[:2] == ["read from wide.csv", "columns 1 (x (um)), 2 (z (um))"]
 
 
 def test_characterise_of_map_gives_roughness_of_its_lines(folder, surface):
     options = ["map.npy", "--unit", "um", "--spacing", "0.05 um,0.1 um"]
-    history, said, figure = characterise(*options, cwd=folder)
-    assert words(said) == table(characterisation_text(levelled(surface, "plane")))
+    history, message, figure = characterise(*options, cwd=folder)
+    assert words(message) == table(characterisation_text(levelled(surface, "plane")))
     assert history == ["read from map.npy", "levelled by a plane"]
     assert imread(figure).shape[1] == pytest.approx(170 / 25.4 * 300, abs=2)
-    rows = {line[:19].strip(): line[20:].rstrip() for line in said.splitlines()}
+    rows = {line[:19].strip(): line[20:].rstrip() for line in message.splitlines()}
     assert rows["points"] == "90 along x, 100 nm apart, over 9 µm"
     assert rows["number"].split() == ["60", "90"]
     assert float(rows["Sq"].split()[0]) == pytest.approx(np.std(levelled(surface, "plane").heights), rel=1e-3)
     for option, line in (("--row", surface.row(7)), ("--column", surface.column(7))):
-        history, said, _ = characterise(*options, option, 7, cwd=folder)
-        assert words(said) == table(characterisation_text(levelled(line, "line")))
+        history, message, _ = characterise(*options, option, 7, cwd=folder)
+        assert words(message) == table(characterisation_text(levelled(line, "line")))
         assert history == ["read from map.npy", f"{option[2:]} 7", "levelled by a line"]
 
 
@@ -145,23 +145,25 @@ def test_characterise_replaces_its_own_figure_only(folder):
 
 def test_characterise_report_has_command_without_directories(folder):
     options = ["--level", "quadratic", "--tip", "2 um"]
-    done = call_stiction("characterise", folder / "scan.csv", *options, cwd=folder, without_figures=True)
-    assert done.stdout.endswith("wrote scan.html\nwrote scan.png\n")
+    completed = call_stiction("characterise", folder / "scan.csv", *options, cwd=folder, without_figures=True)
+    assert completed.stdout.endswith("wrote scan.html\nwrote scan.png\n")
     page = (folder / "scan.html").read_text(encoding="utf-8")
     assert "stiction characterise scan.csv --tip &#x27;2 um&#x27; --level quadratic" in page
     assert str(folder) not in page
-    done = call_stiction("characterise", "scan.csv", "--json", "-o", "alone.html", cwd=folder, without_figures=True)
-    assert done.stderr == "stiction: wrote alone.html, the page alone\n"
+    completed = call_stiction(
+        "characterise", "scan.csv", "--json", "-o", "alone.html", cwd=folder, without_figures=True
+    )
+    assert completed.stderr == "stiction: wrote alone.html, the page alone\n"
     (folder / "alone.html").write_text("<p>of somebody else</p>", encoding="utf-8")
-    done = call_stiction("characterise", "scan.csv", "-o", "alone.html", cwd=folder)
-    assert_rejected(done, "alone.html: exists already")
+    completed = call_stiction("characterise", "scan.csv", "-o", "alone.html", cwd=folder)
+    assert_rejected(completed, "alone.html: exists already")
 
 
 def test_characterise_writes_json_and_figure_together(folder):
-    done = check_stiction("characterise", "scan.csv", "--json", "-o", "look.png", cwd=folder)
-    assert done.stderr == "stiction: wrote look.html\nstiction: wrote look.png\n"
+    completed = check_stiction("characterise", "scan.csv", "--json", "-o", "look.png", cwd=folder)
+    assert completed.stderr == "stiction: wrote look.html\nstiction: wrote look.png\n"
     assert imread(folder / "look.png").std() > 0.05
-    record = json.loads(done.stdout)
+    record = json.loads(completed.stdout)
     assert record["command"] == "characterise"
     assert record == json.loads(call_stiction("characterise", "scan.csv", "--json", cwd=folder).stdout)
     assert not (folder / "scan.png").exists()
@@ -173,8 +175,8 @@ def test_characterise_writes_json_and_figure_together(folder):
 def test_characterise_of_several_files_prints_one_table(folder):
     files = ["scan.csv", "map.npy"]
     options = ["--unit", "um", "--spacing", "10 nm"]
-    done = check_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
-    assert [line.partition(":")[0] for line in done.stdout.splitlines()] == [*files, "wrote finishes.csv, 2 files"]
+    completed = check_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
+    assert [line.partition(":")[0] for line in completed.stdout.splitlines()] == [*files, "wrote finishes.csv, 2 files"]
     rows = list(csv.DictReader((folder / "finishes.csv").read_text(encoding="utf-8").splitlines()))
     assert [row["holds"] for row in rows] == ["profile", "surface"]
     assert [row["points"] for row in rows] == ["3000", "60 x 90"]
@@ -185,12 +187,12 @@ def test_characterise_of_several_files_prints_one_table(folder):
             title = name if value["unit"] == "1" else f"{name} ({value['unit']})"
             assert row[title] == "" or float(row[title]) == pytest.approx(value["value"], rel=1e-8)
     assert rows[0]["Sq (um)"] == rows[1]["Pq (um)"] == ""
-    done = call_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
-    assert_rejected(done, "finishes.csv: exists already")
+    completed = call_stiction("characterise", *files, *options, "-o", "finishes.csv", cwd=folder)
+    assert_rejected(completed, "finishes.csv: exists already")
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["none.csv"], "none.csv: cannot be read: No such file or directory"),
         (["empty.csv"], "empty.csv: is empty"),
@@ -217,27 +219,27 @@ def test_characterise_of_several_files_prints_one_table(folder):
         (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),
     ],
 )
-def test_characterise_rejects_bad_input(folder, arguments, said):
+def test_characterise_rejects_bad_input(folder, arguments, message):
     (folder / "empty.csv").touch()
-    done = call_stiction("characterise", *arguments, cwd=folder)
-    assert_rejected(done, said)
-    assert len(done.stderr.splitlines()) == 1
-    assert done.stderr.startswith("stiction: ")
+    completed = call_stiction("characterise", *arguments, cwd=folder)
+    assert_rejected(completed, message)
+    assert len(completed.stderr.splitlines()) == 1
+    assert completed.stderr.startswith("stiction: ")
 
 
 def test_characterise_reads_stylus_profile(measured, tmp_path):
-    history, said, _ = characterise(measured("dektak-1.csv"), cwd=tmp_path)
+    history, message, _ = characterise(measured("dektak-1.csv"), cwd=tmp_path)
     assert history[1] == "spacing 0.1562454 µm from its positions, where it says 0.156 µm"
-    assert "Pq                  94.24 nm\n" in said
-    assert "points              9600, 156.2 nm apart, over 1.5 mm\n" in said
+    assert "Pq                  94.24 nm\n" in message
+    assert "points              9600, 156.2 nm apart, over 1.5 mm\n" in message
 
 
 def test_characterise_reads_map_of_atomic_force_microscope(measured, tmp_path):
     pytest.importorskip("SurfaceTopography")
-    history, said, _ = characterise(measured("di-4.di"), cwd=tmp_path)
+    history, message, _ = characterise(measured("di-4.di"), cwd=tmp_path)
     assert history[1] == "channel 0 (ZSensor) of 0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
-    rows = {line[:19].strip(): line[20:].split() for line in said[said.index("lines  ") :].splitlines()}
-    rows["Sq"] = said[said.index("\nSq") :].split()[1:3]
+    rows = {line[:19].strip(): line[20:].split() for line in message[message.index("lines  ") :].splitlines()}
+    rows["Sq"] = message[message.index("\nSq") :].split()[1:3]
     assert rows["Sq"] == ["79.42", "nm"]
     assert [float(number) for number in rows["Pq"][::2]] == pytest.approx([38.8, 62.0], abs=0.05)
     assert [float(number) for number in rows["Pdq, neighbours"]] == pytest.approx([0.109, 0.141], abs=5e-4)
@@ -251,9 +253,9 @@ def test_characterise_reads_map_of_atomic_force_microscope(measured, tmp_path):
 
 def test_characterise_applies_cutoff_and_checks_tip(folder, profile):
     level = cut_off(levelled(profile, "line"), 0.5)
-    history, said, _ = characterise("scan.csv", "--cutoff", "500 nm", "--tip", "1 um", cwd=folder)
+    history, message, _ = characterise("scan.csv", "--cutoff", "500 nm", "--tip", "1 um", cwd=folder)
     assert history[-1] == level.history[-1]
-    assert table(characterisation_text(level, tip_radius=1.0)) == words(said)
+    assert table(characterisation_text(level, tip_radius=1.0)) == words(message)
     _, blunt, _ = characterise("scan.csv", "--tip", "100 um", cwd=folder)
     assert "not to be trusted below" in blunt
     assert "sharper than the tip follows" in blunt
@@ -265,21 +267,21 @@ def test_characterise_joins_spectra_of_several_scans(folder):
     fine, coarse = surfaces.heights[:128, :128], surfaces.heights[::4, ::4]
     write_surface(Surface(coarse, spacing=0.08), folder / "coarse.npy")
     write_surface(Surface(fine, spacing=0.02), folder / "fine.npy")
-    given = ["fine.npy", "coarse.npy", "--together"]
+    arguments = ["fine.npy", "coarse.npy", "--together"]
     assert_rejected(call_stiction("characterise", "fine.npy", "--together", cwd=folder), "--together")
-    done = check_stiction("characterise", *given, cwd=folder)
-    assert "waves taken" in done.stdout
+    completed = check_stiction("characterise", *arguments, cwd=folder)
+    assert "waves taken" in completed.stdout
     assert (folder / "joined.png").read_bytes().startswith(b"\x89PNG")
-    check_stiction("characterise", *given, "--output", "spectra.svg", cwd=folder)
+    check_stiction("characterise", *arguments, "--output", "spectra.svg", cwd=folder)
     assert (folder / "spectra.svg").exists()
-    assert_rejected(call_stiction("characterise", *given, "--output", "spectra.doc", cwd=folder), "must end in")
+    assert_rejected(call_stiction("characterise", *arguments, "--output", "spectra.doc", cwd=folder), "must end in")
     joined = joined_spectrum(
-        [levelled(Surface(each, spacing=step), "plane") for each, step in ((fine, 0.02), (coarse, 0.08))]
+        [levelled(Surface(item, spacing=step), "plane") for item, step in ((fine, 0.02), (coarse, 0.08))]
     )
     with (folder / "joined.csv").open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     np.testing.assert_allclose([float(row["C2D (um4)"]) for row in rows], joined.density, rtol=1e-6)
-    record = json.loads(call_stiction("characterise", *given, "--json", cwd=folder).stdout)
+    record = json.loads(call_stiction("characterise", *arguments, "--json", cwd=folder).stdout)
     assert [scan["file"] for scan in record["scans"]] == ["fine.npy", "coarse.npy"]
     np.testing.assert_allclose(record["spectrum"]["rms_gradient"], joined.roughness().gradient)
 
@@ -290,31 +292,31 @@ def test_characterise_repeated_gives_mean_and_noise(tmp_path):
     for name, first in (("a.csv", 0), ("b.csv", 25)):
         heights = place.heights[first : first + 2900] + 1e-3 * random.normal(size=2900)
         write_profile(Profile(heights, spacing=0.01), tmp_path / name)
-    done = check_stiction("characterise", "a.csv", "b.csv", "--repeated", cwd=tmp_path)
+    completed = check_stiction("characterise", "a.csv", "b.csv", "--repeated", cwd=tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {
         "a.csv", "b.csv", "repeated.npy", "noise.csv", "noise.png",
     }  # fmt: skip
     found = compare_repeated_scans(*(levelled(read_profile(tmp_path / name), "line") for name in ("a.csv", "b.csv")))
     assert found.shift[0] == pytest.approx(0.25, abs=0.003)
-    assert f"begins at x = {1000 * found.shift[0]:.3g} nm of the first." in " ".join(done.stdout.split())
+    assert f"begins at x = {1000 * found.shift[0]:.3g} nm of the first." in " ".join(completed.stdout.split())
     assert np.array_equal(read_profile(tmp_path / "repeated.npy").heights, found.scan.heights)
-    assert f"--cutoff '{1000 * found.limit:g} nm'" in " ".join(done.stdout.split())
+    assert f"--cutoff '{1000 * found.limit:g} nm'" in " ".join(completed.stdout.split())
     for more, why in (([], "repeated.npy: exists already"), (["--together"], "without --together")):
         assert_rejected(call_stiction("characterise", "a.csv", "b.csv", "--repeated", *more, cwd=tmp_path), why)
-    told = call_stiction("characterise", "a.csv", "b.csv", "--repeated", "--json", cwd=tmp_path)
-    assert json.loads(told.stdout)["limit_um"] == found.limit
+    reported = call_stiction("characterise", "a.csv", "b.csv", "--repeated", "--json", cwd=tmp_path)
+    assert json.loads(reported.stdout)["limit_um"] == found.limit
 
 
 def test_dry_run_shows_how_files_are_read(folder):
-    done = check_stiction(
+    completed = check_stiction(
         "characterise", "scan.csv", "heights.npy", "--unit", "um", "--spacing", "10 nm", "--dry-run", cwd=folder
     )
-    first, second = done.stdout.splitlines()
+    first, second = completed.stdout.splitlines()
     assert first.startswith("scan.csv: positions and heights; 3000 points; 10 nm apart; heights 1 (z (um)) in um")
     assert second.startswith("heights.npy: NumPy array; 3000 points; 10 nm apart")
     assert not list(folder.glob("*.png"))
-    done = check_stiction("characterise", "scan.csv", "--dry-run", "--json", cwd=folder)
-    (file,) = json.loads(done.stdout)["files"]
+    completed = check_stiction("characterise", "scan.csv", "--dry-run", "--json", cwd=folder)
+    (file,) = json.loads(completed.stdout)["files"]
     assert (file["layout"], file["points"], file["caveats"]) == ("positions and heights", [3000], [])
 
 
@@ -322,9 +324,9 @@ def test_undeclared_missing_codes_are_caveats(folder):
     heights = np.load(folder / "heights.npy")
     heights[[5, 70]] = -9999
     np.save(folder / "codes.npy", heights)
-    given = ["codes.npy", "--unit", "um", "--spacing", "10 nm", "--missing", "interpolate", "--dry-run"]
-    done = check_stiction("characterise", *given, cwd=folder)
-    assert "--missing-value -9999 takes them for missing points (repeated-extreme)" in done.stderr
-    done = check_stiction("characterise", *given, "--missing-value", "-9999", cwd=folder)
-    assert done.stderr == ""
-    assert "2 of 3000 missing" in done.stdout
+    arguments = ["codes.npy", "--unit", "um", "--spacing", "10 nm", "--missing", "interpolate", "--dry-run"]
+    completed = check_stiction("characterise", *arguments, cwd=folder)
+    assert "--missing-value -9999 takes them for missing points (repeated-extreme)" in completed.stderr
+    completed = check_stiction("characterise", *arguments, "--missing-value", "-9999", cwd=folder)
+    assert completed.stderr == ""
+    assert "2 of 3000 missing" in completed.stdout

@@ -20,17 +20,17 @@ TINY = [
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
     where = tmp_path_factory.mktemp("ran")
-    done = check_stiction("run", "quick", *TINY, "--workers", 2, cwd=where, without_figures=True)
-    return where, done
+    completed = check_stiction("run", "quick", *TINY, "--workers", 2, cwd=where, without_figures=True)
+    return where, completed
 
 
 def test_run_writes_result_and_figures_to_output(ran):
-    where, done = ran
+    where, completed = ran
     figures = {"friction_mu0_0.1.png", "friction_mu0_0.4.png", "friction_mu0_1.png", "area.png"}
     assert {path.name for path in (where / "quick").iterdir()} == {"study.toml", "blocks", *figures}
-    wrote = [line.removeprefix("wrote ") for line in done.stdout.splitlines() if line.startswith("wrote")]
+    wrote = [line.removeprefix("wrote ") for line in completed.stdout.splitlines() if line.startswith("wrote")]
     assert set(wrote) == {"quick", *(str(Path("quick") / name) for name in figures)}
-    assert "μ_s [95 %] at amplitude " in done.stdout
+    assert "μ_s [95 %] at amplitude " in completed.stdout
     dataset = store.read(where / "quick")
     assert dataset.sizes == {"fractal_dimension": 2, "amplitude": 1, "repetition": 3, "approach": 5}
     assert float(dataset["contact_count"].sum()) > 0
@@ -39,8 +39,8 @@ def test_run_writes_result_and_figures_to_output(ran):
 def test_run_of_complete_result_only_draws(ran):
     where, _ = ran
     for again in (("quick", *TINY), ("quick/study.toml",), ("quick/study.toml", "--output", "quick")):
-        done = check_stiction("run", *again, cwd=where, without_figures=True)
-        assert "holds this study already" in done.stdout
+        completed = check_stiction("run", *again, cwd=where, without_figures=True)
+        assert "holds this study already" in completed.stdout
     (where / "quick" / "area.png").unlink()
     check_stiction("plot", "quick", cwd=where, without_figures=True)
     assert (where / "quick" / "area.png").exists()
@@ -49,24 +49,26 @@ def test_run_of_complete_result_only_draws(ran):
 def test_run_adds_repetitions_and_reports_missing_ones(ran, tmp_path):
     assert_rejected(call_stiction("run", "quick", *TINY, "--set", "ensemble.seed=1", cwd=ran[0]), "ensemble.seed")
     shutil.copytree(ran[0] / "quick", tmp_path / "quick")
-    done = check_stiction("run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path, without_figures=True)
-    assert "3 of its 5 repetitions were there already" in done.stdout
+    completed = check_stiction(
+        "run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path, without_figures=True
+    )
+    assert "3 of its 5 repetitions were there already" in completed.stdout
     assert_rejected(call_stiction("run", "quick", *TINY, cwd=tmp_path), "ensemble.repetitions")
     last = sorted((tmp_path / "quick" / "blocks").iterdir())[-1]
     last.unlink()
-    done = check_stiction("info", "quick", cwd=tmp_path)
+    completed = check_stiction("info", "quick", cwd=tmp_path)
     for words in ("surfaces.points = 4_000", 'surfaces.extent = "2 um"', " of 5 finished", "MiB", stiction.__version__):
-        assert words in done.stdout, done.stdout
-    assert "gamma" not in done.stdout
-    done = check_stiction("plot", "quick", cwd=tmp_path, without_figures=True)
-    assert "of 5 repetitions are finished" in done.stderr
+        assert words in completed.stdout, completed.stdout
+    assert "gamma" not in completed.stdout
+    completed = check_stiction("plot", "quick", cwd=tmp_path, without_figures=True)
+    assert "of 5 repetitions are finished" in completed.stderr
 
 
 def test_run_in_parts_equals_single_run(ran, tmp_path):
     for part in ("1/2", "2/2"):
-        done = check_stiction("run", "quick", *TINY, "--part", part, cwd=tmp_path)
-        assert f"part {part} is finished" in done.stdout
-        assert "μ_s" not in done.stdout
+        completed = check_stiction("run", "quick", *TINY, "--part", part, cwd=tmp_path)
+        assert f"part {part} is finished" in completed.stdout
+        assert "μ_s" not in completed.stdout
     assert store.read(tmp_path / "quick").equals(store.read(ran[0] / "quick"))
 
 
@@ -95,9 +97,9 @@ def test_version_and_help_are_printed(tmp_path):
     version, built = call_stiction("--version", cwd=tmp_path).stdout.splitlines()
     assert version == f"stiction {stiction.__version__}"
     assert all(value in built for value in stiction._core.build().values())
-    done = check_stiction("--help", cwd=tmp_path)
-    for name, sentence in (each for group in COMMANDS.values() for each in group.items()):
-        assert re.search(rf"^  {name} +{re.escape(sentence[1])}$", done.stdout, re.MULTILINE)
+    completed = check_stiction("--help", cwd=tmp_path)
+    for name, sentence in (item for group in COMMANDS.values() for item in group.items()):
+        assert re.search(rf"^  {name} +{re.escape(sentence[1])}$", completed.stdout, re.MULTILINE)
 
 
 # ---- Help ------------------------------------------------------------------------------------------------------------

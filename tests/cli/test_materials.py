@@ -8,16 +8,16 @@ from support.command import assert_rejected, call_stiction, check_stiction
 
 
 def test_materials_lists_all_within_terminal_width(tmp_path):
-    done = check_stiction("materials", cwd=tmp_path, columns=80)
-    assert max(map(len, done.stdout.splitlines())) <= 80
+    completed = check_stiction("materials", cwd=tmp_path, columns=80)
+    assert max(map(len, completed.stdout.splitlines())) <= 80
     for each in materials():
-        assert f"\n{each.name} " in done.stdout
-        assert " ".join((each.hardness or each.young_modulus).source.split()) in " ".join(done.stdout.split())
+        assert f"\n{each.name} " in completed.stdout
+        assert " ".join((each.hardness or each.young_modulus).source.split()) in " ".join(completed.stdout.split())
 
 
 def test_materials_accepts_any_alias(tmp_path):
-    done = call_stiction("materials", "steel", "--json", cwd=tmp_path)
-    (entry,) = json.loads(done.stdout)["materials"]
+    completed = call_stiction("materials", "steel", "--json", cwd=tmp_path)
+    (entry,) = json.loads(completed.stdout)["materials"]
     assert entry["name"] == "mild steel"
     assert "steel" in entry["aliases"]
     hardness = entry["hardness"]

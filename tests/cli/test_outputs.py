@@ -49,9 +49,9 @@ def test_command_rejects_output_over_foreign_file(folder, arguments, name, kind)
         target = target.rename(path)
     else:
         path.symlink_to(target)
-    done = call_stiction(*arguments, cwd=folder)
-    assert_rejected(done, f"{path.name}: exists already")
-    assert done.stdout == ""  # before anything is computed
+    completed = call_stiction(*arguments, cwd=folder)
+    assert_rejected(completed, f"{path.name}: exists already")
+    assert completed.stdout == ""  # before anything is computed
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
@@ -75,8 +75,8 @@ def test_command_replaces_its_own_output(folder, arguments, names):
 
 def test_characterise_rejects_repeated_scan_as_output(folder):
     content = (folder / "upper.csv").read_bytes()
-    done = call_stiction(*SCANS, "--repeated", "--output", "upper.csv", cwd=folder)
-    assert_rejected(done, "upper.csv: exists already")
+    completed = call_stiction(*SCANS, "--repeated", "--output", "upper.csv", cwd=folder)
+    assert_rejected(completed, "upper.csv: exists already")
     assert (folder / "upper.csv").read_bytes() == content
 
 

@@ -64,7 +64,7 @@ def asked(where, *arguments):
     """What a command line asks for."""
     group = typer.main.get_command(app)
     command = group.get_command(group.context_class(group), "pair")
-    with contextlib.chdir(where), command.make_context("pair", [str(each) for each in arguments]) as context:
+    with contextlib.chdir(where), command.make_context("pair", [str(argument) for argument in arguments]) as context:
         return Pair(read_options(given_options(context)))
 
 
@@ -152,14 +152,14 @@ def test_gap_is_used_unchanged_at_one_position(where):
 def test_closure_is_stored_with_its_stiffness(where, mechanics):
     study = study_of(where, *MAPS, *MATERIAL, *LOAD, "--mechanics", mechanics)
     upper, lower = bodies_of(study).member(0, 0.0).pair
-    found = pressed_to_loads(study, upper, lower, unloads=True)
-    over_area = 1e6 * found["normal_stiffness"] / np.prod(upper.extent)  # MPa/mm
+    result = pressed_to_loads(study, upper, lower, unloads=True)
+    over_area = 1e6 * result["normal_stiffness"] / np.prod(upper.extent)  # MPa/mm
     if mechanics == "asperities":
-        np.testing.assert_allclose(found["closure"], found["approach"])
-        np.testing.assert_allclose(found["closure_stiffness"], over_area)
+        np.testing.assert_allclose(result["closure"], result["approach"])
+        np.testing.assert_allclose(result["closure_stiffness"], over_area)
     else:
-        assert (found["closure"] < found["approach"]).all()
-        assert (found["closure_stiffness"] > over_area).all()
+        assert (result["closure"] < result["approach"]).all()
+        assert (result["closure_stiffness"] > over_area).all()
 
 
 def test_free_tilt_of_periodic_surfaces_is_rejected(where):
@@ -180,8 +180,8 @@ def test_study_has_checksums_of_files_and_travel(where):
 
 
 def test_moduli_of_two_materials_give_effective_modulus_and_compliance_fraction(where):
-    given = ["--young", "20 GPa,30 GPa", "--poisson", "0.3,0.2", "--mu0", "0.3", "--mechanics", "half-space"]
-    contact = study_of(where, *PROFILES, *given, *LOAD).contact
+    arguments = ["--young", "20 GPa,30 GPa", "--poisson", "0.3,0.2", "--mu0", "0.3", "--mechanics", "half-space"]
+    contact = study_of(where, *PROFILES, *arguments, *LOAD).contact
     modulus = float(effective_modulus(20.0, 0.3, 30.0, 0.2))
     assert contact.effective_modulus == modulus
     assert contact.compliance_share == pytest.approx(modulus * (1 - 0.2**2) / 30)
@@ -201,8 +201,8 @@ def test_load_steps_surround_the_requested_loads(where):
     assert 0.02 in steps
     capped = study_of(where, *MAPS, *MATERIAL, "--load", "100 MPa", "--hardness", "200 MPa").contact
     assert capped.steps() == pytest.approx(np.array([10**-0.5, 1]) * 0.1 * 4.8**2)
-    for given in ([*PROFILES, *LOAD], [*MAPS, "--load", "100 MPa", "--hardness", "200 MPa"]):
-        checked = asked(where, *given, *MATERIAL, "--check")
+    for arguments in ([*PROFILES, *LOAD], [*MAPS, "--load", "100 MPa", "--hardness", "200 MPa"]):
+        checked = asked(where, *arguments, *MATERIAL, "--check")
         with contextlib.chdir(where):
             one, other = checked.studies
         assert {one.contact.mechanics, other.contact.mechanics} == {"asperities", "half-space"}
@@ -213,26 +213,28 @@ def test_materials_are_given_by_name(where):
     from stiction.mechanics.materials import compliance_fraction, material, softer_hardness
 
     steel, brass = material("steel"), material("brass")
-    given = ["--mu0", "0.3", *LOAD, "--upper", "steel", "--lower", "brass"]
-    contact = study_of(where, *MAPS, *given).contact
+    arguments = ["--mu0", "0.3", *LOAD, "--upper", "steel", "--lower", "brass"]
+    contact = study_of(where, *MAPS, *arguments).contact
     assert float(contact.effective_modulus) == pytest.approx(effective_modulus(steel, brass), rel=5e-3)
     assert float(contact.hardness) == pytest.approx(softer_hardness(steel, brass), rel=5e-3)
     assert contact.compliance_share == pytest.approx(compliance_fraction(steel, brass), rel=5e-3)
-    assert float(study_of(where, *MAPS, *given, "--hardness", "3 GPa").contact.hardness) == 3
-    yielding = study_of(where, *PROFILES, *given, "--law", "jackson-green").contact.law
+    assert float(study_of(where, *MAPS, *arguments, "--hardness", "3 GPa").contact.hardness) == 3
+    yielding = study_of(where, *PROFILES, *arguments, "--law", "jackson-green").contact.law
     assert float(yielding.yield_strength) == pytest.approx(softer_hardness(steel, brass) / 2.84, rel=5e-3)
     with contextlib.chdir(where):
-        said, measured = (asked(where, *MAPS, *given, *more).remarks[0] for more in ([], ["--hardness", "3 GPa"]))
-    assert "brass" in said
+        message, measured = (
+            asked(where, *MAPS, *arguments, *more).remarks[0] for more in ([], ["--hardness", "3 GPa"])
+        )
+    assert "brass" in message
     assert measured.endswith("the hardness is that of --hardness")
 
     # Rubber does not yield.
-    given = ["--mu0", "0.3", *LOAD, "--upper", "PDMS", "--lower", "glass"]
-    assert study_of(where, *MAPS, *given).contact.hardness is None
+    arguments = ["--mu0", "0.3", *LOAD, "--upper", "PDMS", "--lower", "glass"]
+    assert study_of(where, *MAPS, *arguments).contact.hardness is None
     with contextlib.chdir(where):
-        assert asked(where, *MAPS, *given).remarks[0].endswith("PDMS does not yield")
+        assert asked(where, *MAPS, *arguments).remarks[0].endswith("PDMS does not yield")
     with pytest.raises(ArgumentError, match="PDMS does not yield"):
-        study_of(where, *MAPS, *given, "--hardness", "1 GPa")
+        study_of(where, *MAPS, *arguments, "--hardness", "1 GPa")
 
 
 def test_smallest_load_has_no_lower_steps(where):
@@ -324,17 +326,17 @@ def test_smallest_load_has_no_lower_steps(where):
     ],
 )
 def test_pair_rejects_bad_input(where, arguments, words):
-    done = call_stiction("pair", *MATERIAL, *LOAD, "--output", "bad", *arguments, cwd=where)
-    assert_rejected(done, *words)
+    completed = call_stiction("pair", *MATERIAL, *LOAD, "--output", "bad", *arguments, cwd=where)
+    assert_rejected(completed, *words)
     assert not (where / "bad" / "blocks").exists()
 
 
 def test_dwell_time_is_left_out_of_preview_and_check(where):
     waiting = ["--hardness", "1 GPa", "--wait", "1 h,1 min,1 h", "--creep", "0.03", "--check"]
-    given = asked(where, *MAPS, *MATERIAL, *LOAD, *waiting)
+    arguments = asked(where, *MAPS, *MATERIAL, *LOAD, *waiting)
     with contextlib.chdir(where):
-        assert [list(map(float, each.friction.wait)) for each in given.studies] == [[60.0, 3600.0], []]
-        assert not given.first_study.friction.wait
+        assert [list(map(float, study.friction.wait)) for study in arguments.studies] == [[60.0, 3600.0], []]
+        assert not arguments.first_study.friction.wait
 
 
 def test_table_and_json_have_equal_intervals(where, tmp_path):
@@ -343,12 +345,12 @@ def test_table_and_json_have_equal_intervals(where, tmp_path):
     table = pandas.read_csv(tmp_path / "out" / "result.csv", comment="#").set_index("sliding")
     ends = [f"coefficient of static friction: {end}" for end in ("lower", "upper")]
     read = ["at", tmp_path / "out", "--load", "7 MPa", "--json"]
-    for more, told in (([], 1), (["--direction", 0], 0)):
+    for more, reported in (([], 1), (["--direction", 0], 0)):
         for rule in json.loads(call_stiction(*read, *more, cwd=where).stdout)["answers"][0]["rules"]:
             assert rule["lower"] <= rule["value"] <= rule["upper"]
             known = table.loc[[rule["rule"]], ends].dropna().to_numpy()
             assert len(known) == 1
-            assert not told or known[0] == pytest.approx([rule["lower"], rule["upper"]], rel=1e-8)
+            assert not reported or known[0] == pytest.approx([rule["lower"], rule["upper"]], rel=1e-8)
 
 
 @pytest.mark.parametrize("bodies", [["hole.csv", "lower.csv", "--offsets", 2], ["--gap", "hole.npy", *MAPS[2:]]])
@@ -388,17 +390,17 @@ def test_preview_is_printed_to_standard_error_of_a_terminal(where, monkeypatch):
     for module in ("application", "pair"):
         monkeypatch.setattr(f"stiction.cli.{module}.is_watched", lambda: True)
     command = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--onset", 0, "--json", "-o", "first"]
-    done = check_stiction(*command, cwd=where, without_figures=True)
-    assert "at first, by asperities: μ_s = " in done.stderr
-    assert json.loads(done.stdout)["command"] == "pair"
+    completed = check_stiction(*command, cwd=where, without_figures=True)
+    assert "at first, by asperities: μ_s = " in completed.stderr
+    assert json.loads(completed.stdout)["command"] == "pair"
     with contextlib.chdir(where):
         by_asperities = asked(where, *command[1:]).first_study
         value = at_load(run(by_asperities), [float(by_asperities.friction.load[0])])["friction_all_round"]
     mean = float(value.sel(sliding="all", statistic="mean").squeeze())
-    assert f"μ_s = {quoted(mean)} if all contacts rub" in done.stderr
-    for given in ([*PROFILES, *LOAD], [*MAPS, "--load", "10 MPa", "--mechanics", "asperities"]):
+    assert f"μ_s = {quoted(mean)} if all contacts rub" in completed.stderr
+    for arguments in ([*PROFILES, *LOAD], [*MAPS, "--load", "10 MPa", "--mechanics", "asperities"]):
         with contextlib.chdir(where):
-            assert asked(where, *given, *MATERIAL).first_study is None
+            assert asked(where, *arguments, *MATERIAL).first_study is None
     again = call_stiction(*command, cwd=where, without_figures=True)
     assert "at first" not in again.stderr, "what is there already has its answer"
 
@@ -412,7 +414,7 @@ RUBBER = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--tau0", "20
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
-    "given",
+    "arguments",
     [
         [SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", *STEEL_ON_BRASS, "--load", "10 mN",
          "--mechanics", "half-space", "--offsets", 16],
@@ -424,18 +426,20 @@ RUBBER = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--tau0", "20
     ],
     ids=["lapped", "ground", "rubber", "maps", "honed"],
 )  # fmt: skip
-def test_pair_output_fits_24_lines(where, given, tmp_path):
-    done = check_stiction("pair", *given, "-o", tmp_path / "out", cwd=where, columns=80)
-    answer, _, paths = (done.stderr + done.stdout).partition("wrote ")  # longer here than in a folder of one's own
+def test_pair_output_fits_24_lines(where, arguments, tmp_path):
+    completed = check_stiction("pair", *arguments, "-o", tmp_path / "out", cwd=where, columns=80)
+    answer, _, paths = (completed.stderr + completed.stdout).partition(
+        "wrote "
+    )  # longer here than in a folder of one's own
     assert "report.html" in paths
     of_terminal = 1 + sum(1 + max(len(line) - 1, 0) // 80 for line in answer.splitlines())
     assert of_terminal <= 23, "the last one is the prompt"
-    text = done.stdout
+    text = completed.stdout
     assert "μ_s" in text
-    assert ("Quote it" in text) == ("2±0.1 GPa" in given)
+    assert ("Quote it" in text) == ("2±0.1 GPa" in arguments)
     assert sum(text.count(words) for words in ("Quote it", "Quote with care", "Do not quote")) in (1, 2)
-    assert not set(done.stderr) & {"\x1b"}
-    assert "warning" not in done.stderr, "of what the user has not given"
+    assert not set(completed.stderr) & {"\x1b"}
+    assert "warning" not in completed.stderr, "of what the user has not given"
     facts = [word for word in ("E* = ", "hardness 6", "μ0 = ", "positions alone") if text.count(word) > 1]
     assert not facts, "each fact once"
 
@@ -457,15 +461,15 @@ def test_slow_reader_is_announced_once(where, monkeypatch):
     monkeypatch.setattr("stiction.cli.application.is_watched", lambda: True)
     (where / "scan.di").write_text("nothing")
     monkeypatch.delitem(sys.modules, "SurfaceTopography", raising=False)
-    said = []
-    monkeypatch.setattr("stiction.cli.options.announce", said.append)
+    events = []
+    monkeypatch.setattr("stiction.cli.options.announce", events.append)
     announce_reader(where / "scan.di")
     announce_reader(where / "upper.csv")
     announce_reader(where / "missing.di")
-    assert said == ["loading SurfaceTopography, which takes some seconds, to read scan.di"]
+    assert events == ["loading SurfaceTopography, which takes some seconds, to read scan.di"]
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     announce_reader(where / "scan.di")
-    assert len(said) == 1
+    assert len(events) == 1
 
 
 # ---- From files to figures ------------------------------------------------------------------------------------------
@@ -474,20 +478,20 @@ def test_slow_reader_is_announced_once(where, monkeypatch):
 @pytest.fixture(scope="module")
 def checked(where):
     """Two profiles, pressed by both mechanics."""
-    done = check_stiction(
+    completed = check_stiction(
         "pair", *PROFILES, *MATERIAL, *LOAD, "--offsets", 4, "--check", cwd=where, without_figures=True
     )
-    return done
+    return completed
 
 
 @pytest.fixture(scope="module")
 def areas(where):
     """Two maps, pressed as areas by asperities."""
-    done = check_stiction(
+    completed = check_stiction(
         "pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--mechanics", "asperities", "-o", "areas",
         cwd=where, without_figures=True,
     )  # fmt: skip
-    return done
+    return completed
 
 
 def test_pair_result_supports_commands_on_results(where, checked, areas):
@@ -509,9 +513,9 @@ def test_pair_result_supports_commands_on_results(where, checked, areas):
 @pytest.mark.usefixtures("undrawn")
 def test_pair_resumes_with_same_options_and_rejects_others(where, areas):
     again = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--mechanics", "asperities", "-o", "areas"]
-    done = check_stiction(*again, "--shifts", 4, "--json", cwd=where)
-    assert json.loads(done.stdout)
-    assert "3 of its 4 repetitions were there already" in done.stderr
+    completed = check_stiction(*again, "--shifts", 4, "--json", cwd=where)
+    assert json.loads(completed.stdout)
+    assert "3 of its 4 repetitions were there already" in completed.stderr
     (where / "areas" / "picture.nc").unlink()
     check_stiction(*again, "--shifts", 4, cwd=where)
     assert (where / "areas" / "picture.nc").exists()
@@ -525,11 +529,11 @@ def test_pair_with_other_friction_uses_stored_positions(where):
     command = ("pair", *MAPS, "--effective-modulus", "10 GPa", "--mu0", "0.3", "--load", "1 MPa", "--shifts", 2)
     command += ("--mechanics", "asperities", "--onset", 0, "--output", "friction")
     check_stiction(*command, "--tau0", "0 MPa", cwd=where)
-    seen = sorted((where / "friction" / "blocks").iterdir())
-    done = check_stiction(*command, "--tau0", "50 MPa", cwd=where)
-    assert "friction was asked for other friction; its 2 repetitions are kept" in done.stderr
-    assert "friction.tau0 = " in done.stderr
-    assert sorted((where / "friction" / "blocks").iterdir()) == seen
+    recorded = sorted((where / "friction" / "blocks").iterdir())
+    completed = check_stiction(*command, "--tau0", "50 MPa", cwd=where)
+    assert "friction was asked for other friction; its 2 repetitions are kept" in completed.stderr
+    assert "friction.tau0 = " in completed.stderr
+    assert sorted((where / "friction" / "blocks").iterdir()) == recorded
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -548,25 +552,36 @@ def test_pair_replaces_files_of_a_concurrent_writer(where, monkeypatch):
     for module, name in ((contact_picture, "contact_picture"), (onset, "onset_of_result")):
         monkeypatch.setattr(module, name, beside(getattr(module, name), module.FILE))
     command = ("pair", *MAPS, *MATERIAL, "--load", "1 MPa", "--shifts", 2, "--mechanics", "asperities", "--onset", 2)
-    done = check_stiction(*command, "--output", "twice", cwd=where)
-    assert "μ_s" in done.stdout
+    completed = check_stiction(*command, "--output", "twice", cwd=where)
+    assert "μ_s" in completed.stdout
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_pair_in_parts_completes_result(where):
-    given = ["pair", *PROFILES, *MATERIAL, *LOAD, "--mu0", "30", "--offsets", 4, "-o", "parts"]
+    arguments = ["pair", *PROFILES, *MATERIAL, *LOAD, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
-        check_stiction(*given, "--part", part, cwd=where)
+        check_stiction(*arguments, "--part", part, cwd=where)
     assert store.open_stored(where / "parts").finished.size == 4
-    done = check_stiction(*given, cwd=where)
-    assert "not in percent" in done.stdout, "what is seldom meant is said, and it goes on"
+    completed = check_stiction(*arguments, cwd=where)
+    assert "not in percent" in completed.stdout, "what is seldom meant is said, and it goes on"
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_run_rejects_changed_scan_file(where):
-    given = ["pair", "scan.npy", "lower.npy", *MAPS[2:], *MATERIAL, *LOAD, "--mechanics", "asperities", "-o", "other"]
+    arguments = [
+        "pair",
+        "scan.npy",
+        "lower.npy",
+        *MAPS[2:],
+        *MATERIAL,
+        *LOAD,
+        "--mechanics",
+        "asperities",
+        "-o",
+        "other",
+    ]
     np.save(where / "scan.npy", surface("upper", 48).heights)
-    check_stiction(*given, "--shifts", 1, cwd=where)
+    check_stiction(*arguments, "--shifts", 1, cwd=where)
     np.save(where / "scan.npy", -surface("upper", 48).heights)
     more = ["run", "other", "--set", "ensemble.repetitions=2"]
     assert_rejected(call_stiction(*more, cwd=where), "scan.npy", "another file")
@@ -589,8 +604,8 @@ def test_stylus_profile_slides_on_itself(measured, tmp_path):
 def test_pair_of_afm_map_and_surrogate_is_computed(measured, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
     file = measured("di-4.di")
-    given = ["--lines", lines, "--surrogates", "lower", "--along", "y", "--json"]
-    check_stiction("pair", file, file, *MATERIAL, *LOAD, *given, cwd=tmp_path)
+    arguments = ["--lines", lines, "--surrogates", "lower", "--along", "y", "--json"]
+    check_stiction("pair", file, file, *MATERIAL, *LOAD, *arguments, cwd=tmp_path)
     assert store.read(tmp_path / "pair")["surrogate"].values.all()
 
 
@@ -602,24 +617,24 @@ def beside(tmp_path_factory):
     """Two maps by name of material, large enough for cut-offs."""
     folder = tmp_path_factory.mktemp("beside")
     for side in ("upper", "lower"):
-        made = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(96, 96), spacing=0.1, side=side)
-        np.save(folder / f"{side}.npy", made.heights)
-    given = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "50 MPa", "--load", "10 MPa"]
-    given += ["--shifts", 3, "--direction", "0,180", "--onset", 3]
-    done = check_stiction("pair", *MAPS, *given, "--json", cwd=folder)
-    return folder, given, json.loads(done.stdout)
+        created = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(96, 96), spacing=0.1, side=side)
+        np.save(folder / f"{side}.npy", created.heights)
+    arguments = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "50 MPa", "--load", "10 MPa"]
+    arguments += ["--shifts", 3, "--direction", "0,180", "--onset", 3]
+    completed = check_stiction("pair", *MAPS, *arguments, "--json", cwd=folder)
+    return folder, arguments, json.loads(completed.stdout)
 
 
 def test_pair_reports_resolution_and_plastic_limit(beside):
     folder, _, record = beside
     resolution, answer = record["resolution"], record["answers"][0]
     assert resolution["waves"]["shortest_um"] == pytest.approx(0.2)
-    assert [each["cut_off"] for each in resolution["cut_offs"]] == pytest.approx([0, 0.2], rel=1e-3)
+    assert [item["cut_off"] for item in resolution["cut_offs"]] == pytest.approx([0, 0.2], rel=1e-3)
     assert answer["finer_scans"]["from"] == pytest.approx(float(tabor_friction(0.625, 0.2, 0.05, 13.5)), rel=1e-3)
     assert answer["finer_scans"]["to"] >= answer["rules"][0]["value"]
     stored = store.read(folder / "pair" / "resolution")
-    wanted = run(Study.from_toml(folder / "pair" / "resolution" / "study.toml")).dataset
-    np.testing.assert_array_equal(stored["contact_area"].values, wanted["contact_area"].values)
+    expected = run(Study.from_toml(folder / "pair" / "resolution" / "study.toml")).dataset
+    np.testing.assert_array_equal(stored["contact_area"].values, expected["contact_area"].values)
     files = folder / "pair"
     assert (files / "onset.csv").exists()
     assert [path.name for path in files.glob("*.png")] == ["friction.png"]
@@ -628,19 +643,19 @@ def test_pair_reports_resolution_and_plastic_limit(beside):
 
 
 def test_pair_reports_onset_of_sliding(beside):
-    folder, given, record = beside
+    folder, arguments, record = beside
     onset = record["onset"]
     assert onset["members"] == 3
     assert onset["poisson_ratio"] == pytest.approx([0.295, 0.35], abs=1e-3)
     assert 0 < onset["displacement_at_sliding"]["mean"] < 0.1
     # The same again computes nothing, and says the same as text.
     (folder / "pair/onset.csv").unlink()
-    done = call_stiction("pair", *MAPS, *given, "--verbose", cwd=folder, without_figures=True)
-    assert "holds this study already" in done.stdout
+    completed = call_stiction("pair", *MAPS, *arguments, "--verbose", cwd=folder, without_figures=True)
+    assert "holds this study already" in completed.stdout
     assert not (folder / "pair/onset.csv").exists()
-    assert onset["sentence"][:12] in done.stdout
-    assert "mild steel on brass" in done.stdout
-    assert "plastic limit" in done.stdout
+    assert onset["sentence"][:12] in completed.stdout
+    assert "mild steel on brass" in completed.stdout
+    assert "plastic limit" in completed.stdout
 
 
 def test_scan_with_unattributed_hump_is_also_computed_filtered(tmp_path):
@@ -658,10 +673,10 @@ def test_scan_with_unattributed_hump_is_also_computed_filtered(tmp_path):
         )
     }  # fmt: skip
     assert [study.surfaces.vouched for study in studies.values()] == [None, None, True, None]
-    lengths = {name: [float(each) for each in study.surfaces.cut_off] for name, study in studies.items()}
+    lengths = {name: [float(item) for item in study.surfaces.cut_off] for name, study in studies.items()}
     assert (lengths["clean"], lengths["vouched"], lengths["cut"]) == ([0.0], [0.0], [0.3])
     assert lengths["noisy"] == [0.0, stiction.instrument_limit(noisy).cut_off]
-    (fault,) = [each for each in doubts_of_inputs(noisy, noisy, studies["cut"]) if each.severity == "fault"]
+    (fault,) = [item for item in doubts_of_inputs(noisy, noisy, studies["cut"]) if item.severity == "fault"]
     assert fault.cut_off < 0.3  # so that the answer with this cut-off has no such doubt
 
 
@@ -677,9 +692,9 @@ def test_noise_floor_is_filtered_from_its_scan_and_reported():
     assert (limit.origin, limit.matters) == ("instrument", True)
     asked = {"load": "10 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "offsets": 8}
     study = Pair.of(upper=noisy, lower=clean, **asked).study
-    assert [float(each) for each in study.surfaces.cut_off] == [limit.cut_off, 0.0]
+    assert [float(item) for item in study.surfaces.cut_off] == [limit.cut_off, 0.0]
     assert study.surfaces.both_readings
-    assert [float(each.max_cut_off) for each in (study.surfaces.upper, study.surfaces.lower)] == [limit.cut_off, 0.0]
+    assert [float(item.max_cut_off) for item in (study.surfaces.upper, study.surfaces.lower)] == [limit.cut_off, 0.0]
     slider, track = bodies_of(study).member(0, limit.cut_off).pair
     raw_slider, raw_track = bodies_of(study).member(0, 0.0).pair
     assert np.array_equal(track.heights, raw_track.heights)
@@ -688,7 +703,7 @@ def test_noise_floor_is_filtered_from_its_scan_and_reported():
     filtered = result.summary().points[0]
     assert filtered.at["cut_off"] == limit.cut_off
     assert filtered.verdict != "Quote it"
-    other = next(each for each in result.summary().points if each.at["cut_off"] == 0)
+    other = next(point for point in result.summary().points if point.at["cut_off"] == 0)
     assert other.covered
     assert filtered.lower <= other.lower <= other.upper <= filtered.upper
     assert result.to_dataframe()["cut-off (um)"].iloc[0] == pytest.approx(limit.cut_off)
@@ -702,9 +717,9 @@ def test_declared_texture_preserves_its_line_and_unknown_texture_is_rejected():
     assert float(study.surfaces.cut_off[0]) == 0.0
     assert study.surfaces.both_readings
     ground = Pair.of(upper=humming, lower=clean, texture="ground", **asked).study
-    assert [float(each) for each in ground.surfaces.cut_off] == [0.0]
+    assert [float(item) for item in ground.surfaces.cut_off] == [0.0]
     assert [ground.surfaces.upper.texture, ground.surfaces.lower.texture] == ["ground", "ground"]
-    assert not any(each.severity == "fault" for each in doubts_of_inputs(humming, clean, ground))
+    assert not any(item.severity == "fault" for item in doubts_of_inputs(humming, clean, ground))
     with pytest.raises(ValueError, match="must be turned, milled"):
         stiction.pair(humming, clean, texture="shiny", **asked)
 
@@ -718,25 +733,25 @@ def test_profiles_of_hard_materials_use_the_half_space(where):
 
 
 def test_force_on_width_becomes_force_per_strip(where):
-    given = ["--effective-modulus", "10 GPa", "--mu0", "0.3"]
-    wide = study_of(where, *PROFILES, *given, "--load", "5 N", "--width", "5 mm")
+    arguments = ["--effective-modulus", "10 GPa", "--mu0", "0.3"]
+    wide = study_of(where, *PROFILES, *arguments, "--load", "5 N", "--width", "5 mm")
     assert [float(load) for load in wide.friction.load] == [1.0]
-    both = study_of(where, *PROFILES, *given, "--load", "5 N", "--load", "2 MPa", "--width", "5 mm")
+    both = study_of(where, *PROFILES, *arguments, "--load", "5 N", "--load", "2 MPa", "--width", "5 mm")
     assert [float(load) for load in both.friction.load] == [0.02, 1.0]
     for refused in (["--load", "2 MPa"], ["--load", "5 N", "--lay", "isotropic"]):
         with pytest.raises(ArgumentError, match="width"):
-            study_of(where, *PROFILES, *given, *refused, "--width", "5 mm")
+            study_of(where, *PROFILES, *arguments, *refused, "--width", "5 mm")
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_result_of_profiles_lists_its_assumptions(where, tmp_path):
-    given = ["pair", *PROFILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
-    record = json.loads(check_stiction(*given, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=where).stdout)
+    arguments = ["pair", *PROFILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
+    record = json.loads(check_stiction(*arguments, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=where).stdout)
     assumed = record["answers"][0]["assumptions"]
     assert assumed == ["parallel grooves across the scans on a strip 1 µm wide", "no adhesion"]
-    done = check_stiction("at", tmp_path / "out", cwd=where)
-    text = " ".join(done.stdout.split())
+    completed = check_stiction("at", tmp_path / "out", cwd=where)
+    text = " ".join(completed.stdout.split())
     assert "Assumes parallel grooves across the scans on a strip 1 µm wide, no adhesion." in text
     table = (tmp_path / "out" / "result.csv").read_text()
     assert "; ".join(assumed) in table
-    assert "taken as grooved" not in done.stderr
+    assert "taken as grooved" not in completed.stderr

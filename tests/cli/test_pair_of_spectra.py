@@ -56,7 +56,7 @@ def surfaces():
 
 @pytest.fixture(scope="module")
 def spectra(surfaces):
-    return [joined_spectrum([levelled(scan, "plane") for scan in seen(each)]) for each in surfaces]
+    return [joined_spectrum([levelled(scan, "plane") for scan in seen(surface)]) for surface in surfaces]
 
 
 @pytest.fixture(scope="module")
@@ -73,20 +73,20 @@ def where(tmp_path_factory, surfaces, spectra):
 
 def test_members_have_both_spectra_and_are_equal_over_cutoffs(spectra):
     pairs = SpectrumPairs(*spectra)
-    assert pairs.spacing[0] == pytest.approx(min(each.shortest for each in spectra) / 4)
+    assert pairs.spacing[0] == pytest.approx(min(item.shortest for item in spectra) / 4)
     assert pairs.shape[0] * 4 == pytest.approx(3 * pairs.side / pairs.spacing[0], abs=4)
     slopes = [
         [float(scale_dependent_roughness(body).gradient_at(0.3)) for body in pairs.surrogates(index)]
         for index in range(6)
     ]
-    wanted = [float(each.roughness().gradient_at(0.3)) for each in spectra]
-    assert np.mean(slopes, axis=0) == pytest.approx(wanted, rel=0.1)
+    expected = [float(item.roughness().gradient_at(0.3)) for item in spectra]
+    assert np.mean(slopes, axis=0) == pytest.approx(expected, rel=0.1)
     coarser = SpectrumPairs(*spectra, cut_off=(0.4, 0.4))
     assert coarser.spacing == pairs.spacing
     size = round(pairs.side / pairs.spacing[0])
-    made = spectra[1].surface(2016, shape=(size, size), spacing=pairs.spacing, repetition=3)
+    created = spectra[1].surface(2016, shape=(size, size), spacing=pairs.spacing, repetition=3)
     rows, columns = pairs.shape
-    piece = Surface(cut_off(made, 0.4, periodic=True).heights[:rows, :columns], spacing=pairs.spacing)
+    piece = Surface(cut_off(created, 0.4, periodic=True).heights[:rows, :columns], spacing=pairs.spacing)
     assert np.array_equal(coarser.surrogates(3)[1].heights, levelled(piece, "plane").heights)
     # With a cut-off that is the finest, points are further apart and the surface is larger.
     assert SpectrumPairs(*spectra, cut_off=(0.4, 0.4), finest=0.4).spacing[0] == pytest.approx(0.1)
@@ -94,25 +94,25 @@ def test_members_have_both_spectra_and_are_equal_over_cutoffs(spectra):
 
 def test_joined_spectrum_gives_friction_of_the_whole_surface(spectra, surfaces):
     elastic = {name: value for name, value in MATERIAL.items() if name != "hardness"} | {"load": "200 MPa"}
-    said = pair(*spectra, surrogates=8, **elastic, **QUICK)
+    message = pair(*spectra, surrogates=8, **elastic, **QUICK)
     known = pair(*surfaces, shifts=8, **elastic, **QUICK)
-    coarse = pair(*(seen(each)[0] for each in surfaces), shifts=8, **elastic, **QUICK)
+    coarse = pair(*(seen(surface)[0] for surface in surfaces), shifts=8, **elastic, **QUICK)
     for quantity in ("friction_all_round", "contact_area_fraction"):
         values = []
-        for result in (said, known, coarse):
+        for result in (message, known, coarse):
             one = result.at()[quantity].squeeze()
             one = one.sel(sliding="all") if "sliding" in one.dims else one
-            values.append([float(one.sel(statistic=each)) for each in ("mean", "lower", "upper")])
+            values.append([float(one.sel(statistic=item)) for item in ("mean", "lower", "upper")])
         (mean, low, high), (truth, *_), (missed, *_) = values
         assert low < truth < high
     assert abs(missed - truth) > 2 * abs(mean - truth)  # of the area, which the fine waves decide
 
 
 def test_pair_of_spectra_supports_all_commands(where):
-    done = check_stiction(
+    completed = check_stiction(
         "pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2", "--json", cwd=where, without_figures=True
     )
-    record = json.loads(done.stdout)
+    record = json.loads(completed.stdout)
     study = Study.from_toml(where / "pair" / "study.toml")
     assert study.surfaces.press == "surrogates"
     assert study.surfaces.upper.sha256 is not None
@@ -123,7 +123,7 @@ def test_pair_of_spectra_supports_all_commands(where):
     closed = limits(at_cut_offs, study)["spectral"]  # what the picture over cut-offs draws beside
     assert float(closed.mean_pressure.max()) == pytest.approx(4.0)
     assert float(closed.wavelength.max()) > 1.0
-    over = [each["cut_off"] for each in record["resolution"]["cut_offs"]]
+    over = [item["cut_off"] for item in record["resolution"]["cut_offs"]]
     assert over[1] == pytest.approx(read_spectrum(where / "upper.csv").shortest, rel=1e-3)
 
 
@@ -144,7 +144,7 @@ REFUSED = ["--output", "refused"]
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["pair", "upper.csv", "lower.csv", *OPTIONS, "--lines", "4", *REFUSED], "--lines"),
         (["pair", "upper.csv", "lower.csv", *OPTIONS, "--shifts", "4", *REFUSED], "--shifts"),
@@ -153,8 +153,8 @@ REFUSED = ["--output", "refused"]
         (["characterise", "upper.csv", "--output", "refused.html"], "is the spectrum of several scans"),
     ],
 )
-def test_pair_of_spectra_rejects_options_of_scans(where, arguments, said):
-    assert_rejected(call_stiction(*arguments, cwd=where), said)
+def test_pair_of_spectra_rejects_options_of_scans(where, arguments, message):
+    assert_rejected(call_stiction(*arguments, cwd=where), message)
 
 
 # ---- The file -------------------------------------------------------------------------------------------------------
@@ -190,7 +190,7 @@ def test_pair_accepts_spectrum_without_scans(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("wave number (1/um),C2D (um4)\n1,1\n2,1\n3,1\n", "must rise in equal ratios"),
         ("wave number (1/um),C2D (um4)\n1,1\n", "must rise in equal ratios"),
@@ -201,9 +201,9 @@ def test_pair_accepts_spectrum_without_scans(tmp_path):
         ("", "is no table"),
     ],
 )
-def test_read_spectrum_rejects_bad_file(tmp_path, text, said):
+def test_read_spectrum_rejects_bad_file(tmp_path, text, message):
     (tmp_path / "bad.csv").write_text(text)
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match=message):
         read_spectrum(tmp_path / "bad.csv")
     with pytest.raises(ValueError, match="cannot be read"):
         read_spectrum(tmp_path / "none.csv")

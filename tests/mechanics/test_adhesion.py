@@ -199,8 +199,8 @@ def test_sinusoid_equals_johnson_and_jumps_into_full_contact(alpha):
     angle = np.linspace(1e-4, 1.2, 100_001)  # the unstable part begins later
     johnson = np.sin(angle) ** 2 - alpha * np.sqrt(np.tan(angle))
     rising = slice(np.argmin(johnson), np.argmin(johnson) + np.argmax(johnson[np.argmin(johnson) :]))
-    wanted = 2 / np.pi * np.interp(loads / full, johnson[rising], angle[rising])
-    assert curve.contact_area == pytest.approx(wanted, abs=OF_CLOSED_FORMS)
+    expected = 2 / np.pi * np.interp(loads / full, johnson[rising], angle[rising])
+    assert curve.contact_area == pytest.approx(expected, abs=OF_CLOSED_FORMS)
     assert curve.pull_off_bound[0] / full == pytest.approx(-johnson.min(), rel=OF_CLOSED_FORMS)
     # The contact is too small near the end of this grid to exclude a larger tension where alpha is 0.1. Near complete
     # contact, rounding decides how far the contacts can be followed.
@@ -345,11 +345,11 @@ def test_pull_off_of_summits_is_the_sum_over_their_heights():
     heights = norm.ppf((np.arange(20_000) + 0.5) / 20_000)
     for place in (1, 2, 3):
         spread = deviations[place]
-        held = [
+        stored = [
             np.interp(heights * spread - gap, depth[last:], force[last:], left=0.0).mean()
             for gap in np.linspace(-2 * spread, 6 * spread, 400)
         ]
-        assert left[place] == pytest.approx(-min(held) / (1.5 * np.pi * work * radius), rel=0.01)
+        assert left[place] == pytest.approx(-min(stored) / (1.5 * np.pi * work * radius), rel=0.01)
 
 
 def test_friction_coefficient_of_adhesive_surfaces_increases_at_low_load():
@@ -402,7 +402,7 @@ def test_adhesion_range_below_grid_resolution_is_increased_with_warning():
 
 @pytest.mark.parametrize(("modulus", "length", "rms"), [(80.0, 5e-4, 1e-3), (2.0, 2e-3, 5e-3)])
 def test_pull_off_is_independent_of_spacing(modulus, length, rms):
-    found = []
+    values = []
     for points in (64, 128, 256):
         draw, x = np.random.default_rng(1), np.arange(points) / points
         heights = np.zeros((points, points))
@@ -410,8 +410,8 @@ def test_pull_off_is_independent_of_spacing(modulus, length, rms):
             wave, phase, part = np.hypot(i - 6, j), 2 * np.pi * draw.random(), draw.standard_normal()
             if 2 <= wave <= 6:
                 heights += part * wave**-1.8 * np.cos(2 * np.pi * ((i - 6) * x[:, None] + j * x) + phase)
-        bodies = (Surface(each, spacing=1.28 / points) for each in (0 * heights, rms * heights))
+        bodies = (Surface(item, spacing=1.28 / points) for item in (0 * heights, rms * heights))
         adhesive = {"work_of_adhesion": 5e-5, "adhesion_range": length}
-        found.append(half_space(*bodies, [0.0], effective_modulus=modulus, boundary="periodic", **adhesive).pull_off)
-    assert found[0] > 0
-    assert found[1:] == pytest.approx(found[:1] * 2, rel=OF_SPACING)
+        values.append(half_space(*bodies, [0.0], effective_modulus=modulus, boundary="periodic", **adhesive).pull_off)
+    assert values[0] > 0
+    assert values[1:] == pytest.approx(values[:1] * 2, rel=OF_SPACING)

@@ -77,12 +77,12 @@ class TestArealReference:
             approaches = [0.03, 0.1, 0.2]
             curve = press(upper, lower, approaches, direction=ANGLES, sliding=sliding, curvature=curvature)
             for k, approach in enumerate(approaches):
-                found = areal.contacts(
+                result = areal.contacts(
                     upper.heights, lower.heights, upper.spacing, approach, convex=curvature == "convex"
                 )
-                total += len(found)
+                total += len(result)
                 for row, angle in enumerate(ANGLES):
-                    expected = areal.sums(found, angle, sliding)
+                    expected = areal.sums(result, angle, sliding)
                     for name in COMMON:
                         assert_close(getattr(curve, name)[k], expected[name], INDEPENDENT)
                     for name in DIRECTED:
@@ -93,20 +93,20 @@ class TestArealReference:
     def test_table_equals_reference(self):
         upper, lower = rough_pair()
         table = contacts(upper, lower, 0.15, direction=20.0)
-        found = areal.contacts(upper.heights, lower.heights, upper.spacing, 0.15)
-        assert len(table) == len(found) > 5
+        result = areal.contacts(upper.heights, lower.heights, upper.spacing, 0.15)
+        assert len(table) == len(result) > 5
         rows = upper.heights.shape[1]
-        order = np.argsort([int(one["y"] / 0.05) * rows + int(one["x"] / 0.04) for one in found])
-        found = [found[i] for i in order]
-        assert table.index.tolist() == [int(one["y"] / 0.05) * rows + int(one["x"] / 0.04) for one in found]
+        order = np.argsort([int(one["y"] / 0.05) * rows + int(one["x"] / 0.04) for one in result])
+        result = [result[i] for i in order]
+        assert table.index.tolist() == [int(one["y"] / 0.05) * rows + int(one["x"] / 0.04) for one in result]
         for name in ("normal", "radii", "axes", "overlap", "force", "area"):
-            expected = np.array([one[name] for one in found])
+            expected = np.array([one[name] for one in result])
             assert np.allclose(getattr(table, name), expected, rtol=INDEPENDENT, atol=INDEPENDENT * expected.max())
-        along = np.array([one["along"] for one in found])
+        along = np.array([one["along"] for one in result])
         assert np.allclose(np.linalg.norm(table.along, axis=1), 1, atol=ROUND_OFF)
         assert np.allclose((table.along * table.normal).sum(axis=1), 0, atol=ROUND_OFF)
         assert np.allclose(np.abs((table.along[:, :2] * along).sum(axis=1)), (along**2).sum(axis=1), atol=INDEPENDENT)
-        point = np.array([[one["x"], one["y"], one["z"]] for one in found])
+        point = np.array([[one["x"], one["y"], one["z"]] for one in result])
         assert np.allclose(table.centre, point - 0.5 * table.overlap[:, None] * table.normal, atol=1e-9)
         s = np.array([math.cos(math.radians(20)), math.sin(math.radians(20)), 0])
         assert (table.opposing == (table.normal @ s < 0)).all()
@@ -256,7 +256,7 @@ class TestArealIdentities:
         upper, lower = rough_pair()
         large = [Surface(7 * one.heights, spacing=(7 * one.spacing[0], 7 * one.spacing[1])) for one in (upper, lower)]
         plain = self.pressed(upper, lower)
-        scaled = self.pressed(*large, approaches=[7 * each for each in self.APPROACHES])
+        scaled = self.pressed(*large, approaches=[7 * approach for approach in self.APPROACHES])
         harder = self.pressed(upper, lower, effective_modulus=30.0)
         for name in COMMON + DIRECTED:
             expected = getattr(plain, name) * (1 if name.endswith("count") else 49)
@@ -300,13 +300,13 @@ class TestArealIdentities:
         size = 300
         y, x = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
         heights = -np.cos(2 * np.pi * x / 16) - np.cos(2 * np.pi * y / 16)
-        found = candidates(
+        points = candidates(
             Surface(heights * 0.1, spacing=0.1), Surface(np.zeros((size, size)), spacing=0.1), deepest=0.05
         )
         # Every 16 points, but for those on the edges.
-        assert len(found) == 18**2
-        assert np.allclose(np.round(found.position[:, :2] / 1.6), found.position[:, :2] / 1.6, atol=1e-3)
-        assert np.ptp(found.radii[np.abs(found.position[:, :2] / 0.1 - 150).max(axis=1) < 100]) < 1e-9
+        assert len(points) == 18**2
+        assert np.allclose(np.round(points.position[:, :2] / 1.6), points.position[:, :2] / 1.6, atol=1e-3)
+        assert np.ptp(points.radii[np.abs(points.position[:, :2] / 0.1 - 150).max(axis=1) < 100]) < 1e-9
 
 
 class TestLaws:
@@ -339,10 +339,10 @@ class TestValidity:
         approaches = np.linspace(0.05, 0.25, 9)
         curve = press(upper, lower, approaches)
         turn = np.linspace(0, 2 * np.pi, 2000)
-        found = candidates(upper, lower, deepest=0.25)
+        points = candidates(upper, lower, deepest=0.25)
         of_gap = areal.Spline(upper.heights - lower.heights, upper.spacing)
         for k, approach in enumerate(approaches):
-            table = contacts(found, approach)
+            table = contacts(points, approach)
             loads = table.force * table.normal[:, 2]
             rims = [self.rim(of_gap, table, i, turn) for i in range(len(table))]
             met = [any(self.meet(rims[i], rims[j]) for j in range(len(table)) if j != i) for i in range(len(table))]
@@ -416,18 +416,18 @@ class TestLoading:
 
     def test_candidates_can_be_pressed_repeatedly(self):
         upper, lower = rough_pair()
-        found = candidates(upper, lower, deepest=0.2)
-        assert found.curvature == "signed"
-        assert (found.gap <= 0.2).all()
+        points = candidates(upper, lower, deepest=0.2)
+        assert points.curvature == "signed"
+        assert (points.gap <= 0.2).all()
         for choices in ({}, {"direction": [0, 70]}, {"sliding": "all"}, {"effective_modulus": 3.0}):
-            again, plain = press(found, [0.05, 0.1], **choices), press(upper, lower, [0.05, 0.1], **choices)
+            again, plain = press(points, [0.05, 0.1], **choices), press(upper, lower, [0.05, 0.1], **choices)
             assert isinstance(again, SurfaceLoadCurve)
             for name in COMMON + DIRECTED:
                 assert (getattr(again, name) == getattr(plain, name)).all()
         with pytest.raises(ValueError, match="the limit of the candidates"):
-            press(found, [0.3])
+            press(points, [0.3])
         with pytest.raises(ValueError, match="curvature"):
-            press(found, [0.1], curvature="convex")
+            press(points, [0.1], curvature="convex")
 
 
 class TestProfiles:
@@ -451,8 +451,8 @@ class TestProfiles:
                 press(upper, lower, [0.05], direction=90)
             with pytest.raises(ValueError, match="direction on profiles"):
                 press(upper, lower, [0.05], direction=["+x", "-x"])
-            given = press(upper, lower, [0.05], detection=detection, direction="-x", sliding="all")
-            assert (given.tangential_elastic == every.tangential_elastic).all()
+            curve = press(upper, lower, [0.05], detection=detection, direction="-x", sliding="all")
+            assert (curve.tangential_elastic == every.tangential_elastic).all()
 
 
 class TestBadInput:
@@ -504,7 +504,7 @@ class TestBadInput:
 class TestGrid:
     def test_sums_converge_with_grid(self):
         # At equal heights: first touch is of grid points, so approaches of two grids differ by that of their touches.
-        made = {}
+        created = {}
         for points in (1024, 512, 256):
             spacing = 16 / points
             upper, lower = rough_maps(
@@ -514,21 +514,22 @@ class TestGrid:
             x = np.arange(points) * spacing - 8
             upper = Surface(upper.heights + 0.5 * ((x[:, None] ** 2 + x**2) / 49) ** 4, spacing=spacing)
             touch = (upper.heights - lower.heights).min()
-            finest = made[1024][0] if made else touch
-            found = candidates(upper, lower, deepest=0.25)
-            order = np.lexsort(np.round(found.position[:, :2] * 50).T)
-            made[points] = touch, found.gap[order] + touch, found.radii[order], press(
+            finest = created[1024][0] if created else touch
+            result = candidates(upper, lower, deepest=0.25)
+            order = np.lexsort(np.round(result.position[:, :2] * 50).T)
+            created[points] = touch, result.gap[order] + touch, result.radii[order], press(
                 upper, lower, [0.1 + finest - touch], direction=[20, 200]
             )  # fmt: skip
         gaps, radii = (
-            [np.median(np.abs(made[points][k] / made[1024][k] - 1), axis=0) for points in (256, 512)] for k in (1, 2)
+            [np.median(np.abs(created[points][k] / created[1024][k] - 1), axis=0) for points in (256, 512)]
+            for k in (1, 2)
         )
         # Heights of a cubic spline are of fourth order in the spacing, curvatures of second; measured 4.1, and 2.3
         # against a grid that is itself only twice as fine.
         assert np.log2(gaps[0] / gaps[1]) > 3.5
         assert (np.log2(radii[0] / radii[1]) > 1.2).all()
         for points, digits in ((256, 1e-3), (512, 2e-4)):
-            one, finest = made[points][3], made[1024][3]
+            one, finest = created[points][3], created[1024][3]
             assert (one.contact_count == finest.contact_count).all()
             for name in ("contact_area", "normal_elastic", "tangential_elastic", "normal_frictional"):
                 assert_close(getattr(one, name), getattr(finest, name), digits)
@@ -572,11 +573,11 @@ def test_press_rejects_straight_grooves():
     with pytest.raises(ValueError, match="does not change along y"):
         press(*grooves, [0.005])
     with pytest.raises(ValueError, match="does not change along x"):
-        press(*(Surface(each.heights.T.copy(), spacing=0.1) for each in grooves), [0.005])
+        press(*(Surface(groove.heights.T.copy(), spacing=0.1) for groove in grooves), [0.005])
 
 
 @pytest.mark.parametrize(
-    ("model", "given", "angle"),
+    ("model", "arguments", "angle"),
     [
         ({"direction": 90.0}, {"shear": "+x"}, 0.0),
         ({"direction": 90.0}, {"shear": "-x"}, 180.0),
@@ -584,9 +585,9 @@ def test_press_rejects_straight_grooves():
         ({"shear": "-x"}, {}, 180.0),
     ],
 )
-def test_direction_keywords_override_model(model, given, angle):
+def test_direction_keywords_override_model(model, arguments, angle):
     upper, lower = rough_maps(points=32)
-    curve = press(upper, lower, [0.02], model=ContactModel(**model), **given)
+    curve = press(upper, lower, [0.02], model=ContactModel(**model), **arguments)
     assert float(curve.direction) == angle
 
 
@@ -634,7 +635,7 @@ def test_contacts_of_flat_valleys_are_invariant_under_symmetries(kind):
     for _ in range(12):
         shape = tuple(generator.integers(8, 60, 2))
         dy, dx = 0.1, 0.1 * generator.uniform(0.5, 2)
-        upper, lower = (0.01 * level_body(generator, each, shape) for each in (kind, generator.choice(LEVEL)))
+        upper, lower = (0.01 * level_body(generator, item, shape) for item in (kind, generator.choice(LEVEL)))
         if np.ptp(upper - lower) < 1e-9:
             continue
         steps = np.sort(generator.uniform(0.01, 1, 4)) * np.ptp(upper - lower)
@@ -645,7 +646,7 @@ def test_contacts_of_flat_valleys_are_invariant_under_symmetries(kind):
         angles = np.array([0, 90, 180, 270, generator.uniform(0, 360)])
 
         def curve(upper, lower, spacing, angles, steps=steps, choices=choices):
-            bodies = [Surface(np.ascontiguousarray(each), spacing=spacing) for each in (upper, lower)]
+            bodies = [Surface(np.ascontiguousarray(item), spacing=spacing) for item in (upper, lower)]
             gap = bodies[0].heights - bodies[1].heights
             if min(np.ptp(gap, axis=axis).max() for axis in (0, 1)) < 1e-9:
                 with pytest.raises(ValueError, match="does not change along"):
@@ -691,7 +692,7 @@ def test_flat_surface_counts_as_convex():
         body = Surface(flat, spacing=upper.spacing)
         # Minima of the gap to a plane are summits of the other.
         for bodies in ((body, lower), (upper, body)):
-            convex, signed = (press(*bodies, [0.1, 0.3], curvature=each) for each in ("convex", "signed"))
+            convex, signed = (press(*bodies, [0.1, 0.3], curvature=name) for name in ("convex", "signed"))
             assert convex.contact_count.tolist() == signed.contact_count.tolist()
             assert convex.contact_count[-1] > 5
 
@@ -701,20 +702,20 @@ def test_candidates_include_every_minimum_of_the_gap():
     upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
     gap = upper.heights - lower.heights
     deepest = 2 * np.ptp(gap)
-    found = candidates(upper, lower, deepest=deepest)
+    points = candidates(upper, lower, deepest=deepest)
     places = areal.minima(gap, (0.05, 0.05))
-    assert len(found) >= len(places) > 100
-    apart = np.abs(found.position[:, None, :2] - places).max(axis=2)
+    assert len(points) >= len(places) > 100
+    apart = np.abs(points.position[:, None, :2] - places).max(axis=2)
     assert apart.min(axis=0).max() < 1e-6
 
 
 def test_loads_are_linear_in_mu0_and_tau0():
     upper, lower = rough_pair()
-    found = areal.contacts(upper.heights, lower.heights, upper.spacing, 0.1)
+    result = areal.contacts(upper.heights, lower.heights, upper.spacing, 0.1)
     curve = press(upper, lower, [0.1], direction=33)
     s = np.array([math.cos(math.radians(33)), math.sin(math.radians(33)), 0])
     total = np.zeros(3)
-    for one in found:
+    for one in result:
         n = one["normal"]
         total[2] += one["force"] * n[2]
         if s @ n < 0:

@@ -43,48 +43,48 @@ def pair():
 class TestCandidates:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
     def test_candidates_equal_those_of_press_and_contacts(self, pair, curvature):
-        found = candidates(*pair, deepest=0.03, curvature=curvature)
+        points = candidates(*pair, deepest=0.03, curvature=curvature)
         steps = [0.0, 0.001, 0.02]
-        ours = press(found, steps, shear="-x")
+        ours = press(points, steps, shear="-x")
         theirs = press(*pair, steps, shear="-x", detection="gap-minimum", curvature=curvature)
         for name in SUMS:
             assert np.array_equal(getattr(ours, name), getattr(theirs, name)), name
-        table = contacts(found, 0.02)
-        assert set(table.index) <= set(found.index)
+        table = contacts(points, 0.02)
+        assert set(table.index) <= set(points.index)
         assert np.array_equal(
             table.force, contacts(*pair, 0.02, model=ContactModel(detection="gap-minimum", curvature=curvature)).force
         )
 
     def test_candidates_lie_at_minima_of_the_gap(self, pair):
         upper, lower = pair
-        found = candidates(upper, lower, deepest=0.03)
-        assert isinstance(found, Candidates)
-        assert (found.gap <= 0.03).all()
-        assert (found.position[:, 1] == 0).all()
-        assert (np.abs(found.position[:, 0] - lower.x[found.index] - lower.spacing / 2) <= lower.spacing / 2).all()
+        points = candidates(upper, lower, deepest=0.03)
+        assert isinstance(points, Candidates)
+        assert (points.gap <= 0.03).all()
+        assert (points.position[:, 1] == 0).all()
+        assert (np.abs(points.position[:, 0] - lower.x[points.index] - lower.spacing / 2) <= lower.spacing / 2).all()
         grid = upper.heights - lower.heights
         spline = CubicSpline(lower.x, grid, bc_type="natural")
-        x = found.position[:, 0]
-        assert np.abs(spline(x) - grid.min() - found.gap).max() < SAME_SPLINE * np.ptp(grid)
+        x = points.position[:, 0]
+        assert np.abs(spline(x) - grid.min() - points.gap).max() < SAME_SPLINE * np.ptp(grid)
         assert np.abs(spline(x, 1)).max() < SAME_SPLINE * np.abs(spline(lower.x, 1)).max()
         assert (spline(x, 2) > 0).all()
-        assert (found.radii[:, 0] == found.radii[:, 1]).all()
-        assert not found.gap.flags.writeable
+        assert (points.radii[:, 0] == points.radii[:, 1]).all()
+        assert not points.gap.flags.writeable
 
     def test_candidates_reject_options_of_other_searches(self, pair):
-        found = candidates(*pair, deepest=0.03)
+        points = candidates(*pair, deepest=0.03)
         with pytest.raises(
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
         ):
-            press(found, [0.04])
+            press(points, [0.04])
         with pytest.raises(ValueError, match="detection must be that of the candidates, 'gap-minimum', got 'cell'"):
-            press(found, [0.01], detection="cell")
+            press(points, [0.01], detection="cell")
         with pytest.raises(ValueError, match="curvature must be that of the candidates, 'convex', got 'signed'"):
-            contacts(found, 0.01, curvature="signed")
+            contacts(points, 0.01, curvature="signed")
         with pytest.raises(ValueError, match="deepest"):
             candidates(*pair, deepest="deep")
         with pytest.raises(ValueError, match="takes no lower body"):
-            press(found, pair[1], [0.01])
+            press(points, pair[1], [0.01])
         with pytest.raises(ValueError, match="must have equal spacings"):
             candidates(pair[0], Profile(pair[1].heights, spacing=1.0), deepest=0.1)
 
@@ -92,7 +92,7 @@ class TestCandidates:
 class TestContactModel:
     def test_keywords_override_contact_model(self, pair):
         assert set(ContactKeywords.__annotations__) == {"model"} | {
-            each.name for each in dataclasses.fields(ContactModel)
+            field.name for field in dataclasses.fields(ContactModel)
         }
         model = ContactModel(effective_modulus=20.0, detection="gap-minimum")
         ours = press(*pair, [0.01], model=model, shear="-x")
@@ -123,7 +123,7 @@ class TestContactModel:
 
 
 def test_quantities_and_laws_have_unique_names():
-    assert tuple(each.name for each in dataclasses.fields(Sums)) == SUMS
+    assert tuple(field.name for field in dataclasses.fields(Sums)) == SUMS
     assert all(name in QUANTITIES for name in (*SUMS, *VALIDITY))
     assert tuple(NAMED) == LawName.__args__
     assert len({law.name for law in LAWS}) == len(LAWS)
@@ -133,11 +133,11 @@ def test_quantities_and_laws_have_unique_names():
 
 
 def test_status_of_returns_first_failed_condition():
-    given = [
+    arguments = [
         (False, False, False, False), (True, True, False, False), (True, False, True, False),
         (True, False, False, True), (True, False, False, False),
     ]  # fmt: skip
-    touched, reached, below, locked = np.array(given).T
+    touched, reached, below, locked = np.array(arguments).T
     status = status_of(touched=touched, reached=reached, below=below, locked=locked)
     assert status.tolist() == ["no-contact", "ok", "below-range", "self-locked", "not-reached"]
     assert status.dtype == STATUS_DTYPE

@@ -58,11 +58,13 @@ class TestProfileReference:
         approaches = [0.001, 0.004, 0.02]
         reference = PLAIN[detection]
         signed = curvature == "signed"
-        rows = [reference(upper.heights, lower.heights, upper.spacing, each, signed=signed) for each in approaches]
+        rows = [
+            reference(upper.heights, lower.heights, upper.spacing, approach, signed=signed) for approach in approaches
+        ]
         assert sum(map(len, rows)) >= 5
         for shear, sigma in (("+x", 1), ("-x", -1)):
             curve = press(upper, lower, approaches, curvature=curvature, shear=shear, detection=detection)
-            expected = np.transpose([list(pressing.sums(each, sigma).values()) for each in rows])
+            expected = np.transpose([list(pressing.sums(row, sigma).values()) for row in rows])
             assert_close(all_sums(curve), expected, INDEPENDENT[detection])
 
     def test_table_equals_reference(self, rough_pair):

@@ -69,15 +69,15 @@ def test_pressure_agrees_with_dense_matrices(shape, boundary, pressed):
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-11)
     spacing = np.array([1 / n for n in shape])
     matrix = dense_half_space.matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
-    found = curve.contact(0)
+    result = curve.contact(0)
     gap = lower.heights.max() - lower.heights
-    approach = float(np.mean((matrix @ found.pressure.ravel() + gap.ravel())[found.pressure.ravel() > 0]))
+    approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[result.pressure.ravel() > 0]))
     if boundary == "periodic" or len(shape) == 2:
         np.testing.assert_allclose(curve.approach, approach, rtol=DENSE)
     exact = dense_half_space.pressure(
-        matrix, gap, approach, total=found.pressure.sum() if boundary == "periodic" else None
+        matrix, gap, approach, total=result.pressure.sum() if boundary == "periodic" else None
     )
-    np.testing.assert_allclose(found.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
+    np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
     np.testing.assert_allclose(exact.sum() * np.prod(spacing), load, rtol=DENSE)
 
 
@@ -93,17 +93,17 @@ def test_missing_points_have_no_contact(shape, boundary, hardness, pressed):
     load, spacing = pressed * MODULUS * 0.05, np.array([1 / n for n in shape])
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, hardness=hardness, tolerance=1e-11)
     assert curve.error[0] <= 1e-11
-    found = curve.contact(0)
-    assert not found.pressure[missing].any()
-    assert np.isnan(found.gap[missing]).all()
+    result = curve.contact(0)
+    assert not result.pressure[missing].any()
+    assert np.isnan(result.gap[missing]).all()
     gap = lower.heights[~missing].max() - lower.heights
     bound = np.where(missing, 0.0, np.inf if hardness is None else hardness)
     matrix = dense_half_space.matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
-    between = ((found.pressure > 0) & (found.pressure < bound)).ravel()
-    approach = float(np.mean((matrix @ found.pressure.ravel() + gap.ravel())[between]))
-    total = found.pressure.sum() if boundary == "periodic" else None
+    between = ((result.pressure > 0) & (result.pressure < bound)).ravel()
+    approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[between]))
+    total = result.pressure.sum() if boundary == "periodic" else None
     exact = dense_half_space.pressure(matrix, gap, approach, total=total, bound=bound)
-    np.testing.assert_allclose(found.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
+    np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
     by_pressure = half_space(flat_like(lower), lower, "1 MPa", boundary=boundary).load
     np.testing.assert_allclose(by_pressure, 1e-3 * (1 - missing.mean()), rtol=ROUND_OFF)
     with pytest.raises(ValueError, match="all but half_space takes whole scans"):
@@ -124,13 +124,13 @@ def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part
     matrix = dense_half_space.matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
     near = None
     for mean in np.array([0.9, 1.0]) * part * bound.mean():
-        found = solver.at(mean, near=near)
-        near = found.pressure
-        assert found.error <= 1e-11
+        result = solver.at(mean, near=near)
+        near = result.pressure
+        assert result.error <= 1e-11
         exact = dense_half_space.pressure(
-            matrix, gap, found.approach, total=found.pressure.sum() if periodic else None, bound=bound
+            matrix, gap, result.approach, total=result.pressure.sum() if periodic else None, bound=bound
         )
-        np.testing.assert_allclose(found.pressure, exact, rtol=0, atol=DENSE * exact.max())
+        np.testing.assert_allclose(result.pressure, exact, rtol=0, atol=DENSE * exact.max())
         np.testing.assert_allclose(exact.mean(), mean, rtol=DENSE)
 
 
@@ -142,11 +142,11 @@ def test_uniform_bounds_on_flat_are_reached_at_full_load(boundary):
     solver = solver_of(np.zeros(bound.shape), (0.1, 0.1), periodic=boundary == "periodic", bound=bound, tolerance=1e-6)
     near = None
     for ratio in (0.01, 0.5, 0.99, 0.9999):
-        found = solver.at(ratio, near=near)
-        near = found.pressure
-        assert found.error <= 1e-6
+        result = solver.at(ratio, near=near)
+        near = result.pressure
+        assert result.error <= 1e-6
         if boundary == "periodic":
-            assert found.pressure == pytest.approx(np.full(bound.size, ratio), rel=SAME)
+            assert result.pressure == pytest.approx(np.full(bound.size, ratio), rel=SAME)
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9, 0.99])
@@ -156,11 +156,11 @@ def test_traction_under_sphere_equals_mindlin(ratio):
     x = (np.arange(n) - n / 2 + 0.31) * spacing
     bound = mu0 * np.sqrt(np.maximum(1 - (x[:, np.newaxis] ** 2 + x**2) / radius**2, 0))
     solver = solver_of(np.zeros((n, n)), (spacing, spacing), periodic=False, bound=bound, tolerance=1e-8)
-    found = solver.at(ratio * bound.mean())
-    sticks = (bound > 0) & (found.pressure.reshape(n, n) < bound)
+    result = solver.at(ratio * bound.mean())
+    sticks = (bound > 0) & (result.pressure.reshape(n, n) < bound)
     assert np.sqrt(sticks.sum() * spacing**2 / np.pi) == pytest.approx((1 - ratio) ** (1 / 3), abs=spacing)
     moved_at_sliding = np.pi * mu0 / 2 / MODULUS * radius  # of a Hertzian pressure of that height, at its middle
-    assert found.approach == pytest.approx(moved_at_sliding * (1 - (1 - ratio) ** (2 / 3)), rel=MINDLIN)
+    assert result.approach == pytest.approx(moved_at_sliding * (1 - (1 - ratio) ** (2 / 3)), rel=MINDLIN)
 
 
 @pytest.mark.parametrize("fraction", [0.01, 0.1, 0.5, 0.9, 0.99])
@@ -174,12 +174,12 @@ def test_sinusoid_equals_westergaard(fraction):
         lower = Profile(amplitude * np.cos(2 * np.pi * x), spacing=1 / n)
         curve = half_space(flat_like(lower), lower, [load], boundary="periodic", tolerance=TIGHT)
         exact = westergaard_contact_fraction(load, **wave)
-        found = curve.contact(0)
-        errors.append(np.abs(found.pressure - westergaard_pressure(x, load, **wave)).mean() / load)
+        result = curve.contact(0)
+        errors.append(np.abs(result.pressure - westergaard_pressure(x, load, **wave)).mean() / load)
         # An edge of the contact is known to a point, and so is the gap beside it.
         assert abs(curve.contact_area[0] - exact) < 1 / n
         gap = westergaard_gap(x, load, **wave)
-        assert np.abs(found.gap - gap).max() < 2 * amplitude / n**0.5 * max(fraction, 0.1) * 0.1
+        assert np.abs(result.gap - gap).max() < 2 * amplitude / n**0.5 * max(fraction, 0.1) * 0.1
     # Mean errors fall with the grid spacing, of the first order or better, whatever the places of the edges.
     assert errors[1] < errors[0] / 2.5
     assert errors[1] < 0.15 / (4096 * fraction)
@@ -344,10 +344,10 @@ def test_pressure_agrees_with_tamaas(pressed, boundary):
         solver.setIntegralOperator("dcfft")
     solver.max_iter = 1000
     assert solver.solve(load) < 1e-11
-    found = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-9).contact(0).pressure
+    result = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-9).contact(0).pressure
     exact = np.array(model.traction).reshape(n, n)
     # Both measures of error are energies, so that pressures err by more.
-    assert np.abs(found - exact).max() < 1e-7 * exact.max()
+    assert np.abs(result - exact).max() < 1e-7 * exact.max()
 
 
 def test_kappa_is_near_2_at_light_load():
@@ -367,12 +367,12 @@ def test_hardness_limits_pressure_and_area_tends_to_load_over_hardness():
     shares = []
     for hardness in (0.3, 0.1, 0.03):
         curve = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=hardness * highest)
-        found = curve.contact(0)
-        capped = found.pressure == hardness * highest
-        assert found.pressure.max() <= hardness * highest
-        assert (found.gap[~capped] > -2e-6 * lower.heights.std()).all()
+        result = curve.contact(0)
+        capped = result.pressure == hardness * highest
+        assert result.pressure.max() <= hardness * highest
+        assert (result.gap[~capped] > -2e-6 * lower.heights.std()).all()
         shares.append(curve.load_share_at_hardness[0])
-        ratio = (found.pressure > 0).mean() / (load / (hardness * highest))
+        ratio = (result.pressure > 0).mean() / (load / (hardness * highest))
     assert shares == sorted(shares)
     assert shares[-1] > 0.95
     assert ratio == pytest.approx(1.0, abs=0.05)
@@ -440,17 +440,17 @@ def test_friction_follows_small_slope_formula():
     angles = np.arange(0, 360, 45)
     for sliding, tolerance in (("all", 2e-3), ("opposing", 0.015)):
         for strength in (0.0, tau0):
-            found, expected = [], []
+            result, expected = [], []
             for pair in ((1, 2), (3, 4)):
                 upper, lower = (
                     rough((256, 256), seed=seed, longest=8, shortest=32, slope=slope / 2**0.5) for seed in pair
                 )
                 curve = half_space(upper, lower, [load], boundary="periodic", direction=angles, sliding=sliding)
                 assert curve.friction_coefficient(mu0=mu0).shape == (8, 1)
-                found.append(curve.friction_coefficient(mu0=mu0, tau0=strength).mean())
+                result.append(curve.friction_coefficient(mu0=mu0, tau0=strength).mean())
                 kappa = curve.contact_area[0] * MODULUS * slope / load
                 expected.append(gentle_friction(mu0, strength, rms_gradient=slope, kappa=kappa, sliding=sliding))
-            assert np.mean(found) == pytest.approx(np.mean(expected), rel=tolerance), (sliding, strength)
+            assert np.mean(result) == pytest.approx(np.mean(expected), rel=tolerance), (sliding, strength)
 
 
 def test_gentle_friction_equals_formula():
@@ -502,8 +502,8 @@ def test_second_order_gentle_friction_equals_sum_over_random_slopes(rule, gradie
 
 def test_second_order_gentle_friction_has_limits():
     for rule in ("opposing", "all"):
-        for given in ({"rms_gradient": 1e-5}, {"rms_gradient": 0.5, "rms_slope": 0.5}, {"rms_gradient": 2e-9}):
-            first, second = (gentle_friction(0.4, sliding=rule, order=order, **given) for order in (1, 2))
+        for arguments in ({"rms_gradient": 1e-5}, {"rms_gradient": 0.5, "rms_slope": 0.5}, {"rms_gradient": 2e-9}):
+            first, second = (gentle_friction(0.4, sliding=rule, order=order, **arguments) for order in (1, 2))
             assert second == pytest.approx(first, rel=1e-9)
     steep = {"rms_gradient": 0.5, "order": 2}
     assert gentle_friction(0.4, slope_ratio=4.0, **steep) == pytest.approx(
@@ -522,23 +522,23 @@ def bodies(ratio, seeds, slope):
     """A pair whose gap has an rms gradient of about `slope`, one body flatter than the other by a ratio."""
     steeper = slope / np.hypot(1, 1 / ratio)
     return (
-        rough((128, 128), seed=seed, longest=8, shortest=16, slope=each)
-        for seed, each in zip(seeds, (steeper, steeper / ratio), strict=True)
+        rough((128, 128), seed=seed, longest=8, shortest=16, slope=item)
+        for seed, item in zip(seeds, (steeper, steeper / ratio), strict=True)
     )
 
 
 def test_friction_includes_area_of_slopes_across_the_motion():
     slope = 0.9
-    found = []
+    values = []
     for seeds in ((1, 2), (3, 4)):
         curve = half_space(
             *bodies(1.0, seeds, slope), [0.02 * MODULUS * slope], boundary="periodic", sliding="all",
             direction=range(0, 360, 30),
         )  # fmt: skip
-        found.append(curve.friction_coefficient(mu0=0.4).mean())
+        values.append(curve.friction_coefficient(mu0=0.4).mean())
     expected = gentle_friction(0.4, rms_gradient=slope, sliding="all", order=2)
     assert expected > 1.04 * 0.4
-    assert np.mean(found) == pytest.approx(expected, rel=SCATTER_OF_ALL)
+    assert np.mean(values) == pytest.approx(expected, rel=SCATTER_OF_ALL)
 
 
 def test_mean_slope_of_contacts_depends_on_roughness_alone():
@@ -639,9 +639,9 @@ MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
     ],
 )
 def test_half_space_rejects_bad_arguments(arguments, message):
-    given = {"upper": LINE, "lower": LINE, "loads": [1.0]} | arguments
+    options = {"upper": LINE, "lower": LINE, "loads": [1.0]} | arguments
     with pytest.raises(ValueError, match=message):
-        half_space(**given)
+        half_space(**options)
 
 
 def test_curve_is_read_only_and_checks_indices():
@@ -684,10 +684,10 @@ def test_displacements_equal_direct_sum_for_any_thread_count(periodic):
     pressure = np.random.default_rng(4).random((801, 760))
     pressure[np.random.default_rng(5).permutation(801)[:400]] = 0.0
     expected = dense_half_space.displacement(pressure, (0.1, 0.2), MODULUS, periodic=periodic)
-    found = grids.displacement(pressure)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=OF_LARGE_GRIDS * np.abs(expected).max())
+    result = grids.displacement(pressure)
+    np.testing.assert_allclose(result, expected, rtol=0, atol=OF_LARGE_GRIDS * np.abs(expected).max())
     for threads in (2, 3):
-        assert np.array_equal(grids.displacement(pressure, threads=threads), found)
+        assert np.array_equal(grids.displacement(pressure, threads=threads), result)
 
 
 def test_pairs_on_equal_grids_share_kernels():
@@ -719,13 +719,13 @@ def test_several_loads_equal_single_loads(boundary):
 def test_approaches_and_their_loads_are_consistent(shape, boundary):
     body = rough(shape)
     upper = flat_like(body)
-    wanted = np.array([0.05, 0.2, 0.6]) * (body.heights.max() - body.heights.mean())
-    curve = half_space(upper, body, approaches=wanted, boundary=boundary)
+    expected = np.array([0.05, 0.2, 0.6]) * (body.heights.max() - body.heights.mean())
+    curve = half_space(upper, body, approaches=expected, boundary=boundary)
     deviation = body.heights.std()
-    assert np.abs(curve.approach - wanted).max() <= 1e-6 * max(deviation, 1.0)
+    assert np.abs(curve.approach - expected).max() <= 1e-6 * max(deviation, 1.0)
     assert (curve.error <= 1e-6).all()
     again = half_space(upper, body, curve.load, boundary=boundary)
-    assert again.approach == pytest.approx(wanted, rel=SAME)
+    assert again.approach == pytest.approx(expected, rel=SAME)
     assert again.contact_area == pytest.approx(curve.contact_area, rel=1e-3)
 
 
@@ -773,14 +773,14 @@ def test_half_space_rejects_bad_spacing(spacing):
 
 def test_progress_reports_iterations_and_can_cancel():
     body = rough((32, 32))
-    seen = []
+    events = []
     half_space(
-        flat_like(body), body, [0.01, 0.1], boundary="periodic", progress=lambda *each: seen.append(each),
+        flat_like(body), body, [0.01, 0.1], boundary="periodic", progress=lambda *each: events.append(each),
         tolerance=1e-6,
     )  # fmt: skip
-    assert {solved for solved, _, _ in seen} == {0, 1}
-    assert seen[0][1] == 1
-    assert all(error > 1e-6 for _, _, error in seen)
+    assert {solved for solved, _, _ in events} == {0, 1}
+    assert events[0][1] == 1
+    assert all(error > 1e-6 for _, _, error in events)
 
     def stop(solved, iteration, error):
         raise InterruptedError
@@ -845,7 +845,7 @@ def test_closure_of_masked_surface_differs_from_complete_surface():
     missing = np.zeros((32, 32), bool)
     missing[:8] = True
     masked = Surface(body.heights, spacing=body.spacing, missing=missing)
-    whole, holed, again = (half_space(flat_like(each), each, [0.05]) for each in (body, masked, body))
+    whole, holed, again = (half_space(flat_like(item), item, [0.05]) for item in (body, masked, body))
     assert whole._problem.grids is holed._problem.grids
     assert whole.closure[0] == again.closure[0] != holed.closure[0]
     even = whole._problem.grids.displacement(np.ones((32, 32)))

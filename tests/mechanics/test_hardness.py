@@ -26,11 +26,11 @@ def test_interpolated_area_agrees_with_direct_solutions(rms: float) -> None:
 
     elastic = ratio(None)
     nodes = 0.23 * (1.7 / 0.23) ** np.sort([*NODES, 0.5])
-    wanted = np.geomspace(0.23, 1.7, 9)
-    found = area_per_load(wanted, nodes, [ratio(float(each)) for each in nodes], elastic)
-    direct = np.array([ratio(float(each)) for each in wanted])
-    assert found == pytest.approx(direct, rel=AREA)
-    assert 0.2 + 0.05 * found == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION)
+    expected = np.geomspace(0.23, 1.7, 9)
+    result = area_per_load(expected, nodes, [ratio(float(node)) for node in nodes], elastic)
+    direct = np.array([ratio(float(item)) for item in expected])
+    assert result == pytest.approx(direct, rel=AREA)
+    assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION)
 
 
 def test_interpolated_area_has_limits() -> None:

@@ -32,9 +32,9 @@ def test_tabor_friction_is_the_root_of_its_equation_and_agrees_with_the_hardness
         ratio = tau0 / hardness
         highest = 1 + (mu0 + ratio) / (1 - ratio * np.sqrt(alpha))
         root = brentq(beyond, mu0, highest, args=(mu0, ratio, alpha), xtol=1e-14)
-        found = float(tabor_friction(hardness, mu0, tau0, alpha))
-        assert found == pytest.approx(root, rel=1e-9)
-        assert found == pytest.approx(mu0 + tau0 / hardness_under_shear(hardness, mu0, tau0, alpha), rel=1e-9)
+        result = float(tabor_friction(hardness, mu0, tau0, alpha))
+        assert result == pytest.approx(root, rel=1e-9)
+        assert result == pytest.approx(mu0 + tau0 / hardness_under_shear(hardness, mu0, tau0, alpha), rel=1e-9)
 
 
 def test_hardness_is_kept_exactly_without_growth():
@@ -63,9 +63,9 @@ def test_half_space_at_that_hardness_has_the_coefficient_of_plastic_contacts(alp
     bodies = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
     hardness = float(hardness_under_shear(0.2, **interface, alpha=alpha))
     curve = half_space(*bodies, ["2 MPa"], effective_modulus=1e5, hardness=hardness, sliding="all")
-    wanted = tabor_friction(0.2, **interface, alpha=alpha)
+    expected = tabor_friction(0.2, **interface, alpha=alpha)
     assert curve.load_share_at_hardness[0] > 0.95
-    assert curve.friction_coefficient(**interface)[0] == pytest.approx(float(wanted), rel=OF_PLASTIC)
+    assert curve.friction_coefficient(**interface)[0] == pytest.approx(float(expected), rel=OF_PLASTIC)
 
 
 @pytest.mark.parametrize("law", [hardness_under_shear, tabor_friction])

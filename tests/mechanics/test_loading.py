@@ -14,16 +14,16 @@ def test_approach_of_arcs_equals_hertz(circular_arc, detection):
     deep = 2 * (radius - np.sqrt(radius**2 - 0.0003**2))  # how much deeper than the grid points the apexes touch
     overlaps = np.array([1e-4, 1e-3, 1e-2])
     loads = 4 / 3 * 10.0 * np.sqrt(radius / 2) * overlaps**1.5
-    found = approach_at_load(upper, lower, loads, mu0=0.3, detection=detection)
-    np.testing.assert_allclose(found + deep, overlaps, rtol=ARC, atol=1e-9)
+    result = approach_at_load(upper, lower, loads, mu0=0.3, detection=detection)
+    np.testing.assert_allclose(result + deep, overlaps, rtol=ARC, atol=1e-9)
 
 
 def test_approach_at_load_preserves_shape_of_loads(rough_pair):
     upper, lower = rough_pair(1.2)
     loads = np.array([[1e-4, 1e-3, 3e-3], [2e-3, 2e-4, 1e-2]])
-    found = approach_at_load(upper, lower, loads, mu0=0.4)
-    assert found.shape == loads.shape
-    assert approach_at_load(upper, lower, 1e-3, mu0=0.4) == found[0, 1]
+    result = approach_at_load(upper, lower, loads, mu0=0.4)
+    assert result.shape == loads.shape
+    assert approach_at_load(upper, lower, 1e-3, mu0=0.4) == result[0, 1]
 
 
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
@@ -34,15 +34,15 @@ def test_approach_at_load_is_the_smallest_approach(rough_pair, dimension, detect
     choices = {"detection": detection, "shear": shear, "effective_modulus": 20.0}
     friction = {"mu0": 0.4, "tau0": 0.2}
     loads = np.geomspace(1e-4, 1e-2, 7)
-    found = approach_at_load(upper, lower, loads, **friction, **choices)
-    reached = np.isfinite(found)
+    result = approach_at_load(upper, lower, loads, **friction, **choices)
+    reached = np.isfinite(result)
     assert reached.sum() >= 3
     if not reached.all():
         steps = np.ptp(upper.heights - lower.heights) * np.geomspace(1e-4, 1.0, 400)
         carried = press(upper, lower, steps, **choices).normal_load(**friction)
         # At D = 1.6 single contacts come and go with many times the load of the others, in a step or two.
         assert (carried >= loads[~reached].min()).mean() < 0.03
-    for load, approach in zip(loads[reached], found[reached], strict=True):
+    for load, approach in zip(loads[reached], result[reached], strict=True):
         at = press(upper, lower, [approach * (1 - 1e-11), approach], **choices).normal_load(**friction)
         assert at[0] < load * (1 + FOUND)
         assert at[1] >= load * (1 - FOUND)

@@ -15,7 +15,7 @@ EACH = pytest.mark.parametrize("each", materials(), ids=lambda each: each.name)
 
 def test_table_has_materials_of_all_kinds():
     assert len(materials()) >= 30
-    kinds = {each.kind for each in materials()}
+    kinds = {item.kind for item in materials()}
     assert kinds == {"metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"}
     for name in ("steel", "brass", "silicon", "gold", "diamond-like carbon", "PTFE", "glass", "alumina", "granite"):
         assert material(name).name
@@ -51,9 +51,9 @@ def test_values_of_materials_are_physical(each):
     ],
 )  # fmt: skip
 def test_ranges_contain_reference_values(name, young, hardness):
-    found = material(name)
-    assert 0.9 * found.young_modulus.low <= young <= 1.1 * found.young_modulus.high
-    assert 0.9 * found.hardness.low <= hardness <= 1.1 * found.hardness.high
+    result = material(name)
+    assert 0.9 * result.young_modulus.low <= young <= 1.1 * result.young_modulus.high
+    assert 0.9 * result.hardness.low <= hardness <= 1.1 * result.hardness.high
 
 
 @EACH
@@ -63,12 +63,12 @@ def test_material_accepts_each_alias_in_any_spelling(each):
 
 
 def test_materials_have_unique_names():
-    names = [re.sub(r"[\W_]", "", name).casefold() for each in materials() for name in (each.name, *each.aliases)]
+    names = [re.sub(r"[\W_]", "", name).casefold() for item in materials() for name in (item.name, *item.aliases)]
     assert len(names) == len(set(names))
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "message"),
     [
         ("stainles steel", "the nearest are .*stainless steel"),
         ("aluminum alloy 6063", "aluminium alloy 6061-T6"),
@@ -77,14 +77,14 @@ def test_materials_have_unique_names():
         (3, "name must be the name of a material, got 3"),
     ],
 )
-def test_material_suggests_nearest_name(name, said):
-    with pytest.raises(ValueError, match=said):
+def test_material_suggests_nearest_name(name, message):
+    with pytest.raises(ValueError, match=message):
         material(name)
 
 
 def test_two_materials_give_modulus_compliance_and_hardness():
     steel, brass = material("steel"), material("brass")
-    by_hand = 1 / sum((1 - each.poisson_ratio**2) / each.young_modulus for each in (steel, brass))
+    by_hand = 1 / sum((1 - item.poisson_ratio**2) / item.young_modulus for item in (steel, brass))
     assert effective_modulus(steel, brass) == pytest.approx(by_hand, rel=ROUND_OFF)
     four = effective_modulus(steel.young_modulus, steel.poisson_ratio, brass.young_modulus, brass.poisson_ratio)
     assert four == pytest.approx(by_hand, rel=ROUND_OFF)
@@ -132,10 +132,10 @@ def test_documented_table_of_materials_is_current():
     )
     sources = [
         value.source
-        for each in materials()
-        for value in (each.young_modulus, each.poisson_ratio, each.hardness)
+        for item in materials()
+        for value in (item.young_modulus, item.poisson_ratio, item.hardness)
         if value is not None
     ]
     unseen = sum("not looked up" in source for source in sources)
-    said = f"Of {len(sources)} numbers {len(sources) - unseen} were compared"
-    assert said in " ".join((docs / "reference/materials.md").read_text(encoding="utf-8").split())
+    message = f"Of {len(sources)} numbers {len(sources) - unseen} were compared"
+    assert message in " ".join((docs / "reference/materials.md").read_text(encoding="utf-8").split())

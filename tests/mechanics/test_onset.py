@@ -70,8 +70,8 @@ def test_onset_of_ball_equals_cattaneo_mindlin(ball):
         assert onset.displacement_at_sliding == pytest.approx(farthest, rel=MINDLIN)
         np.testing.assert_allclose(onset.displacement, farthest * (1 - stuck**2), rtol=MINDLIN)
         assert onset.stiffness == pytest.approx(2 * MODULUS * radius / ratio, rel=MINDLIN)
-        found = radius * np.sqrt(1 - onset.slipped_area)
-        assert np.abs(found - radius * stuck).max() < 1 / 96  # within a cell
+        result = radius * np.sqrt(1 - onset.slipped_area)
+        assert np.abs(result - radius * stuck).max() < 1 / 96  # within a cell
         assert np.abs(onset.slipped_load - (1 - stuck**2) ** 1.5).max() < 0.01
         # Johnson, Contact Mechanics (1985), eq. 7.57.
         lost = 24 / 5 * (1 - (1 - part) ** (5 / 3)) - 4 * part * (1 + (1 - part) ** (2 / 3))
@@ -479,10 +479,10 @@ def test_onset_of_pickled_curve_is_equal(many):
     bodies, curve = many
     again = pickle.loads(pickle.dumps(curve))
     assert again.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
-    found = press(candidates(*bodies, deepest=0.04), [0.04])
-    assert found.onset(0, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
+    result = press(candidates(*bodies, deepest=0.04), [0.04])
+    assert result.onset(0, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
     with pytest.raises(ValueError, match="press them again"):
-        pickle.loads(pickle.dumps(found)).onset(0, mu0=0.3)
+        pickle.loads(pickle.dumps(result)).onset(0, mu0=0.3)
 
 
 # ---- For who goes on with it ----------------------------------------------------------------------------------------
@@ -493,9 +493,9 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
     known = {"sliding_load": 2.0, "stiffness": 3.0}
     for chi, beta in ((-0.3, 0.5), (-0.7, 3.0)):
         true = FourParameterIwan(2.0, 3.0, chi, beta, np.empty(0))
-        found = fitted_iwan(way, true.load(way), **known)
-        assert np.abs(found.residual).max() < 1e-8
-        assert (found.chi, found.beta) == pytest.approx((chi, beta), rel=1e-4)
+        result = fitted_iwan(way, true.load(way), **known)
+        assert np.abs(result.residual).max() < 1e-8
+        assert (result.chi, result.beta) == pytest.approx((chi, beta), rel=1e-4)
         # F_S at the end of the rise, without a jump; softer on the way.
         end = true.displacement_at_sliding
         assert true.load(end) == 2.0
@@ -510,9 +510,9 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
             lost = 4 * (spring * slips) @ np.maximum(u - slips, 0)
             assert true.energy_lost(u) == pytest.approx(lost, rel=1e-4)
     bristles = -2.0 * np.expm1(-3.0 * way / 2.0)
-    found = fitted_lugre(way, bristles, sliding_load=2.0)
-    assert found.stiffness == pytest.approx(3.0, rel=1e-6)
-    assert np.abs(found.residual).max() < 1e-6
+    result = fitted_lugre(way, bristles, sliding_load=2.0)
+    assert result.stiffness == pytest.approx(3.0, rel=1e-6)
+    assert np.abs(result.residual).max() < 1e-6
 
 
 def test_onset_frame_and_fits_have_columns_residuals_and_read_only_arrays(many):

@@ -56,7 +56,7 @@ def results():
     """Datasets that store the members of studies of all kinds."""
     areal = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
     half_space = {"shifts": 3, "mechanics": "half-space", "direction": [0, 180]}
-    found = {
+    result = {
         "generated": run(generated("quick", **{"surfaces.points": 2000})).dataset,
         "generated areas": run(generated("figure6-areal", **areal)).dataset,
         "generated half-planes": run(generated("figure6-half-plane", **{"surfaces.points": 512})).dataset,
@@ -69,13 +69,13 @@ def results():
             *maps(), **COMMON | {"onset": 0}, **half_space, work_of_adhesion="50 mJ/m^2", adhesion_range="20 nm"
         ).dataset,
     }
-    return {name: dataset for name, dataset in found.items() if dataset is not None}
+    return {name: dataset for name, dataset in result.items() if dataset is not None}
 
 
 @pytest.fixture(scope="module")
 def at_loads(results):
     """The same results at loads."""
-    return {name: at_load(each, loads(each)) for name, each in results.items()}
+    return {name: at_load(result, loads(result)) for name, result in results.items()}
 
 
 def loads(dataset):
@@ -87,8 +87,8 @@ def loads(dataset):
 
 def variables_of(datasets):
     for title, dataset in datasets.items():
-        for name, each in (*dataset.data_vars.items(), *dataset.coords.items()):
-            yield title, str(name), each
+        for name, item in (*dataset.data_vars.items(), *dataset.coords.items()):
+            yield title, str(name), item
 
 
 def dims_of(name, dataset):
@@ -99,17 +99,17 @@ def dims_of(name, dataset):
 
 
 def test_quantities_contain_every_variable_of_results_with_its_unit(results, at_loads):
-    for title, name, each in variables_of(results | {f"{key} at a load": one for key, one in at_loads.items()}):
+    for title, name, item in variables_of(results | {f"{key} at a load": one for key, one in at_loads.items()}):
         if name not in LAYOUT:
             assert name in QUANTITIES, f"{name} of {title}"
-            assert each.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
+            assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
 
 def test_stored_variables_have_the_dimensions_and_dtypes_of_the_table(results):
     for title, dataset in results.items():
         for name in map(str, dataset.data_vars):
             quantity = QUANTITIES[name]
-            along = {each for each in quantity.along if each not in ("sliding", "direction") or each in dataset.dims}
+            along = {item for item in quantity.along if item not in ("sliding", "direction") or item in dataset.dims}
             assert dims_of(name, dataset) == along, f"{name} of {title}"
             assert dataset[name].dtype == np.dtype(quantity.dtype), f"{name} of {title}"
             assert quantity.stored, f"{name} of {title}"
@@ -128,9 +128,9 @@ def test_variables_at_a_load_have_the_dimensions_of_the_table(at_loads):
 
 
 def test_intervals_at_a_load_are_within_the_bounds_of_the_table(at_loads):
-    for title, name, each in variables_of(at_loads):
-        if name in QUANTITIES and "statistic" in each.dims and each.dtype.kind == "f":
-            ends, mean = each.sel(statistic=["lower", "upper"]), each.sel(statistic="mean")
+    for title, name, item in variables_of(at_loads):
+        if name in QUANTITIES and "statistic" in item.dims and item.dtype.kind == "f":
+            ends, mean = item.sel(statistic=["lower", "upper"]), item.sel(statistic="mean")
             low, high = QUANTITIES[name].bounds
             assert not (ends < min(low, float(mean.min()))).any(), f"{name} of {title}"
             assert not (ends > max(high, float(mean.max()))).any(), f"{name} of {title}"
@@ -139,22 +139,22 @@ def test_intervals_at_a_load_are_within_the_bounds_of_the_table(at_loads):
 def test_functions_on_bodies_in_memory_return_quantities_of_the_table():
     options = {"mu0": 0.2, "effective_modulus": 10.0}
     longer = Profile(heights((600,), 5), spacing=0.5)
-    found = {
+    result = {
         "traverse": traverse(lines()[0], longer, [1e-3], offsets=[0.0, 5.0], **options),
         "pressed_maps": pressed_maps(*maps(), [1.0], shifts=2, mechanics="asperities", **options),
     }
-    for title, name, each in variables_of(found):
+    for title, name, item in variables_of(result):
         if name not in LAYOUT:
             assert name in QUANTITIES, f"{name} of {title}"
-            assert each.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
+            assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
 
 def test_resolution_uses_units_of_the_table():
-    found = resolution(*maps(), [1.0], mu0=0.2, effective_modulus=10.0, hardness=1.0)
-    shared = {*map(str, found.data_vars)} & {*QUANTITIES}
+    result = resolution(*maps(), [1.0], mu0=0.2, effective_modulus=10.0, hardness=1.0)
+    shared = {*map(str, result.data_vars)} & {*QUANTITIES}
     assert {"contact_area", "contact_count", "mean_pressure", "error", *SIX} <= shared
     for name in shared:
-        assert found[name].attrs["units"] == QUANTITIES[name].unit
+        assert result[name].attrs["units"] == QUANTITIES[name].unit
 
 
 def test_table_of_quantities_agrees_with_the_core_and_the_classes_of_sums():
@@ -162,7 +162,7 @@ def test_table_of_quantities_agrees_with_the_core_and_the_classes_of_sums():
     assert {*SUMS} == {*Sums.__dataclass_fields__}
     assert {*VALIDITY} == {*Validity.__dataclass_fields__}
     assert {*VALIDITY, *AREAL_VALIDITY} == {*SurfaceValidity.__dataclass_fields__} == {*RATIOS}
-    assert {*OF_CONTACTS} <= {name for name, each in QUANTITIES.items() if "measured" in each.stored}
+    assert {*OF_CONTACTS} <= {name for name, quantity in QUANTITIES.items() if "measured" in quantity.stored}
     assert ADHESION[0] == "contact_load"
     assert not {*HALF_SPACE_SUMS} & {*ADHESION}
     assert [QUANTITIES[name].numerator for name in UNLOADED] == list(SIX[3:])
@@ -203,5 +203,5 @@ def test_no_module_reads_a_property_from_the_spelling_of_a_quantity():
         path for folder in ("mechanics", "studies", "views", "cli", "app") for path in (root / folder).rglob("*.py")
     ]
     assert len(files) > 100
-    found = {path.name for path in files if pattern.search(path.read_text(encoding="utf-8"))}
-    assert found == set()
+    result = {path.name for path in files if pattern.search(path.read_text(encoding="utf-8"))}
+    assert result == set()

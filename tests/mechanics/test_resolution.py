@@ -38,15 +38,15 @@ def seen():
 
 
 def test_resolution_equals_half_space_of_filtered_surfaces(seen):
-    upper, lower, load, found = seen
-    for length in found.cut_off.values:
+    upper, lower, load, result = seen
+    for length in result.cut_off.values:
         bodies = [cut_off(body, length, periodic=True) if length else body for body in (upper, lower)]
         for sliding in ("all", "opposing"):
             curve = half_space(
                 *bodies, [load], effective_modulus=115.0, hardness=4.0, boundary="periodic", sliding=sliding,
                 direction=[0.0, 90.0, 180.0, 270.0],
             )  # fmt: skip
-            one = found.sel(cut_off=length, normal_load=load)
+            one = result.sel(cut_off=length, normal_load=load)
             assert float(one.contact_area) == curve.contact_area[0]
             assert float(one.contact_count) == curve.contact_count[0]
             assert float(one.load_fraction_at_hardness) == curve.load_share_at_hardness[0]
@@ -56,20 +56,20 @@ def test_resolution_equals_half_space_of_filtered_surfaces(seen):
             )
             mu = float(one.friction_coefficient.sel(sliding=sliding))
             assert mu == pytest.approx(tangential / normal, rel=ROUND_OFF)
-    again = resolution_friction(found, mu0=0.2, tau0=0.2)
-    assert np.array_equal(again, found.friction_coefficient)
-    smooth = resolution_friction(found, mu0=0.0)
+    again = resolution_friction(result, mu0=0.2, tau0=0.2)
+    assert np.array_equal(again, result.friction_coefficient)
+    smooth = resolution_friction(result, mu0=0.0)
     assert abs(smooth.sel(sliding="all")).max() < 0.02  # slopes that lean both ways
 
 
 def test_bracket_with_hardness_contains_finer_results(seen):
-    *_, load, found = seen
-    area = found.contact_area_fraction[:, 0].values
-    mu = found.friction_coefficient.sel(sliding="all")[:, 0].values
-    assert found.load_fraction_at_hardness[0, 0] > 0.8
+    *_, load, result = seen
+    area = result.contact_area_fraction[:, 0].values
+    mu = result.friction_coefficient.sel(sliding="all")[:, 0].values
+    assert result.load_fraction_at_hardness[0, 0] > 0.8
     assert np.abs(mu / mu[0] - 1).max() < 0.03
     assert np.abs(area / area[0] - 1).max() < 0.25
-    least, limit = float(found.plastic_area_fraction[0]), float(found.plastic_friction_coefficient[0])
+    least, limit = float(result.plastic_area_fraction[0]), float(result.plastic_friction_coefficient[0])
     assert least == pytest.approx(load / 4.0 / (128 * 0.04) ** 2, rel=ROUND_OFF)
     assert limit == pytest.approx(0.2 + 0.2 / 4.0, rel=ROUND_OFF)
     # Every finer answer lies between the limit and the coarser one.
@@ -81,18 +81,18 @@ def test_bracket_with_hardness_contains_finer_results(seen):
 
 
 def test_bracket_contains_finer_results(seen):
-    found = seen[3]
-    stretch = 1 + np.square(found.rms_gradient.values) / 8
+    result = seen[3]
+    stretch = 1 + np.square(result.rms_gradient.values) / 8
     for name, of in (("area_fraction", "contact_area_fraction"), ("friction_coefficient", "friction_coefficient")):
-        values = found[of].sel(sliding="all") if "sliding" in found[of].dims else found[of]
-        ends = found[f"bracket_{name}"][:, 0].values
-        assert ends[:, 0] == pytest.approx(float(found[f"plastic_{name}"][0]), rel=ROUND_OFF)
+        values = result[of].sel(sliding="all") if "sliding" in result[of].dims else result[of]
+        ends = result[f"bracket_{name}"][:, 0].values
+        assert ends[:, 0] == pytest.approx(float(result[f"plastic_{name}"][0]), rel=ROUND_OFF)
         for finer in range(ends.shape[0]):
             assert (values[finer, 0].values <= ends[finer:, 1] * stretch[finer]).all()
     # As far above the limit as two standard deviations of κ, squared; of an elastic scan one.
-    count, least = found.contact_count[:, 0].values, float(found.plastic_area_fraction[0])
-    above = found.contact_area_fraction[:, 0].values - least
-    assert found.bracket_area_fraction[:, 0, 1].values == pytest.approx(least + above * kappa_spread(count) ** 2)
+    count, least = result.contact_count[:, 0].values, float(result.plastic_area_fraction[0])
+    above = result.contact_area_fraction[:, 0].values - least
+    assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(least + above * kappa_spread(count) ** 2)
     assert float(most_area(100.0, 1000)) == pytest.approx(100 * math.exp(0.1))
     assert float(most_area(0.9, 1000)) == 1.0
 
@@ -105,39 +105,39 @@ def test_bracket_of_few_contacts_allows_decreasing_area():
     gap = Surface(bodies[0].heights - bodies[1].heights, spacing=0.01)
     factor = 0.25 / float(scale_dependent_roughness(gap, periodic=True).gradient[-1])
     scaled = [Surface(factor * body.heights, spacing=0.01) for body in bodies]
-    found = resolution(*scaled, [0.02 * 2.56**2], cut_offs=[0.08], boundary="periodic", **STEEL)
-    area = found.contact_area_fraction[:, 0].values
+    result = resolution(*scaled, [0.02 * 2.56**2], cut_offs=[0.08], boundary="periodic", **STEEL)
+    area = result.contact_area_fraction[:, 0].values
     assert area[0] > 1.02 * area[1]
-    assert area[0] < float(found.bracket_area_fraction[1, 0].sel(end="upper"))
+    assert area[0] < float(result.bracket_area_fraction[1, 0].sel(end="upper"))
 
 
 def test_resolution_without_hardness_gives_plastic_wavelength(seen):
     upper, lower, load, plastic = seen
-    found = resolution(
+    result = resolution(
         upper, lower, [load], hardness=None, cut_offs=[0.32], boundary="periodic", effective_modulus=115.0
     )
-    assert "friction_coefficient" not in found
-    assert "plastic_area" not in found
-    assert math.isnan(found.attrs["hardness_GPa"])
-    assert found.model == "elastic half-space"
-    assert found.contact_area[0, 0] < found.contact_area[1, 0]
-    assert found.hardness.size > 3
-    lengths = found.plastic_wavelength[:, 0].sel(statistic="value").values
+    assert "friction_coefficient" not in result
+    assert "plastic_area" not in result
+    assert math.isnan(result.attrs["hardness_GPa"])
+    assert result.model == "elastic half-space"
+    assert result.contact_area[0, 0] < result.contact_area[1, 0]
+    assert result.hardness.size > 3
+    lengths = result.plastic_wavelength[:, 0].sel(statistic="value").values
     assert (np.diff(lengths) <= 0).all()  # the harder, the finer
     at_four = float(plastic.plastic_wavelength.sel(statistic="value")[0, 0])
-    harder, softer = (float(found.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0))
+    harder, softer = (float(result.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0))
     assert harder < at_four < softer
 
 
 def test_plastic_wavelength_is_where_slope_reaches_hardness(seen):
-    upper, lower, load, found = seen
-    kappa = float(found.elastic_kappa[0])
+    upper, lower, load, result = seen
+    kappa = float(result.elastic_kappa[0])
     assert kappa == pytest.approx(
-        float(found.elastic_area_fraction[0]) * 115.0 * float(found.rms_gradient[0]) / (load / (128 * 0.04) ** 2)
+        float(result.elastic_area_fraction[0]) * 115.0 * float(result.rms_gradient[0]) / (load / (128 * 0.04) ** 2)
     )
     gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
     roughness = scale_dependent_roughness(gap, periodic=True)
-    value, low, high = found.plastic_wavelength[0, 0].values
+    value, low, high = result.plastic_wavelength[0, 0].values
     assert low <= value <= high
     assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)  # it is in the scan
     # Contacts are few, and κ within a factor of them.
@@ -154,17 +154,17 @@ def test_extrapolation_follows_power_law():
     load = [0.02 * (256 * 0.02) ** 2]
     options = {"boundary": "periodic", "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2, "cut_offs": []}
     fine = resolution(upper, lower, load, hardness=None, **options)
-    found = resolution(*coarse, load, hardness=None, **options)
-    assert found.finer_wavelength[0] == 0.04
-    assert found.continued_rms_gradient.sel(statistic="value")[0] == pytest.approx(
-        float(found.rms_gradient[0]), rel=0.3
+    result = resolution(*coarse, load, hardness=None, **options)
+    assert result.finer_wavelength[0] == 0.04
+    assert result.continued_rms_gradient.sel(statistic="value")[0] == pytest.approx(
+        float(result.rms_gradient[0]), rel=0.3
     )
-    one = found.continued_rms_gradient.sel(finer_wavelength=0.04)
+    one = result.continued_rms_gradient.sel(finer_wavelength=0.04)
     assert one.sel(statistic="lower") <= one.sel(statistic="value") <= one.sel(statistic="upper")
-    area = found.continued_elastic_area_fraction.sel(finer_wavelength=0.01)[0]
+    area = result.continued_elastic_area_fraction.sel(finer_wavelength=0.01)[0]
     assert area.sel(statistic="lower") < area.sel(statistic="value") < area.sel(statistic="upper")
-    mu = found.continued_elastic_friction_coefficient
-    assert (found.continued_rms_gradient.diff("finer_wavelength") >= 0).all()
+    mu = result.continued_elastic_friction_coefficient
+    assert (result.continued_rms_gradient.diff("finer_wavelength") >= 0).all()
     assert mu.min() > 0.2
     assert float(fine.friction_coefficient.sel(sliding="all")[0, 0]) > 0.2
 
@@ -182,8 +182,8 @@ def test_extrapolated_interval_contains_friction_of_finer_scan():
             coarse.append(Surface(np.fft.ifft2(np.where(k <= 1 / 0.32, waves, 0)).real[::2, ::2], spacing=0.04))
         load = [0.2 * 5.12**2]
         options = {"effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2, "boundary": "periodic", "cut_offs": []}
-        found = resolution(*coarse, load, hardness=None, **options)
-        at = found.continued_elastic_friction_coefficient.sel(finer_wavelength=0.08)[0]
+        result = resolution(*coarse, load, hardness=None, **options)
+        at = result.continued_elastic_friction_coefficient.sel(finer_wavelength=0.08)[0]
         truth = resolution(*fine, load, hardness=None, **options).friction_coefficient.sel(sliding="all")[0, 0]
         inside += bool(at.sel(statistic="lower") <= truth <= at.sel(statistic="upper"))
     assert inside >= 5  # of 95 %, two misses would be a chance of 1 in 30
@@ -194,14 +194,14 @@ def test_resolution_of_profiles_averages_both_directions():
         self_affine(2, hurst_exponent=0.8, rms=0.02, points=1024, spacing=0.01, longest_wavelength=2.0, side=side)
         for side in ("upper", "lower")
     )
-    found = resolution(upper, lower, [0.02, 0.1], hardness=4.0, effective_modulus=100.0, mu0=0.3)
-    assert found.cut_off.values == pytest.approx([0.0, 0.04, 0.08, 0.16, 0.32])
-    assert found.sizes["normal_load"] == 2
+    result = resolution(upper, lower, [0.02, 0.1], hardness=4.0, effective_modulus=100.0, mu0=0.3)
+    assert result.cut_off.values == pytest.approx([0.0, 0.04, 0.08, 0.16, 0.32])
+    assert result.sizes["normal_load"] == 2
     curve = half_space(upper, lower, [0.02, 0.1], hardness=4.0, effective_modulus=100.0)
     both = [curve.with_direction(way) for way in ("+x", "-x")]
-    normal = sum(each.normal_load(mu0=0.3) for each in both)
-    mu = sum(each.tangential_load(mu0=0.3) for each in both) / normal
-    assert found.friction_coefficient.sel(sliding="opposing")[0].values == pytest.approx(mu, rel=1e-6)
+    normal = sum(item.normal_load(mu0=0.3) for item in both)
+    mu = sum(item.tangential_load(mu0=0.3) for item in both) / normal
+    assert result.friction_coefficient.sel(sliding="opposing")[0].values == pytest.approx(mu, rel=1e-6)
 
 
 def test_resolution_scales_with_size():
@@ -214,16 +214,16 @@ def test_resolution_scales_with_size():
 
 
 def test_resolution_dataset_has_units_and_is_written_to_netcdf(seen, tmp_path):
-    found = seen[3]
-    assert (found.instrument_limit_um, found.instrument_limit_reason) == (0.08, "pixels")
-    for name, values in found.data_vars.items():
+    result = seen[3]
+    assert (result.instrument_limit_um, result.instrument_limit_reason) == (0.08, "pixels")
+    for name, values in result.data_vars.items():
         assert values.attrs["units"], name
         assert values.attrs["long_name"], name
     for name in ("cut_off", "normal_load", "hardness", "finer_wavelength"):
-        assert found[name].attrs["units"] in ("µm", "mN", "GPa")
-    found.to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
+        assert result[name].attrs["units"] in ("µm", "mN", "GPa")
+    result.to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
     with xr.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as again:
-        xr.testing.assert_equal(again.load(), found)
+        xr.testing.assert_equal(again.load(), result)
 
 
 def test_unsolved_load_gives_nan_and_progress(monkeypatch):
@@ -239,19 +239,19 @@ def test_unsolved_load_gives_nan_and_progress(monkeypatch):
 
     monkeypatch.setattr(module, "half_space", failing)
     steps = []
-    found = resolution(
+    result = resolution(
         upper, lower, [0.5, 2.0], boundary="periodic", cut_offs=[0.64],
         progress=lambda done, count: steps.append((done, count)), **STEEL,
     )  # fmt: skip
     assert steps == [(0, 3), (1, 3), (2, 3), (3, 3)]
-    assert np.isfinite(found.contact_area[:, 0]).all()
-    assert np.isnan(found.contact_area[:, 1]).all()
-    assert np.isnan(found.friction_coefficient[..., 1]).all()
-    assert np.isnan(found.plastic_wavelength[:, 1]).all()
+    assert np.isfinite(result.contact_area[:, 0]).all()
+    assert np.isnan(result.contact_area[:, 1]).all()
+    assert np.isnan(result.friction_coefficient[..., 1]).all()
+    assert np.isnan(result.plastic_wavelength[:, 1]).all()
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         ({"hardness": 0.0}, "hardness must be a finite number above 0 GPa"),
         ({"cut_offs": [0.1]}, r"cut_offs must be 0 or from two points, 0.32 µm, to a third of the shortest side"),
@@ -265,8 +265,8 @@ def test_unsolved_load_gives_nan_and_progress(monkeypatch):
         ({"direction": 1j}, "direction must be"),
     ],
 )
-def test_resolution_rejects_bad_arguments(changes, said):
+def test_resolution_rejects_bad_arguments(changes, message):
     upper, lower = pair(points=32, spacing=0.16)
     arguments = {"upper": upper, "lower": lower, "loads": [0.5], "hardness": 4.0} | changes
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match=message):
         resolution(arguments.pop("upper"), arguments.pop("lower"), arguments.pop("loads"), **arguments)

@@ -21,23 +21,23 @@ def both(bodies):
 
 def test_spectral_resolution_uses_smaller_of_elastic_pressure_and_hardness():
     upper, lower = both(pair())
-    found = spectral_resolution(upper, lower, **OPTIONS)
-    gradient = np.hypot(upper.gradient_at(found.wavelength), lower.gradient_at(found.wavelength))
-    assert found.rms_gradient.values == pytest.approx(gradient)
+    result = spectral_resolution(upper, lower, **OPTIONS)
+    gradient = np.hypot(upper.gradient_at(result.wavelength), lower.gradient_at(result.wavelength))
+    assert result.rms_gradient.values == pytest.approx(gradient)
     pressure = np.minimum(115.0 * gradient / 2.2, 4.0)
     shown = np.maximum(pressure, 0.05)  # no more than all touches
-    assert found.mean_pressure.values == pytest.approx(shown)
-    assert found.contact_area_fraction.values == pytest.approx(0.05 / shown)
-    mu = found.friction_coefficient.sel(sliding="all").values
+    assert result.mean_pressure.values == pytest.approx(shown)
+    assert result.contact_area_fraction.values == pytest.approx(0.05 / shown)
+    mu = result.friction_coefficient.sel(sliding="all").values
     assert mu == pytest.approx(0.2 + 0.2 / shown)
     assert mu[-1] == pytest.approx(0.2 + 0.2 / 4.0)
-    at = float(found.plastic_wavelength)
-    assert float(found.rms_gradient.sel(wavelength=at)) >= 2.2 * 4.0 / 115.0
+    at = float(result.plastic_wavelength)
+    assert float(result.rms_gradient.sel(wavelength=at)) >= 2.2 * 4.0 / 115.0
     elastic = spectral_resolution(upper, lower, **OPTIONS | {"hardness": None})
-    ratio = np.asarray(upper.gradient_at(found.wavelength) / lower.gradient_at(found.wavelength))
-    wanted = gentle_friction(0.2, 0.2, rms_gradient=gradient, effective_modulus=115.0, kappa=2.2, slope_ratio=ratio)
+    ratio = np.asarray(upper.gradient_at(result.wavelength) / lower.gradient_at(result.wavelength))
+    expected = gentle_friction(0.2, 0.2, rms_gradient=gradient, effective_modulus=115.0, kappa=2.2, slope_ratio=ratio)
     light = elastic.contact_area_fraction.values < 1
-    assert elastic.friction_coefficient.sel(sliding="opposing").values[light] == pytest.approx(wanted[light])
+    assert elastic.friction_coefficient.sel(sliding="opposing").values[light] == pytest.approx(expected[light])
     assert math.isnan(elastic.plastic_wavelength)
 
 
@@ -48,25 +48,25 @@ def test_spectral_resolution_agrees_with_half_space():
     solved = resolution(
         *bodies, [load], hardness=4.0, mu0=0.2, tau0=0.2, effective_modulus=115.0, boundary="periodic", cut_offs=[]
     )
-    found = spectral_resolution(upper, lower, **OPTIONS, wavelengths=[0.04])
-    assert float(found.contact_area_fraction[0]) == pytest.approx(float(solved.contact_area_fraction[0, 0]), rel=0.15)
+    result = spectral_resolution(upper, lower, **OPTIONS, wavelengths=[0.04])
+    assert float(result.contact_area_fraction[0]) == pytest.approx(float(solved.contact_area_fraction[0, 0]), rel=0.15)
     # A patch opposes as a whole, by less than its points.
     for rule, within in (("all", 0.05), ("opposing", 0.15)):
-        one, other = (each.friction_coefficient.sel(sliding=rule).values.ravel()[0] for each in (found, solved))
+        one, other = (item.friction_coefficient.sel(sliding=rule).values.ravel()[0] for item in (result, solved))
         assert one == pytest.approx(other, rel=within)
 
 
 def test_spectral_resolution_on_flat_uses_slopes_of_one_surface():
     upper = both(pair(64))[0]
-    found = spectral_resolution(upper, None, **OPTIONS)
-    assert found.rms_gradient.values == pytest.approx(upper.gradient_at(found.wavelength))
+    result = spectral_resolution(upper, None, **OPTIONS)
+    assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))
     # A flat shares no slope: contacts are level.
-    opposing, everything = (found.friction_coefficient.sel(sliding=rule).values for rule in ("opposing", "all"))
+    opposing, everything = (result.friction_coefficient.sel(sliding=rule).values for rule in ("opposing", "all"))
     assert opposing == pytest.approx(everything / 2)
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         ({"pressure": 0.0}, "pressure must be a finite number above 0 GPa"),
         ({"hardness": 0.01}, "hardness must be a finite number above 0.05 GPa"),
@@ -76,9 +76,9 @@ def test_spectral_resolution_on_flat_uses_slopes_of_one_surface():
         ({"wavelengths": [0.0]}, "wavelength must be above 0"),
     ],
 )
-def test_spectral_resolution_rejects_bad_arguments(changes, said):
+def test_spectral_resolution_rejects_bad_arguments(changes, message):
     upper, lower = both(pair(32))
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match=message):
         spectral_resolution(upper, lower, **OPTIONS | changes)
     line = scale_dependent_roughness(Profile(np.sin(np.arange(99.0)), spacing=0.1))
     with pytest.raises(ValueError, match="must be the ScaleDependentRoughness of areas"):

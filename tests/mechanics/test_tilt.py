@@ -16,9 +16,9 @@ def pair_of(seed, shape=(48, 64)):
 def resultant(curve, index, missing=None):
     """Distance from the middle of what is there, over the length."""
     contact = curve.contact(index)
-    there = np.ones(contact.pressure.shape) if missing is None else 1.0 * ~missing
+    present = np.ones(contact.pressure.shape) if missing is None else 1.0 * ~missing
     places = np.indices(contact.pressure.shape).reshape(contact.pressure.ndim, -1)
-    middles = [places @ weight.ravel() / weight.sum() for weight in (contact.pressure, there)]
+    middles = [places @ weight.ravel() / weight.sum() for weight in (contact.pressure, present)]
     return (middles[0] - middles[1]) / contact.pressure.shape
 
 
@@ -32,8 +32,8 @@ def test_free_tilt_centres_resultant_and_changes_stiffness(hardness, holes):
         lower = Surface(lower.heights, spacing=lower.spacing, missing=missing)
     loads = [0.1, 0.98, 1.0, 1.02, 5.0]
     fixed, free = (half_space(upper, lower, loads, tilt=tilt, hardness=hardness) for tilt in ("fixed", "free"))
-    assert np.abs([resultant(fixed, each, missing) for each in range(5)]).max() > 0.05
-    assert np.abs([resultant(free, each, missing) for each in range(5)]).max() < OFF_CENTRE
+    assert np.abs([resultant(fixed, index, missing) for index in range(5)]).max() > 0.05
+    assert np.abs([resultant(free, index, missing) for index in range(5)]).max() < OFF_CENTRE
     assert not fixed.tilt.any()
     assert free.tilt.shape == (5, 2)
     area = (~missing).sum() * 0.01
@@ -50,12 +50,12 @@ def test_closure_is_decrease_of_mean_gap(boundary):
     holed = Surface(lower.heights, spacing=lower.spacing, missing=np.arange(64) >= 50 + np.zeros((48, 1)))
     for below in (holed, lower):
         curve = half_space(upper, below, [0.5, 5.0, 5.001], boundary=boundary, tolerance=1e-8)
-        there = ~np.isnan(curve.contact(0).gap)
-        gap = (upper.heights - lower.heights)[there]
+        present = ~np.isnan(curve.contact(0).gap)
+        gap = (upper.heights - lower.heights)[present]
         for index in range(3):
             lost = (gap - gap.min()).mean() - np.nanmean(curve.contact(index).gap)
             assert curve.closure[index] == pytest.approx(lost, rel=1e-9)
-        rise = 0.001 / (there.sum() * 0.01) / (curve.closure[2] - curve.closure[1])
+        rise = 0.001 / (present.sum() * 0.01) / (curve.closure[2] - curve.closure[1])
         assert curve.closure_stiffness[1] == pytest.approx(rise, rel=1e-3)
     if boundary == "periodic":
         np.testing.assert_allclose(curve.closure, curve.approach, rtol=1e-9)
@@ -69,17 +69,17 @@ def test_tilt_response_agrees_with_dense_matrices():
 
     one = half_space(*pair_of(3, (24, 32)), [1.0]).at(0)
     problem, free = one.problem, one.on_grid(one.free)
-    found, points = Answer.of(problem, free), np.flatnonzero(free)
+    result, points = Answer.of(problem, free), np.flatnonzero(free)
     unit = np.eye(free.size).reshape(-1, *free.shape)
     kernel = np.array([problem.grids.displacement(unit[point]).ravel()[points] for point in points])
     whole = np.block([[kernel, -np.ones((points.size, 1))], [np.ones((1, points.size)), np.zeros((1, 1))]])
     arms = [np.broadcast_to(arm, free.shape).ravel()[points] for arm in arms_of(problem)]
     level = np.linalg.solve(whole, np.r_[np.zeros(points.size), free.size])
     turned = [np.linalg.solve(whole, np.r_[-arm, 0.0])[:-1] for arm in arms]
-    turning = [[each @ arm / free.size for arm in arms] for each in turned]
-    assert found.approach == pytest.approx(level[-1], rel=DENSE)
-    np.testing.assert_allclose(found.moments, [level[:-1] @ arm / free.size for arm in arms], rtol=DENSE)
-    np.testing.assert_allclose(found.turning, turning, rtol=100 * DENSE)
+    turning = [[item @ arm / free.size for arm in arms] for item in turned]
+    assert result.approach == pytest.approx(level[-1], rel=DENSE)
+    np.testing.assert_allclose(result.moments, [level[:-1] @ arm / free.size for arm in arms], rtol=DENSE)
+    np.testing.assert_allclose(result.turning, turning, rtol=100 * DENSE)
 
 
 @pytest.mark.parametrize("areal", [True, False])

@@ -147,7 +147,7 @@ def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, convex=
     zero = gap.min()
     of_gap, of_lower, of_upper = Spline(gap, spacing), Spline(lower, spacing), Spline(upper, spacing)
     extent = (np.array(gap.shape) - 1)[::-1] * np.array(spacing)[::-1]
-    found = []
+    values = []
     for x, y in minima(gap, spacing):
         height = float(of_gap([x], [y])[0]) - zero
         if height >= approach:
@@ -171,14 +171,14 @@ def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, convex=
         leaves = (np.array([x, y]) < reach).any() or (np.array([x, y]) + reach > extent).any()
         ellipse_of = np.array([x, y]), a * directions[0], b * directions[1]
         of_force, of_area = inside(*ellipse_of, extent) if leaves else (1.0, 1.0)
-        found.append({
+        values.append({
             "x": x, "y": y, "z": float(of_lower([x], [y])[0]), "normal": normal, "radii": (longer, shorter),
             "axes": (a * np.sqrt(of_area), b * np.sqrt(of_area)), "along": directions[0],
             "overlap": overlap, "leaves": leaves,
             "force": of_force * 2 / 3 * np.pi * a * overlap * effective_modulus / first,
             "area": of_area * np.pi * a * b,
         })  # fmt: skip
-    return found
+    return values
 
 
 def sums(found, angle, sliding="opposing"):

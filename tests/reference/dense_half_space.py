@@ -90,11 +90,11 @@ def faults(pressure, gap, spacing, modulus, load, *, periodic, tolerance, hardne
     potential = (u + gap) / unit
     between, capped = (pressure > 0) & (pressure < hardness), pressure >= hardness
     approach = potential[between].mean() if between.any() else potential[capped].max()
-    found = potential - approach
+    result = potential - approach
     wrong = {
         "load": abs(pressure.sum() * np.prod(spacing) / load - 1), "suction": -min(pressure.min(), 0) / pressure.max(),
         "above the hardness": max(pressure.max() / hardness - 1, 0),
-        "open under pressure": np.max(found[pressure > 0], initial=0), "overlap": np.max(-found[~capped], initial=0),
+        "open under pressure": np.max(result[pressure > 0], initial=0), "overlap": np.max(-result[~capped], initial=0),
     }  # fmt: skip
     return [f"{name} {size:.1e}" for name, size in wrong.items() if not size <= tolerance]
 
@@ -111,8 +111,8 @@ def pressure(matrix, gap, approach, *, total=None, bound=np.inf):
     # Stark & Parker's active set, which wants room between the bounds.
     most = np.broadcast_to(bound, gap.shape).ravel()
     bears = most > 0
-    found = np.zeros(most.size)
-    found[bears] = scipy.optimize.lsq_linear(
+    result = np.zeros(most.size)
+    result[bears] = scipy.optimize.lsq_linear(
         factor.T[:, bears], right, (0, most[bears]), method="bvls", tol=1e-15, max_iter=10_000
     ).x
-    return found
+    return result

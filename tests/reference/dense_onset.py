@@ -12,7 +12,7 @@ ROUND_OFF = 1e-13
 def traction(compliance, bound, total):
     """The traction with a sum, and the displacement of what sticks."""
     least, most = np.zeros(bound.size, bool), np.zeros(bound.size, bool)
-    seen = set()
+    recorded = set()
     for _ in range(10 * bound.size):
         sticks = ~(least | most)
         q = np.where(most, bound, 0.0)
@@ -31,9 +31,9 @@ def traction(compliance, bound, total):
             return np.clip(q, 0, bound), way
         # All at once, as long as that is new; else the first alone, which ends (Murty).
         state = least.tobytes() + most.tobytes()
-        if state in seen:
+        if state in recorded:
             wrong[np.flatnonzero(wrong)[0] + 1 :] = False
-        seen.add(state)
+        recorded.add(state)
         freed = wrong & ~sticks
         least, most = least & ~freed, most & ~freed
         least |= wrong & sticks & (q < 0)

@@ -26,9 +26,9 @@ def least_energy(heights, spacing, load, gap, *, effective_modulus, work_of_adhe
         return energy / (strength * adhesion_range), slope.ravel() / strength
 
     start = gap.ravel() / adhesion_range
-    bounds = [(0, FARTHEST + each) for each in heights.ravel() / adhesion_range]
+    bounds = [(0, FARTHEST + item) for item in heights.ravel() / adhesion_range]
     options = {"maxiter": 20_000, "maxfun": 50_000, "ftol": 1e-16, "gtol": 1e-9, "maxcor": 30}
-    found = minimize(value, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
-    gap = found.x.reshape(heights.shape) * adhesion_range
-    pressure = np.where(gap > 0, 0.0, value(found.x)[1].reshape(heights.shape) * strength)
+    result = minimize(value, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
+    gap = result.x.reshape(heights.shape) * adhesion_range
+    pressure = np.where(gap > 0, 0.0, value(result.x)[1].reshape(heights.shape) * strength)
     return gap, pressure

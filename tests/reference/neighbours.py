@@ -41,7 +41,7 @@ def of_quantity(quantity, positions, correlation, random, trials=20000):
 
 def judged(interval, values, truth, best):
     """Share of intervals of values (trials, positions) that cover, width over the best, and share that is given."""
-    ends = np.array([interval(each)[1:] for each in values])
+    ends = np.array([interval(value)[1:] for value in values])
     ends = ends[np.isfinite(ends).all(axis=1)]
     covered = (ends[:, 0] <= truth) & (truth <= ends[:, 1])
     return covered.mean(), np.median(ends[:, 1] - ends[:, 0]) / best, len(ends) / len(values)

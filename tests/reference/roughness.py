@@ -166,12 +166,12 @@ def features(z, spacing):
 def dominant_wavelength(z, spacing):
     """Wavelength of the largest of all Fourier coefficients, each a sum over the points."""
     rows, columns = z.shape
-    best, found = 0.0, math.nan
+    best, result = 0.0, math.nan
     y, x = np.arange(rows)[:, np.newaxis], np.arange(columns)
     for k in range(-(rows // 2), rows // 2 + 1):
         for m in range(columns // 2 + 1):
             size = abs((z * np.exp(-2j * math.pi * (k * y / rows + m * x / columns))).sum())
             if (k, m) != (0, 0) and size > best * (1 + 1e-9):
                 best = size
-                found = 1 / math.hypot(k / (rows * spacing[0]), m / (columns * spacing[1]))
-    return found
+                result = 1 / math.hypot(k / (rows * spacing[0]), m / (columns * spacing[1]))
+    return result

@@ -163,8 +163,8 @@ class Storm:
                 self.kill("--part", parts[again])
                 parts[again] = self.start("--part", f"{again}/4", "--workers", "1")
                 self.wait(*parts.values())
-                for each in self.chance.sample(sorted(parts), 4):
-                    self.kill("--part", parts[each])
+                for item in self.chance.sample(sorted(parts), 4):
+                    self.kill("--part", parts[item])
                     time.sleep(self.chance.uniform(0, 0.3))
 
     def start_scheduler(self) -> None:
@@ -237,7 +237,7 @@ class Storm:
 
 
 def crc(values: list[np.ndarray]) -> int:
-    return zlib.crc32(b"".join(np.ascontiguousarray(each).tobytes() for each in values))
+    return zlib.crc32(b"".join(np.ascontiguousarray(value).tobytes() for value in values))
 
 
 def main() -> None:

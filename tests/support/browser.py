@@ -91,8 +91,8 @@ AXE = "axe.run({rules: {'label-content-name-mismatch': {enabled: true}}}).then(a
 def faults(driver, script):
     """All that axe-core finds in a page and in those inside it, with the elements."""
     driver.execute_script(script)
-    found = driver.execute_async_script(AXE)
-    return [(fault["id"], [node["html"][:120] for node in fault["nodes"]]) for fault in found["violations"]]
+    result = driver.execute_async_script(AXE)
+    return [(fault["id"], [node["html"][:120] for node in fault["nodes"]]) for fault in result["violations"]]
 
 
 def settle(driver):
@@ -122,5 +122,7 @@ def press(driver, name, keys):
 def foreign_requests(driver, path):
     """Addresses of all requests since the page of a file was opened, but for its own."""
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
-    sent = [each["params"]["request"]["url"] for each in messages if each["method"] == "Network.requestWillBeSent"]
+    sent = [
+        message["params"]["request"]["url"] for message in messages if message["method"] == "Network.requestWillBeSent"
+    ]
     return {url for url in sent if not url.startswith(("data:", "blob:")) and url.split("#")[0] != path.as_uri()}

@@ -83,13 +83,16 @@ def fuzz_study_file(random, folder):
     ):
         return None  # too much to compute
     output = folder / "output"
-    done = call_stiction("run", path, "--output", output, "--workers", "1", cwd=folder)
-    assert done.returncode in (0, 2), (text, done)
-    assert done.returncode == 0 or (done.stdout + done.stderr).startswith("stiction: "), (text, done)
-    assert "Traceback" not in done.stderr, (text, done)
-    assert (done.returncode == 0) <= (study is not None), (text, done)
+    completed = call_stiction("run", path, "--output", output, "--workers", "1", cwd=folder)
+    assert completed.returncode in (0, 2), (text, completed)
+    assert completed.returncode == 0 or (completed.stdout + completed.stderr).startswith("stiction: "), (
+        text,
+        completed,
+    )
+    assert "Traceback" not in completed.stderr, (text, completed)
+    assert (completed.returncode == 0) <= (study is not None), (text, completed)
     shutil.rmtree(output, ignore_errors=True)
-    return done.returncode
+    return completed.returncode
 
 
 # ---- Stores ---------------------------------------------------------------------------------------------------------
@@ -111,11 +114,11 @@ def fuzz_store(random, pristine, folder):
     (folder / "out.nc").unlink(missing_ok=True)
     statuses = []
     for arguments in (("info", copy), ("export", copy, folder / "out.nc"), ("plot", copy)):
-        done = call_stiction(*arguments, cwd=folder)
-        assert done.returncode in (0, 2), (arguments, done)
-        assert done.returncode == 0 or "stiction: " in done.stderr, (arguments, done)
-        assert "Traceback" not in done.stderr, (arguments, done)
-        statuses.append(done.returncode)
+        completed = call_stiction(*arguments, cwd=folder)
+        assert completed.returncode in (0, 2), (arguments, completed)
+        assert completed.returncode == 0 or "stiction: " in completed.stderr, (arguments, completed)
+        assert "Traceback" not in completed.stderr, (arguments, completed)
+        statuses.append(completed.returncode)
     return statuses[-1]
 
 
@@ -172,13 +175,13 @@ def fuzz_measured(random, name, pristine, folder):
             try:
                 body = read(path, **chosen)
             except stiction.FormatError as error:
-                said = str(error)
+                message = str(error)
             else:
-                said = f"{path}: "
+                message = f"{path}: "
                 assert np.isfinite(body.heights).all()
                 outcome = "read"
-        assert said.startswith(f"{path}: "), (bytes(data), said)
-        assert "\n" not in said, (bytes(data), said)
+        assert message.startswith(f"{path}: "), (bytes(data), message)
+        assert "\n" not in message, (bytes(data), message)
     return outcome
 
 

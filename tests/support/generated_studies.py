@@ -39,7 +39,7 @@ TINY = Study().with_changes(
 def empty_dataset(study):
     """Return the dataset of a study before anything is computed: zeros, with units, names and attributes."""
     numbers = np.arange(study.ensemble.repetitions)
-    arrays = {name: np.zeros(each.shape, each.dtype) for name, each in variables_of(study, numbers).items()}
+    arrays = {name: np.zeros(item.shape, item.dtype) for name, item in variables_of(study, numbers).items()}
     if study.is_measured:
         arrays |= {name: np.zeros(numbers.size, dtype) for name, dtype in OF_MEMBERS.items()}
     return dataset_of(study, numbers, arrays, About(nominal_area=1.0) if study.is_measured else None)
@@ -71,10 +71,10 @@ def assert_same_bits(actual, expected):
 
 def rewrite_variable(file, name, change):
     """Replace a variable of a netCDF file by `change(values)` over the same dimensions."""
-    scales = [[each[i] for i in range(len(each))] for each in file[name].dims]
+    scales = [[dim[i] for i in range(len(dim))] for dim in file[name].dims]
     values = change(file[name][...])
     del file[name]
     new = file.create_dataset(name, data=values)
-    for axis, each in enumerate(scales[: new.ndim]):
-        for scale in each:
+    for axis, item in enumerate(scales[: new.ndim]):
+        for scale in item:
             new.dims[axis].attach_scale(scale)

@@ -9,7 +9,7 @@ def filtered_noise(rng, shape, hurst, *, longest=None, shortest=None, stretch=1.
     """Self-affine piece of a field twice as large; wavelengths in points, stretched along the first axis."""
     frequencies = list(np.meshgrid(*(np.fft.fftfreq(2 * size) for size in shape), indexing="ij"))
     frequencies[0] = frequencies[0] * stretch
-    radius = np.sqrt(sum(np.square(each) for each in frequencies))
+    radius = np.sqrt(sum(np.square(frequency) for frequency in frequencies))
     radius.flat[0] = np.inf
     amplitude = np.maximum(radius, 0 if longest is None else 1 / longest) ** (-hurst - len(shape) / 2)
     amplitude.flat[0] = 0

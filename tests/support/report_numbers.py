@@ -45,14 +45,14 @@ class PageNumbers:
         """The points that `readOff` returns, as arrays by name."""
         points = self(f"(...rest) => readOff(results[{motion}], ...rest)", quantity, *arguments)
         names = ("value", "lower", "upper")
-        found = {name: np.array([point[name] for point in points]) for name in names}
-        found["status"] = np.array([point["status"] for point in points])
+        result = {name: np.array([point[name] for point in points]) for name in names}
+        result["status"] = np.array([point["status"] for point in points])
         for name in self("() => Object.keys(facts.validity)"):
-            found[name] = np.array([(point["validity"] or {}).get(name, np.nan) for point in points])
-        return found
+            result[name] = np.array([(point["validity"] or {}).get(name, np.nan) for point in points])
+        return result
 
 
 def _element(page, name):
     """The text of a script element of a page, if there is one."""
-    found = re.search(rf'<script type="[\w/-]+" id="{name}">(.*?)</script>', page, re.DOTALL)
-    return found[1] if found else ""
+    result = re.search(rf'<script type="[\w/-]+" id="{name}">(.*?)</script>', page, re.DOTALL)
+    return result[1] if result else ""

@@ -50,7 +50,7 @@ def measured(
     all_rub=0.21, opposing=0.11, by_axis=None, status="ok", members=16, ok=16, **changes,
 ):  # fmt: skip
     """A result of measured bodies: every load, mu0 and tau0 has the same numbers, or those of `changes`."""
-    axes = sorted({each % 180 for each in directions})
+    axes = sorted({direction % 180 for direction in directions})
     sizes = {
         "cut_off": len(cut_offs), "sliding": 2, "direction": len(directions), "axis": len(axes), "load": len(loads),
         "mu0": len(mu0), "tau0": len(tau0), "fraction_below": 2, "statistic": 3,

@@ -35,9 +35,9 @@ def test_cut_off_equals_local_weighted_line(points):
     profile = rough(points=200)
     wavelength = points * profile.spacing
     smooth = cut_off(profile, wavelength).heights
-    wanted = by_definition(profile.heights, profile.spacing, wavelength)
+    expected = by_definition(profile.heights, profile.spacing, wavelength)
     tolerance = max(WEIGHTS, 2 ** -((points / 2) ** 2)) * np.ptp(profile.heights)
-    assert np.abs(smooth - wanted).max() < tolerance
+    assert np.abs(smooth - expected).max() < tolerance
 
 
 def test_cut_off_filters_surface_along_both_axes():
@@ -56,9 +56,9 @@ def test_cut_off_transmits_half_at_cutoff_and_gaussian_fraction_elsewhere(wavele
         smooth = cut_off(Profile(7 + waves[:, 0], spacing=0.1), wavelength, periodic=periodic).heights - 7
         middle = slice(700, 1300)
         amplitude = np.hypot(*np.linalg.lstsq(waves[middle], smooth[middle], rcond=None)[0])
-        wanted = math.exp(-math.log(2) * (wavelength / length) ** 2)
-        assert amplitude == pytest.approx(wanted, abs=ROUND_OFF if periodic else FEW_WEIGHTS)
-        assert transmission(2 * np.pi / length, wavelength) == pytest.approx(wanted, rel=ROUND_OFF)
+        expected = math.exp(-math.log(2) * (wavelength / length) ** 2)
+        assert amplitude == pytest.approx(expected, abs=ROUND_OFF if periodic else FEW_WEIGHTS)
+        assert transmission(2 * np.pi / length, wavelength) == pytest.approx(expected, rel=ROUND_OFF)
 
 
 def test_cut_off_of_periodic_surface_is_isotropic():
@@ -103,7 +103,7 @@ def test_cut_off_adds_history_and_keeps_grid():
 
 
 @pytest.mark.parametrize(
-    ("body", "wavelength", "said"),
+    ("body", "wavelength", "message"),
     [
         (rough(), 0.019, r"wavelength must be from two points, 0.02 µm, to a third of the shortest side, 3.3\d* µm"),
         (rough(), 3.4, "wavelength must be from two points"),
@@ -113,8 +113,8 @@ def test_cut_off_adds_history_and_keeps_grid():
         ([1.0, 2.0], 1.0, "body must be a Profile or a Surface, got list"),
     ],
 )
-def test_cut_off_rejects_bad_arguments(body, wavelength, said):
-    with pytest.raises(ValueError, match=said):
+def test_cut_off_rejects_bad_arguments(body, wavelength, message):
+    with pytest.raises(ValueError, match=message):
         cut_off(body, wavelength)
 
 

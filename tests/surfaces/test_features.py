@@ -17,17 +17,17 @@ def test_peaks_equal_those_of_a_literal_merge_of_hills(seed, pruning):
     for sign in (1, -1):
         threshold = pruning * float(np.ptp(heights))
         expected = slow.wolf_pruned_peaks(sign * heights, threshold)
-        found = {divmod(int(index), 27) for index in significant_peaks(sign * heights, threshold)}
-        assert found == expected
+        result = {divmod(int(index), 27) for index in significant_peaks(sign * heights, threshold)}
+        assert result == expected
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_feature_parameters_equal_their_definitions(seed):
     surface = self_affine_map(seed, 0.6, (24, 30), spacing=(0.5, 0.25))
     z = surface.heights - surface.heights.mean()
-    found, expected = surface_parameters(surface), slow.features(z, surface.spacing)
+    result, expected = surface_parameters(surface), slow.features(z, surface.spacing)
     for name, value in expected.items():
-        assert getattr(found, name) == pytest.approx(value, rel=1e-9), name
+        assert getattr(result, name) == pytest.approx(value, rel=1e-9), name
 
 
 def test_egg_box_has_the_peaks_and_the_curvature_of_its_cosines():
@@ -35,13 +35,13 @@ def test_egg_box_has_the_peaks_and_the_curvature_of_its_cosines():
     points, amplitude, spacing = 40, 0.3, 0.05
     x = 2 * np.pi * (np.arange(5 * points) + points / 2 + 0.25) / points
     surface = Surface(amplitude / 2 * (np.cos(x)[:, np.newaxis] + np.cos(x)), spacing=spacing)
-    found = surface_parameters(surface)
+    result = surface_parameters(surface)
     wave_number = 2 * math.pi / (points * spacing)
-    assert found.Spd == pytest.approx(25 / (5 * points * spacing) ** 2)
-    assert found.Spc == pytest.approx(amplitude * wave_number**2 / 2, rel=5e-3)
-    assert (found.S5p, found.S5v) == pytest.approx((amplitude, amplitude), rel=2e-3)
-    assert found.S10z == pytest.approx(2 * amplitude, rel=2e-3)
-    assert found.Ssw == pytest.approx(points * spacing)
+    assert result.Spd == pytest.approx(25 / (5 * points * spacing) ** 2)
+    assert result.Spc == pytest.approx(amplitude * wave_number**2 / 2, rel=5e-3)
+    assert (result.S5p, result.S5v) == pytest.approx((amplitude, amplitude), rel=2e-3)
+    assert result.S10z == pytest.approx(2 * amplitude, rel=2e-3)
+    assert result.Ssw == pytest.approx(points * spacing)
 
 
 def test_plateaus_count_as_one_peak():
@@ -53,10 +53,10 @@ def test_plateaus_count_as_one_peak():
 
 def test_few_peaks_have_no_five_point_height():
     y, x = np.arange(20.0)[:, np.newaxis], np.arange(30.0)
-    found = feature_parameters(-((x - 15) ** 2) - (y - 10) ** 2, (1.0, 1.0))
-    assert math.isnan(found.peak_height)
-    assert math.isnan(found.pit_depth)  # four corners
-    assert found.density == pytest.approx(1 / 600)
+    result = feature_parameters(-((x - 15) ** 2) - (y - 10) ** 2, (1.0, 1.0))
+    assert math.isnan(result.peak_height)
+    assert math.isnan(result.pit_depth)  # four corners
+    assert result.density == pytest.approx(1 / 600)
 
 
 def test_dominant_wavelength_is_that_of_the_largest_coefficient():

@@ -24,8 +24,8 @@ class TestGaussian:
     def test_s_filter_equals_weighted_least_squares_at_each_point(self, cutoff):
         profile = rough(points=200)  # 2 µm long
         expected = mean_line(profile.heights, profile.spacing, cutoff)
-        found = filtered(profile, cutoff=cutoff).heights
-        assert np.abs(found - expected).max() < SAMPLED * total_height(profile)
+        result = filtered(profile, cutoff=cutoff).heights
+        assert np.abs(result - expected).max() < SAMPLED * total_height(profile)
 
     def test_l_filter_is_the_deviation_from_the_s_filter(self):
         for body in (rough(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
@@ -42,8 +42,8 @@ class TestGaussian:
         transmission = math.exp(-math.pi * (math.sqrt(math.log(2) / math.pi) * ratio) ** 2)
         middle = slice(360, 440)  # a wave from ends that lie further than all weights
         for kind, factor in (("S", transmission), ("L", 1 - transmission)):
-            found = filtered(wave, cutoff=cutoff, kind=kind).heights[middle]
-            assert np.abs(found - factor * wave.heights[middle]).max() < 1e-9
+            result = filtered(wave, cutoff=cutoff, kind=kind).heights[middle]
+            assert np.abs(result - factor * wave.heights[middle]).max() < 1e-9
 
     def test_straight_line_and_plane_have_no_roughness_up_to_the_ends(self):
         x = 0.1 * np.arange(60)
@@ -65,8 +65,8 @@ class TestMissingPoints:
             filtered(Profile(heights, spacing=profile.spacing, missing=missing), cutoff=0.3).heights
             for heights in (profile.heights, np.where(missing, 1e3, profile.heights))
         ]
-        for found in results:
-            assert np.abs(found - expected)[~missing].max() < SAMPLED * total_height(profile)
+        for result in results:
+            assert np.abs(result - expected)[~missing].max() < SAMPLED * total_height(profile)
 
     def test_surface_filter_gives_missing_points_no_weight(self):
         surface, missing = self_affine_map(1, 0.7, (24, 30), spacing=(0.5, 0.25)), np.zeros((24, 30), bool)
@@ -74,15 +74,15 @@ class TestMissingPoints:
         expected = mean_surface(
             surface.heights, surface.spacing, 6.0, [(0, 0), (0, 1), (1, 0), (1, 1)], (~missing).astype(float)
         )
-        found = filtered(Surface(surface.heights, spacing=surface.spacing, missing=missing), cutoff=6.0).heights
-        assert np.abs(found - expected)[~missing].max() < SAMPLED * total_height(surface)
+        result = filtered(Surface(surface.heights, spacing=surface.spacing, missing=missing), cutoff=6.0).heights
+        assert np.abs(result - expected)[~missing].max() < SAMPLED * total_height(surface)
 
     def test_heights_stay_where_no_measured_point_is_in_reach(self):
         missing = np.zeros(400, bool)
         missing[100:300] = True
         profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=missing)
-        found = filtered(profile, cutoff=9.0).heights
-        assert found[200] == pytest.approx(profile.heights[200], rel=1e-9)
+        result = filtered(profile, cutoff=9.0).heights
+        assert result[200] == pytest.approx(profile.heights[200], rel=1e-9)
         periodic = filtered(profile, cutoff=9.0, periodic=True).heights
         assert periodic[200] == pytest.approx(profile.heights[200], rel=1e-9)
 
@@ -94,29 +94,29 @@ class TestRobust:
         heights[[30, 31, 80]] -= 3 * total_height(profile)
         scratched = Profile(heights, spacing=profile.spacing)
         expected = robust_mean_line(heights, profile.spacing, 0.3)
-        found = filtered(scratched, cutoff=0.3, robust=True).heights
-        assert np.abs(found - expected).max() < 1e-3 * total_height(profile)
+        result = filtered(scratched, cutoff=0.3, robust=True).heights
+        assert np.abs(result - expected).max() < 1e-3 * total_height(profile)
 
     def test_surface_filter_follows_a_paraboloid_under_scratches(self):
         y, x = 0.1 * np.arange(40)[:, np.newaxis], 0.1 * np.arange(50)
         form = 0.3 * x**2 - 0.2 * y**2 + 0.1 * x * y
         scratched = form + 1e-3 * np.random.default_rng(1).normal(size=form.shape)
         scratched[:, 20:22] -= 1.0
-        found = filtered(Surface(scratched, spacing=0.1), cutoff=2.0, robust=True).heights
+        result = filtered(Surface(scratched, spacing=0.1), cutoff=2.0, robust=True).heights
         linear = filtered(Surface(scratched, spacing=0.1), cutoff=2.0).heights
-        assert np.abs(found - form).max() < 3e-3  # three deviations of the noise, at corners
+        assert np.abs(result - form).max() < 3e-3  # three deviations of the noise, at corners
         assert np.abs(linear - form).max() > 0.05
 
     def test_surface_filter_of_normal_heights_is_near_weighted_least_squares_of_second_degree(self):
         surface = self_affine_map(1, 0.7, (16, 20), spacing=(0.5, 0.25))
         terms = [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0)]
-        found = filtered(surface, cutoff=4.0, robust=True).heights
+        result = filtered(surface, cutoff=4.0, robust=True).heights
         weights = np.ones(surface.heights.shape)
         for _ in range(40):
             expected = mean_surface(surface.heights, surface.spacing, 4.0, terms, weights)
             residual = np.abs(surface.heights - expected)
             weights = np.maximum(1 - (residual / (4.4478 * np.median(residual))) ** 2, 0) ** 2
-        assert np.abs(found - expected).max() < 1e-3 * total_height(surface)
+        assert np.abs(result - expected).max() < 1e-3 * total_height(surface)
 
 
 @pytest.mark.parametrize(

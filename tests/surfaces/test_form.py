@@ -39,8 +39,8 @@ def test_levelled_equals_direct_least_squares(trend):
     y, x = np.meshgrid(np.linspace(-1, 1, 20), np.linspace(-1, 1, 25), indexing="ij")
     design = np.stack([(y**j * x**i).ravel() for j in range(degree + 1) for i in range(degree + 1 - j)], axis=1)
     fit = design @ np.linalg.lstsq(design, heights.ravel(), rcond=None)[0]
-    found = levelled(Surface(heights, spacing=0.5), trend).heights
-    assert np.abs(found - (heights.ravel() - fit).reshape(heights.shape)).max() < 1e-11
+    result = levelled(Surface(heights, spacing=0.5), trend).heights
+    assert np.abs(result - (heights.ravel() - fit).reshape(heights.shape)).max() < 1e-11
 
 
 @pytest.mark.parametrize(("sign", "word"), [(1, "convex"), (-1, "concave")])
@@ -48,27 +48,27 @@ def test_sphere_is_removed_up_to_the_noise(sign, word):
     y, x = grid()
     cap = sign * np.sqrt(300.0**2 - (x - 5) ** 2 - (y - 25) ** 2)
     own = noise(cap.shape)
-    found = levelled(Surface(cap + own, spacing=0.5), "sphere")
-    assert radius(found) == (pytest.approx(300, rel=1e-3), word)
-    assert found.heights.std() == pytest.approx(own.std(), rel=2e-3)  # four parameters of 4800 points
-    assert found.heights.mean() == pytest.approx(0, abs=1e-12)
+    result = levelled(Surface(cap + own, spacing=0.5), "sphere")
+    assert radius(result) == (pytest.approx(300, rel=1e-3), word)
+    assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)  # four parameters of 4800 points
+    assert result.heights.mean() == pytest.approx(0, abs=1e-12)
 
 
 def test_tilted_cylinder_is_removed_up_to_the_noise():
     y, x = grid()
     across, along = (x - 12) * 0.6 + (y - 20) * 0.8, 0.8 * x - 0.6 * y
     own = noise((60, 80))
-    found = levelled(Surface(np.sqrt(200.0**2 - across**2) + 0.02 * along + own, spacing=0.5), "cylinder")
-    assert radius(found)[0] == pytest.approx(200, rel=2e-3)  # of the vertical section, whose axis rises by 2 %
-    assert found.heights.std() == pytest.approx(own.std(), rel=2e-3)
+    result = levelled(Surface(np.sqrt(200.0**2 - across**2) + 0.02 * along + own, spacing=0.5), "cylinder")
+    assert radius(result)[0] == pytest.approx(200, rel=2e-3)  # of the vertical section, whose axis rises by 2 %
+    assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)
 
 
 def test_circle_is_removed_up_to_the_noise():
     x = np.arange(1000.0)
     own = noise(1000)
-    found = levelled(Profile(np.sqrt(2000.0**2 - (x - 700) ** 2) + own, spacing=1.0), "circle")
-    assert radius(found)[0] == pytest.approx(2000, rel=1e-4)
-    assert found.heights.std() == pytest.approx(own.std(), rel=3e-3)
+    result = levelled(Profile(np.sqrt(2000.0**2 - (x - 700) ** 2) + own, spacing=1.0), "circle")
+    assert radius(result)[0] == pytest.approx(2000, rel=1e-4)
+    assert result.heights.std() == pytest.approx(own.std(), rel=3e-3)
 
 
 def test_missing_points_have_no_weight_in_the_form():
@@ -84,8 +84,8 @@ def test_missing_points_have_no_weight_in_the_form():
 def test_form_of_noise_alone_changes_little():
     own = noise((60, 80))
     for trend in ("sphere", "cylinder"):
-        found = levelled(Surface(own, spacing=0.5), trend).heights
-        assert found.std() == pytest.approx(own.std(), rel=5e-3)
+        result = levelled(Surface(own, spacing=0.5), trend).heights
+        assert result.std() == pytest.approx(own.std(), rel=5e-3)
 
 
 def test_levelled_rejects_a_form_of_the_other_kind_of_body():

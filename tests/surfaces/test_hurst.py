@@ -28,63 +28,63 @@ class TestProfileExponent:
     CASES, MOST_MISSES = 60, 8
 
     @pytest.mark.parametrize(
-        ("periodic", "band", "given"),
+        ("periodic", "band", "arguments"),
         [
             case if case == ALWAYS else pytest.param(*case, marks=pytest.mark.soak)
             for case in product((True, False), ({}, BAND), (True, False))
         ],
     )
-    def test_interval_covers_true_exponent(self, periodic, band, given):
+    def test_interval_covers_true_exponent(self, periodic, band, arguments):
         misses, errors = 0, []
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.CASES)):
             profile = rough(11, repetition=case, hurst_exponent=hurst, points=4096, periodic=periodic, **band)
             limits = band.get("shortest_wavelength", 0.02), band.get("longest_wavelength", profile.extent)
-            found = estimate_hurst_exponent(profile, band=limits if given else None, periodic=periodic)
-            misses += not found.lower <= hurst <= found.upper
-            errors.append((found.value - hurst) / ((found.upper - found.lower) / 3.92))
-            assert found.lower < found.value < found.upper
+            result = estimate_hurst_exponent(profile, band=limits if arguments else None, periodic=periodic)
+            misses += not result.lower <= hurst <= result.upper
+            errors.append((result.value - hurst) / ((result.upper - result.lower) / 3.92))
+            assert result.lower < result.value < result.upper
         assert misses <= self.MOST_MISSES
         # The mean of 60 errors in standard errors scatters by 0.13; a found band takes in some of an unseen roll-off.
-        assert abs(np.mean(errors)) < (0.5 if given else 0.8)
+        assert abs(np.mean(errors)) < (0.5 if arguments else 0.8)
 
     def test_exact_power_law_gives_exact_exponent(self):
         profile = rough(hurst_exponent=0.6, periodic=True, amplitudes="fixed")
-        found = estimate_hurst_exponent(profile, periodic=True)
-        assert found.value == pytest.approx(0.6, abs=1e-9)
-        assert found.fractal_dimension_classical == pytest.approx(1.4, abs=1e-9)
-        assert found.fractal_dimension_paper == pytest.approx(1.7, abs=1e-9)
-        assert found.harmonics == 499
+        result = estimate_hurst_exponent(profile, periodic=True)
+        assert result.value == pytest.approx(0.6, abs=1e-9)
+        assert result.fractal_dimension_classical == pytest.approx(1.4, abs=1e-9)
+        assert result.fractal_dimension_paper == pytest.approx(1.7, abs=1e-9)
+        assert result.harmonics == 499
         spectrum = power_spectrum(profile, periodic=True)
-        assert np.allclose(found.density(spectrum.wave_number[:-1]), spectrum.density[:-1], rtol=1e-8, atol=0)
+        assert np.allclose(result.density(spectrum.wave_number[:-1]), spectrum.density[:-1], rtol=1e-8, atol=0)
 
     def test_band_ends_at_roll_off_and_cut_off(self):
         profile = rough(points=60_000, longest_wavelength=10.0, shortest_wavelength=0.1)
-        found = estimate_hurst_exponent(profile)
+        result = estimate_hurst_exponent(profile)
         # A bin (a fifth) is left off where the pieces meet, and the pieces meet at an edge of a bin.
-        assert 0.1 <= found.shortest_wavelength < 0.1 * 1.5
-        assert 10.0 / 2 < found.longest_wavelength < 10.0 * 1.5
-        assert found.lower < 0.8 < found.upper
+        assert 0.1 <= result.shortest_wavelength < 0.1 * 1.5
+        assert 10.0 / 2 < result.longest_wavelength < 10.0 * 1.5
+        assert result.lower < 0.8 < result.upper
 
     def test_band_excludes_instrument_noise(self):
         profile = rough(points=8192)
         noise = rough(9, points=8192, hurst_exponent=1e-9, longest_wavelength=0.021, rms=0.01)  # flat
-        found = estimate_hurst_exponent(Profile(profile.heights + noise.heights, spacing=0.01))
-        assert found.shortest_wavelength > 0.04
-        assert found.lower < 0.8 < found.upper
+        result = estimate_hurst_exponent(Profile(profile.heights + noise.heights, spacing=0.01))
+        assert result.shortest_wavelength > 0.04
+        assert result.lower < 0.8 < result.upper
 
     def test_band_excludes_gradual_noise(self):
         # Without this, all wavelengths are fitted, H is 0.20 on average, and one in forty intervals holds it.
-        found, held = [], 0
+        result, stored = [], 0
         for repetition in range(30):
             options = {"points": 4096, "repetition": repetition, "longest_wavelength": 10.0}
             noise = np.random.default_rng(repetition).normal(size=4096) * 0.01
             noisy = Profile(rough(hurst_exponent=0.3, **options).heights + noise, spacing=0.01)
             estimate = estimate_hurst_exponent(noisy)
-            found.append(estimate)
-            held += estimate.lower < 0.3 < estimate.upper
-        assert np.median([estimate.shortest_wavelength for estimate in found]) > 0.05
-        assert np.mean([estimate.value for estimate in found]) == pytest.approx(0.3, abs=0.05)
-        assert held >= 24  # 35 of 40 in a trial
+            result.append(estimate)
+            stored += estimate.lower < 0.3 < estimate.upper
+        assert np.median([estimate.shortest_wavelength for estimate in result]) > 0.05
+        assert np.mean([estimate.value for estimate in result]) == pytest.approx(0.3, abs=0.05)
+        assert stored >= 24  # 35 of 40 in a trial
 
     def test_estimate_is_invariant_under_tilt_scale_and_reversal(self):
         profile = rough(points=4096)
@@ -102,22 +102,22 @@ class TestProfileExponent:
         assert reversed_one.value == pytest.approx(one.value, abs=0.2 * (one.upper - one.lower))
 
     def test_given_band_is_used(self):
-        found = estimate_hurst_exponent(rough(), band=(0.05, 2.0))
-        assert 0.05 <= found.shortest_wavelength < found.longest_wavelength <= 2.0 * (1 + 1e-9)
+        result = estimate_hurst_exponent(rough(), band=(0.05, 2.0))
+        assert 0.05 <= result.shortest_wavelength < result.longest_wavelength <= 2.0 * (1 + 1e-9)
 
     def test_estimate_of_eq_1_matches_in_given_band(self):
         for dimension in (1.2, 1.6):
             profile = weierstrass_mandelbrot(random_phases(1), dimension, points=50_000)
-            found = estimate_hurst_exponent(profile, band=(0.005, 0.9))
-            assert found.lower < 4 - 2 * dimension < found.upper
-            assert found.dispersion > 1  # a spectrum of lines
+            result = estimate_hurst_exponent(profile, band=(0.005, 0.9))
+            assert result.lower < 4 - 2 * dimension < result.upper
+            assert result.dispersion > 1  # a spectrum of lines
 
     def test_band_of_eq_1_contains_dense_harmonics_only(self):
         # At the longest wavelengths; below some 0.04 µm the harmonics of the 40 directions stand apart.
         profile = weierstrass_mandelbrot(random_phases(1), 1.4, points=150_000)
-        found = estimate_hurst_exponent(profile)
-        assert found.longest_wavelength > 0.5
-        assert found.lower < 1.2 < found.upper
+        result = estimate_hurst_exponent(profile)
+        assert result.longest_wavelength > 0.5
+        assert result.lower < 1.2 < result.upper
 
     @pytest.mark.parametrize(
         ("bad", "match"),
@@ -178,7 +178,7 @@ class TestSurfaceExponent:
     CASES, MOST_MISSES = 60, 8
 
     @pytest.mark.parametrize(
-        ("longest", "given"),
+        ("longest", "arguments"),
         [
             (20.0, False),
             *(
@@ -187,12 +187,12 @@ class TestSurfaceExponent:
             ),
         ],
     )
-    def test_interval_covers_true_exponent(self, longest, given):
+    def test_interval_covers_true_exponent(self, longest, arguments):
         misses = 0
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.CASES)):
             surface = self_affine_map(case, hurst, longest=longest, whole=2)
-            found = estimate_hurst_exponent(surface, band=(1.0, min(longest, 30.0)) if given else None)
-            misses += not found.lower <= hurst <= found.upper
+            result = estimate_hurst_exponent(surface, band=(1.0, min(longest, 30.0)) if arguments else None)
+            misses += not result.lower <= hurst <= result.upper
         assert misses <= self.MOST_MISSES
 
     def test_surface_estimate_uses_given_band_and_is_invariant_under_scale_and_tilt(self):
@@ -210,11 +210,11 @@ class TestSurfaceExponent:
         assert np.average(ratio, weights=radial.count[inside]) == pytest.approx(1, abs=0.05)
 
     def test_estimate_rejects_surface_without_spectrum(self):
-        for surface, said in (
+        for surface, message in (
             (Surface(np.ones((9, 9)), spacing=1.0), "flat surface"),
             (Surface(np.arange(90.0).reshape(9, 10), spacing=1.0), "a plane has no roughness"),
         ):
-            with pytest.raises(ValueError, match=said):
+            with pytest.raises(ValueError, match=message):
                 estimate_hurst_exponent(surface)
         with pytest.raises(ValueError, match="at least 8 harmonics"):
             estimate_hurst_exponent(self_affine_map(5, 0.7), band=(1.01, 1.01001))

@@ -42,8 +42,8 @@ def test_joined_spectrum_matches_spectrum_and_slope_of_surface(whole):
     joined = joined_spectrum(instruments(whole), per_decade=5)
     sure = joined.count > 300
     assert sure.sum() > 5
-    wanted = truth(whole, joined.wave_number, 5)
-    assert joined.density[sure] == pytest.approx(wanted[sure], rel=SCATTER)
+    expected = truth(whole, joined.wave_number, 5)
+    assert joined.density[sure] == pytest.approx(expected[sure], rel=SCATTER)
     own, known = joined.roughness(), scale_dependent_roughness(whole, periodic=True)
     for length in (0.3, 0.15, 0.1):
         assert float(own.gradient_at(length)) == pytest.approx(float(known.gradient_at(length)), rel=0.05)
@@ -74,9 +74,9 @@ def test_joined_spectrum_excludes_tip_and_noise(whole):
     curvature = scale_dependent_roughness(fine).curvature_at(blunt.bands[1][0] * 1.2)
     assert float(curvature) < 0.1 / 0.05
     assert joined_spectrum([coarse], per_decade=8).reasons == ("noise floor",)
-    given = joined_spectrum([fine], shortest_wavelengths=[0.5])
-    assert given.bands[0][0] == 0.5
-    assert given.reasons == ("given",)
+    arguments = joined_spectrum([fine], shortest_wavelengths=[0.5])
+    assert arguments.bands[0][0] == 0.5
+    assert arguments.reasons == ("given",)
 
 
 def test_gap_between_scans_follows_power_law(whole):
@@ -102,14 +102,14 @@ def test_generated_surface_has_the_spectrum(whole):
     again = joined.surface(3, shape=(512, 512), spacing=0.04)
     assert np.array_equal(body.heights, again.heights)
     assert not np.array_equal(body.heights, joined.surface(3, shape=(512, 512), spacing=0.04, side="upper").heights)
-    made = scale_dependent_roughness(body, periodic=True)
-    assert float(made.gradient_at(0.2)) == pytest.approx(float(joined.roughness().gradient_at(0.2)), rel=0.08)
+    created = scale_dependent_roughness(body, periodic=True)
+    assert float(created.gradient_at(0.2)) == pytest.approx(float(joined.roughness().gradient_at(0.2)), rel=0.08)
     assert body.history == (*joined.history, "a random surface of this spectrum, seed 3, repetition 0")
     assert "scan 5" in body.history[0]
 
 
 @pytest.mark.parametrize(
-    ("scans", "options", "said"),
+    ("scans", "options", "message"),
     [
         ([], {}, "scans must be at least one"),
         (None, {"tip_radii": [1.0, 2.0]}, "tip_radii must have one entry for each of the 1 scans, got 2"),
@@ -120,6 +120,6 @@ def test_generated_surface_has_the_spectrum(whole):
         ([Surface(np.ones((9, 9)), spacing=1.0)], {}, "flat surface"),
     ],
 )
-def test_joined_spectrum_rejects_bad_arguments(whole, scans, options, said):
-    with pytest.raises(ValueError, match=said):
+def test_joined_spectrum_rejects_bad_arguments(whole, scans, options, message):
+    with pytest.raises(ValueError, match=message):
         joined_spectrum([whole] if scans is None else scans, **options)

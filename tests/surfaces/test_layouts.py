@@ -119,12 +119,12 @@ def spip(unit="# z-unit = µm", factor=1.0, missing="nan", separator="\t", lengt
 
 def sdf(magic="aISO-1.0", profiles=ROWS, missing="BAD", break_after=COLUMNS, space=" = "):
     points, values = (COLUMNS, HOLED.ravel()) if profiles > 1 else (LINE.size, LINE)
-    said = {"ManufacID": "OWN", "NumPoints": points, "NumProfiles": profiles, "Xscale": "5.0E-7",
+    texts = {"ManufacID": "OWN", "NumPoints": points, "NumProfiles": profiles, "Xscale": "5.0E-7",
             "Yscale": "5.0E-7" if profiles > 1 else "0", "Zscale": "1.0E-6", "DataType": 7}  # fmt: skip
     cells = [digits(value, missing=missing) for value in values]
     lines = [" ".join(cells[at : at + break_after]) for at in range(0, len(cells), break_after)]
     return (
-        "\n".join([magic, *(f"{key}{space}{value}" for key, value in said.items()), "*", *lines, "*", "", "*"]) + "\n"
+        "\n".join([magic, *(f"{key}{space}{value}" for key, value in texts.items()), "*", *lines, "*", "", "*"]) + "\n"
     )
 
 
@@ -280,8 +280,8 @@ def test_profiles_are_read_or_rejected_in_all_variants(tmp_path, variant, encodi
 def test_layouts_recognise_only_their_own_files():
     texts = {name: write(**variant) for name, (write, _, variants) in CASES.items() for variant in variants[:1]}
     for name, text in texts.items():
-        found = [layout.name for layout in LAYOUTS if layout.recognise(decode(text.encode()))]
-        assert len(found) == (name not in ("triplets", "labelled")), (name, found)
+        result = [layout.name for layout in LAYOUTS if layout.recognise(decode(text.encode()))]
+        assert len(result) == (name not in ("triplets", "labelled")), (name, result)
 
 
 @pytest.mark.parametrize(
@@ -380,7 +380,7 @@ def test_codes_for_missing_points_are_named_and_masked(tmp_path):
         body = [f"{0.5 * at},{code if at in (7, 8, 33) else z + 500}" for at, z in enumerate(LINE)]
         path.write_text("x (um),z (um)\n" + "\n".join(body))
         reading = reading_of(path)
-        assert "repeated-extreme" in [each.name for each in reading.caveats]
+        assert "repeated-extreme" in [caveat.name for caveat in reading.caveats]
         assert f"--missing-value {float(code):g}" in reading.caveats[0].cure
         with pytest.warns(FormatWarning, match="repeated-extreme"):
             read_measurement(path)
@@ -496,9 +496,9 @@ def test_map_is_equal_in_all_formats(tmp_path):
     stream = io.StringIO()
     np.savetxt(stream, np.block([[np.nan, x[0]], [y[:, :1], HEIGHTS]]), fmt="%.4f", delimiter=";")
     (tmp_path / "b.csv").write_text(stream.getvalue())
-    given = {"a.txt": {"unit": "um", "spacing": ("2 um", "0.5 um")}, "b.csv": {"unit": "um"}}
+    arguments = {"a.txt": {"unit": "um", "spacing": ("2 um", "0.5 um")}, "b.csv": {"unit": "um"}}
     for name in ("a.csv", "a.npy", "a.nc", "a.txt", "a.gwy", "a.x3p", "a.xyz", "b.csv"):
-        body = read(tmp_path / name, **given.get(name, {}))
+        body = read(tmp_path / name, **arguments.get(name, {}))
         assert np.allclose(body.heights, HEIGHTS, atol=1e-6), name
         assert body.spacing == pytest.approx((2.0, 0.5)), name
 
@@ -583,7 +583,7 @@ def test_declared_facts_are_applied_to_every_shape_of_table(tmp_path, shape, fac
     assert (body.missing is None) == (fact != "code")
     if fact == "code":
         assert np.array_equal(body.missing, ~known)
-    assert ("scale" in [each.name for each in reading.caveats]) == (fact == "scale")
+    assert ("scale" in [caveat.name for caveat in reading.caveats]) == (fact == "scale")
 
 
 @pytest.mark.parametrize("shape", ["triplets", "labelled"])
@@ -750,7 +750,7 @@ def test_tip_radius_of_a_header_is_in_the_history(tmp_path, line):
 def test_rounded_points_are_read_if_steps_are_two_digits_or_more(tmp_path, step):
     path = tmp_path / "a.xyz"
     order = np.random.default_rng(5).permutation(HEIGHTS.size)
-    y, x = (step * each.ravel()[order] for each in np.mgrid[:ROWS, :COLUMNS])
+    y, x = (step * item.ravel()[order] for item in np.mgrid[:ROWS, :COLUMNS])
     z = HEIGHTS.ravel()[order]
     for digits_of_position, can_be_read in ((1, True), (0, step > 2)):
         lines = (f"{a:.{digits_of_position}f} {b:.{digits_of_position}f} {c}" for a, b, c in zip(x, y, z, strict=True))

@@ -30,75 +30,77 @@ def stack(hurst, lines=40, points=600, **changes):
 
 def test_line_roughness_equals_that_of_single_lines():
     surface = stack(0.6)
-    found = line_roughness(surface, "x", band=(0.1, 2.0))
+    result = line_roughness(surface, "x", band=(0.1, 2.0))
     x = np.arange(600)
     rows = [Profile(z - np.polyval(np.polyfit(x, z, 1), x), spacing=0.02) for z in surface.heights]
     each = [roughness_parameters(row) for row in rows]
-    assert found.lines == found.fitted == found.with_band == 40
-    assert found.Pq == pytest.approx(np.sqrt(np.mean([row.Pq**2 for row in each])), rel=ROUND_OFF)
-    assert found.Pdq == pytest.approx(np.sqrt(np.mean([row.Pdq**2 for row in each])), rel=ROUND_OFF)
+    assert result.lines == result.fitted == result.with_band == 40
+    assert result.Pq == pytest.approx(np.sqrt(np.mean([row.Pq**2 for row in each])), rel=ROUND_OFF)
+    assert result.Pdq == pytest.approx(np.sqrt(np.mean([row.Pdq**2 for row in each])), rel=ROUND_OFF)
     slopes = np.diff([row.heights for row in rows], axis=1) / 0.02
-    assert found.Pdq_neighbours == pytest.approx(np.sqrt(np.mean(slopes**2)), rel=ROUND_OFF)
-    assert np.allclose(found.spectrum.density, np.mean([power_spectrum(row).density for row in rows], axis=0))
-    assert found.hurst_exponents == pytest.approx([estimate_hurst_exponent(row, band=(0.1, 2.0)).value for row in rows])
+    assert result.Pdq_neighbours == pytest.approx(np.sqrt(np.mean(slopes**2)), rel=ROUND_OFF)
+    assert np.allclose(result.spectrum.density, np.mean([power_spectrum(row).density for row in rows], axis=0))
+    assert result.hurst_exponents == pytest.approx(
+        [estimate_hurst_exponent(row, band=(0.1, 2.0)).value for row in rows]
+    )
 
 
 def test_roughness_along_y_equals_that_of_transposed_rows():
     surface = stack(0.6, lines=12, points=300)
     on_its_side = Surface(surface.heights.T, spacing=(0.02, 0.5))
     for one, other in (("x", "y"), ("y", "x")):
-        found, again = line_roughness(surface, one), line_roughness(on_its_side, other)
-        assert again.Pq == found.Pq
-        assert again.band == found.band
-        assert np.array_equal(again.hurst_exponents, found.hurst_exponents)
-        assert np.array_equal(again.spectrum.wave_number, found.spectrum.wave_number)
+        result, again = line_roughness(surface, one), line_roughness(on_its_side, other)
+        assert again.Pq == result.Pq
+        assert again.band == result.band
+        assert np.array_equal(again.hurst_exponents, result.hurst_exponents)
+        assert np.array_equal(again.spectrum.wave_number, result.spectrum.wave_number)
 
 
 def test_line_roughness_is_invariant_under_levelling():
     surface = stack(0.6, lines=12, points=300)
     for along in ("x", "y"):
-        found, again = line_roughness(surface, along), line_roughness(levelled(surface, "plane"), along)
-        assert again.Pq == pytest.approx(found.Pq, rel=1e-9)
-        assert again.hurst_exponents == pytest.approx(found.hurst_exponents, abs=1e-6)
+        result, again = line_roughness(surface, along), line_roughness(levelled(surface, "plane"), along)
+        assert again.Pq == pytest.approx(result.Pq, rel=1e-9)
+        assert again.hurst_exponents == pytest.approx(result.hurst_exponents, abs=1e-6)
 
 
 def test_lines_are_fitted_in_a_common_band():
     hurst = 0.6
-    found = line_roughness(stack(hurst, lines=MAX_FITTED_LINES + 9, longest_wavelength=4.0), "x")
-    assert found.fitted == MAX_FITTED_LINES == found.hurst_exponents.size
-    assert found.with_band > 0.9 * found.fitted
-    shortest, longest = found.band
+    result = line_roughness(stack(hurst, lines=MAX_FITTED_LINES + 9, longest_wavelength=4.0), "x")
+    assert result.fitted == MAX_FITTED_LINES == result.hurst_exponents.size
+    assert result.with_band > 0.9 * result.fitted
+    shortest, longest = result.band
     assert shortest < 0.1
     assert 1.5 < longest < 6
-    mean, spread = found.hurst_exponents.mean(), found.hurst_exponents.std()
+    mean, spread = result.hurst_exponents.mean(), result.hurst_exponents.std()
     # Of independent lines; the roll-off bends the spectrum a little where the band ends.
-    assert mean == pytest.approx(hurst, abs=3 * spread / np.sqrt(found.fitted) + 0.02)
+    assert mean == pytest.approx(hurst, abs=3 * spread / np.sqrt(result.fitted) + 0.02)
     assert spread < 0.1
 
 
 def test_flat_lines_contribute_to_height_without_exponent():
     heights = np.array(stack(0.6, lines=40).heights)
     heights[::2] = 3.0 + 0.01 * np.arange(600)  # dead lines
-    found = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
-    assert found.Pq == pytest.approx(
+    result = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
+    assert result.Pq == pytest.approx(
         line_roughness(Surface(heights[1::2], spacing=0.02), "x").Pq / np.sqrt(2), rel=1e-9
     )
-    assert found.hurst_exponents.size == 20 == found.with_band
-    assert found.fitted == 40
+    assert result.hurst_exponents.size == 20 == result.with_band
+    assert result.fitted == 40
     stripes = Surface(np.repeat([[0.1], [0.7], [0.3], [0.2]] * 3, 50, axis=1), spacing=1.0)
-    found = line_roughness(stripes, "x")
-    assert (found.Pq, found.Pdq, found.band, found.hurst_exponents.size, found.with_band) == (0, 0, None, 0, 0)
+    result = line_roughness(stripes, "x")
+    assert (result.Pq, result.Pdq, result.band, result.hurst_exponents.size, result.with_band) == (0, 0, None, 0, 0)
 
 
 def test_band_is_none_if_few_lines_have_one():
     waves = np.sin(np.arange(700) / 20) + np.arange(9)[:, np.newaxis]
-    found = line_roughness(Surface(waves, spacing=1.0), "x")
-    assert found.band is None
-    assert found.hurst_exponents.size == 0
+    result = line_roughness(Surface(waves, spacing=1.0), "x")
+    assert result.band is None
+    assert result.hurst_exponents.size == 0
 
 
 @pytest.mark.parametrize(
-    ("surface", "options", "said"),
+    ("surface", "options", "message"),
     [
         (Surface(np.ones((9, 9)), spacing=1.0), {"along": "x"}, "a flat surface has no roughness"),
         (Surface(np.eye(9)[:5], spacing=1.0), {"along": "y"}, "lines along y must have at least 7 points, got 5"),
@@ -107,8 +109,8 @@ def test_band_is_none_if_few_lines_have_one():
         (stack(0.6, lines=8), {"along": "x", "band": 3}, "band must be a shortest and a longest wavelength"),
     ],
 )
-def test_line_roughness_rejects_bad_arguments(surface, options, said):
-    with pytest.raises(ValueError, match=said):
+def test_line_roughness_rejects_bad_arguments(surface, options, message):
+    with pytest.raises(ValueError, match=message):
         line_roughness(surface, **options)
 
 
@@ -133,8 +135,8 @@ def test_lines_along_both_axes_share_a_band(monkeypatch):
     again = line_roughness(surface, "y", band=along_y.band)
     assert np.array_equal(again.hurst_exponents, along_y.hurst_exponents)
     assert (again.with_band, again.misfit) == (along_y.with_band, along_y.misfit)
-    given = lines_along_both(surface, band=(4.0, 12.0))
-    assert given[0].band == given[1].band == (4.0, 12.0)
+    arguments = lines_along_both(surface, band=(4.0, 12.0))
+    assert arguments[0].band == arguments[1].band == (4.0, 12.0)
 
 
 def test_lines_along_grooves_have_no_exponent():

@@ -29,66 +29,66 @@ def test_heights_and_ratios_equal_their_definitions(heights):
 
 
 def test_core_equals_its_definition(heights):
-    found, expected = core_parameters(heights), slow.stratified(heights.ravel().tolist())
-    assert found == pytest.approx([expected[name] for name in ("k", "pk", "vk", "mrk1", "mrk2")], rel=1e-9)
+    result, expected = core_parameters(heights), slow.stratified(heights.ravel().tolist())
+    assert result == pytest.approx([expected[name] for name in ("k", "pk", "vk", "mrk1", "mrk2")], rel=1e-9)
 
 
 def test_volumes_equal_integrals_of_the_curve(heights):
-    found, expected = volumes(heights), slow.volumes(heights.ravel().tolist())
-    assert found == pytest.approx([expected[name] for name in ("Vmp", "Vmc", "Vvc", "Vvv")], rel=1e-3)
+    result, expected = volumes(heights), slow.volumes(heights.ravel().tolist())
+    assert result == pytest.approx([expected[name] for name in ("Vmp", "Vmc", "Vvc", "Vvv")], rel=1e-3)
 
 
 def test_parameters_of_equally_distributed_heights_have_closed_forms():
     # Heights from -1 to 1: c(p) = 1 - 2 p, so the volume above ratio p is p².
     even = Surface(np.random.default_rng(1).permutation(np.linspace(-1, 1, 40_000)).reshape(200, 200), spacing=1.0)
-    found = surface_parameters(even)
+    result = surface_parameters(even)
     expected = {
         "Sp": 1, "Sv": 1, "Smr": 0.5, "Sdc": 1.4, "Sxp": 0.95, "Vmp": 0.01, "Vmc": 0.63, "Vvc": 0.81 - 0.04,
         "Vvv": 0.04,
     }  # fmt: skip
     for name, value in expected.items():
-        assert getattr(found, name) == pytest.approx(value, rel=1e-3), name
+        assert getattr(result, name) == pytest.approx(value, rel=1e-3), name
 
 
 def test_parameters_of_normally_distributed_heights_have_closed_forms():
     z = norm.isf((np.arange(250_000) + 0.5) / 250_000)
-    found = surface_parameters(Surface(np.random.default_rng(2).permutation(z).reshape(500, 500), spacing=1.0))
+    result = surface_parameters(Surface(np.random.default_rng(2).permutation(z).reshape(500, 500), spacing=1.0))
 
     def material(ratio):
         return norm.pdf(norm.isf(ratio)) - norm.isf(ratio) * ratio
 
-    assert found.Sxp == pytest.approx(norm.isf(0.025), rel=1e-3)
-    assert found.Sdc == pytest.approx(norm.isf(0.1) - norm.isf(0.8), rel=1e-3)
-    assert found.Vmp == pytest.approx(material(0.1), rel=2e-3)
-    assert found.Vmc == pytest.approx(material(0.8) - material(0.1), rel=2e-3)
-    assert found.Vvv == pytest.approx(material(0.2), rel=2e-3)  # by symmetry
-    assert found.Vvc == pytest.approx(material(0.9) - material(0.2), rel=2e-3)
+    assert result.Sxp == pytest.approx(norm.isf(0.025), rel=1e-3)
+    assert result.Sdc == pytest.approx(norm.isf(0.1) - norm.isf(0.8), rel=1e-3)
+    assert result.Vmp == pytest.approx(material(0.1), rel=2e-3)
+    assert result.Vmc == pytest.approx(material(0.8) - material(0.1), rel=2e-3)
+    assert result.Vvv == pytest.approx(material(0.2), rel=2e-3)  # by symmetry
+    assert result.Vvc == pytest.approx(material(0.9) - material(0.2), rel=2e-3)
 
 
 def test_volumes_add_up(heights):
     # Material and void between the two heights fill the slab between them.
-    found = volumes(heights)
+    result = volumes(heights)
     upper, lower = heights_at(heights, [0.1, 0.8])
-    assert found.core_material + found.core_void == pytest.approx(upper - lower, rel=1e-12)
+    assert result.core_material + result.core_void == pytest.approx(upper - lower, rel=1e-12)
 
 
 def test_parameter_set_shows_units_and_missing_values():
-    found = surface_parameters(Surface(np.add.outer(np.zeros(30), np.sin(np.arange(60.0))), spacing=0.5))
-    lines = dict(line.strip().split(None, 1) for line in repr(found).splitlines()[1:])
+    result = surface_parameters(Surface(np.add.outer(np.zeros(30), np.sin(np.arange(60.0))), spacing=0.5))
+    lines = dict(line.strip().split(None, 1) for line in repr(result).splitlines()[1:])
     assert lines["Str"] == "none"
     assert lines["Spd"].endswith("1/µm²")
     assert lines["levelled"] == "no: as they are"
     with pytest.raises(AttributeError, match="SurfaceParameters has no parameter 'Ra'"):
-        found.Ra  # noqa: B018
-    assert math.isnan(found.Str)
+        result.Ra  # noqa: B018
+    assert math.isnan(result.Str)
     assert list(roughness_parameters(rough()).values) == ["Pa", "Pq", "Pt", "Psk", "Pku", "Pdq"]
 
 
 def test_values_and_units_are_those_of_the_table_of_parameters():
     surface = self_affine_map(2, 0.6, (30, 40))
-    assert tuple(surface_parameters(surface).values) == tuple(each.name for each in SURFACE_PARAMETERS)
-    found = section_parameters(rough(points=4000), lc=8.0)
-    assert tuple(found.values) == tuple(each.name for letter in "RW" for each in PROFILE_PARAMETERS[letter])
+    assert tuple(surface_parameters(surface).values) == tuple(parameter.name for parameter in SURFACE_PARAMETERS)
+    result = section_parameters(rough(points=4000), lc=8.0)
+    assert tuple(result.values) == tuple(parameter.name for letter in "RW" for parameter in PROFILE_PARAMETERS[letter])
     assert len(PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))  # no name twice
     # Heights ten times as large, in units of the table.
     power = {"µm": 1, "1/µm": 1, "": 0, "degrees": 0, "1/µm²": 0}

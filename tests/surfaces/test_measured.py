@@ -49,10 +49,10 @@ def refusal(path, read=read_profile, **options):
     """What a file is refused with: one sentence that begins with its name."""
     with pytest.raises(FormatError) as caught:
         read(path, **options)
-    said = str(caught.value)
-    assert said.startswith(f"{path}: ")
-    assert "\n" not in said
-    return said
+    message = str(caught.value)
+    assert message.startswith(f"{path}: ")
+    assert "\n" not in message
+    return message
 
 
 # ---- Text -----------------------------------------------------------------------------------------------------------
@@ -121,8 +121,8 @@ def test_units_in_other_places_do_not_apply_to_columns(file, above):
     assert "does not say in which unit its heights are" in refusal(file(above + data))
     if "z (um)" not in above:
         column = "\n".join(line.split(",")[1] for line in data.split())
-        said = refusal(file(above + column), spacing="1 um")
-        assert "does not say in which unit its heights are" in said
+        message = refusal(file(above + column), spacing="1 um")
+        assert "does not say in which unit its heights are" in message
 
 
 def test_reader_rejects_options_that_contradict_the_file(file):
@@ -136,7 +136,7 @@ def test_reader_rejects_options_that_contradict_the_file(file):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("", "is empty"),
         (" \n\r\n", "nothing but blanks"),
@@ -178,8 +178,8 @@ def test_reader_rejects_options_that_contradict_the_file(file):
         ("x (m),z (um)\n0,1\n100,1\n200,5\n300,0.5\n", "has a spacing of 1e+08 µm"),
     ],
 )
-def test_texts_without_a_profile_are_rejected(file, text, said):
-    assert said in refusal(file(text))
+def test_texts_without_a_profile_are_rejected(file, text, message):
+    assert message in refusal(file(text))
 
 
 @pytest.mark.parametrize("rows", [(0,), (1, 3)])
@@ -267,15 +267,15 @@ def test_matrix_columns_are_not_taken_for_positions(file):
     x, y = 0.5 * np.arange(30), 0.25 * np.arange(20)
     options = {"read": read_surface, "unit": "um", "spacing": "1 um"}
     labelled = np.block([[np.zeros((1, 1)), x[np.newaxis]], [y[:, np.newaxis], heights]])
-    for matrix, said in (
+    for matrix, message in (
         (np.c_[y, heights[:, :2]], "20 rows of 3 columns, of which the first column counts evenly"),
         (np.array([x, heights[0]]), "2 rows of 30 columns, of which the first row counts evenly"),
         (labelled, "of which the first row and column count evenly, as positions do; leave only heights in the file"),
     ):
-        assert said in refusal(file(npy(matrix), "a.npy"), **options)
+        assert message in refusal(file(npy(matrix), "a.npy"), **options)
         text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in matrix)
         if matrix.shape[1] > 3:
-            assert said in refusal(file(text, "a.txt"), **options)
+            assert message in refusal(file(text, "a.txt"), **options)
     above = heights.copy()
     above[0] = x
     assert "of which the first row counts evenly" in refusal(file(npy(above), "a.npy"), **options)
@@ -320,8 +320,8 @@ def columns_of(*columns, header=""):
 def test_columns_are_selected_by_name_or_number(file):
     text = columns_of([0.5, 1, 1.5, 2, 2.5], X, [7] * 5, HEIGHTS, header="t (s),x (um),F (mN),z (um)\n")
     path = file(text)
-    said = refusal(path, read_measurement)
-    assert "has 4 columns of numbers that may be positions and several heights: 0 (t (s)), 1 (x (um)), 2" in said
+    message = refusal(path, read_measurement)
+    assert "has 4 columns of numbers that may be positions and several heights: 0 (t (s)), 1 (x (um)), 2" in message
     for columns in (("x", "z"), ("X (um)", 3), (1, 3), ["1", "3"]):
         profile = read_measurement(path, columns=columns)
         assert profile.heights.tolist() == HEIGHTS
@@ -520,12 +520,12 @@ def test_trailing_data_of_array_is_read_only_if_written_by_stiction(file):
 def test_writing_neither_replaces_nor_leaves_partial_files(tmp_path, monkeypatch):
     profile = Profile(HEIGHTS, spacing=0.1)
     (tmp_path / "a.csv").write_text("mine", encoding="utf-8")
-    for path, said in (
+    for path, message in (
         (tmp_path / "a.csv", "exists already; remove it, or choose another name"),
         (tmp_path / "a.xls", "must end in .csv or .npy"),
         (tmp_path / "nowhere" / "a.csv", "cannot be written: No such file"),
     ):
-        with pytest.raises(FormatError, match=said):
+        with pytest.raises(FormatError, match=message):
             write_profile(profile, path)
     assert (tmp_path / "a.csv").read_text(encoding="utf-8") == "mine"
     with pytest.raises(ValueError, match="profile must be a Profile, got list"):
@@ -543,7 +543,7 @@ def npy(array):
 
 
 @pytest.mark.parametrize(
-    ("content", "name", "said"),
+    ("content", "name", "message"),
     [
         (npy(np.zeros(9)), "a.npy", "does not say in which unit"),
         (npy(np.array([1, None])), "a.npy", "damaged .npy file, or one of objects"),
@@ -563,8 +563,8 @@ def npy(array):
         (b"no such format", "a.abc", "a known format"),
     ],
 )
-def test_files_with_wrong_content_are_rejected(file, content, name, said):
-    assert said in refusal(file(content, name))
+def test_files_with_wrong_content_are_rejected(file, content, name, message):
+    assert message in refusal(file(content, name))
 
 
 def test_unreadable_files_are_rejected(tmp_path):
@@ -595,7 +595,7 @@ def test_text_with_too_many_cells_is_rejected_before_parsing(file, monkeypatch, 
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         ({"unit": "furlong"}, "unit must be a unit of length"),
         ({"unit": ("um",)}, "unit must be"),
@@ -609,9 +609,9 @@ def test_text_with_too_many_cells_is_rejected_before_parsing(file, monkeypatch, 
         ({"columns": (0, 1, 2, 3)}, "columns must be one of heights, or two of positions and heights"),
     ],
 )
-def test_readers_reject_bad_arguments(file, options, said):
+def test_readers_reject_bad_arguments(file, options, message):
     for read in (read_profile, read_measurement, *([] if "columns" in options else [read_surface])):
-        with pytest.raises(ValueError, match=said) as caught:
+        with pytest.raises(ValueError, match=message) as caught:
             read(file(TEXTS["comma"]), **options)
         assert not isinstance(caught.value, FormatError)
 
@@ -716,7 +716,7 @@ def test_x3p_agrees_with_another_reader(file):
     surface = read_surface(path)
     factor = {"m": 1e6, "µm": 1.0}[other.unit]
     assert np.abs(surface.heights - factor * other.heights().T).max() < 1e-12
-    assert surface.spacing == pytest.approx(tuple(factor * each for each in reversed(other.pixel_size)))
+    assert surface.spacing == pytest.approx(tuple(factor * item for item in reversed(other.pixel_size)))
 
 
 def test_x3p_missing_points_are_masked(file):
@@ -738,7 +738,7 @@ def test_x3p_missing_points_are_masked(file):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (("<FeatureType>SUR", "<FeatureType>PCL"), "feature type 'PCL'"),
         (("<SizeX>9", "<SizeX>10"), "says it holds 60 points of 8 bytes, but has 432 bytes"),
@@ -755,12 +755,12 @@ def test_x3p_missing_points_are_masked(file):
         (("<p:ISO", '<!DOCTYPE a [<!ENTITY b "c">]><p:ISO'), "document type of its own"),
     ],
 )
-def test_x3p_with_contradictions_is_rejected(file, change, said):
+def test_x3p_with_contradictions_is_rejected(file, change, message):
     path = file(x3p(METRES, change=[change]), "a.x3p")
-    if said is None:
+    if message is None:
         read_surface(path)
     else:
-        assert said in refusal(path, read_surface)
+        assert message in refusal(path, read_surface)
 
 
 # ---- Measured files and damaged ones --------------------------------------------------------------------------------

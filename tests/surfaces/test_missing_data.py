@@ -112,12 +112,12 @@ def test_find_outliers_detects_single_points_only(hurst, tmp_path):
         spikes = spikes[(spikes % 128 > 0) & (spikes % 128 < 127)]  # not at an edge
         flat[spikes] += 20 * usual * (-1.0) ** np.arange(spikes.size)
         flat[2000:2006] += 20 * usual  # a feature of more points than a group has
-        found = find_outliers(heights)
-        assert np.array_equal(np.flatnonzero(found), spikes)
+        result = find_outliers(heights)
+        assert np.array_equal(np.flatnonzero(result), spikes)
         np.save(tmp_path / f"{heights.ndim}.npy", heights)
         for missing, mask in (("error", True), ("mask", True), ("interpolate", False)):
             scan = read_measurement(tmp_path / f"{heights.ndim}.npy", outliers="mask", missing=missing, **READ)
-            assert np.abs(scan.heights - body.heights)[found].max() < 10 * usual
+            assert np.abs(scan.heights - body.heights)[result].max() < 10 * usual
             assert (scan.missing is not None) == mask
             assert any(f"{spikes.size} outliers" in step for step in scan.history)
     assert not find_outliers(np.full(20, np.nan)).any()
@@ -139,8 +139,8 @@ def test_find_outliers_detects_groups_and_edge_points(shape):
 
 @pytest.mark.parametrize("kind", CLEAN)
 def test_find_outliers_has_few_false_positives(kind):
-    found = sum(int(find_outliers(CLEAN[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
-    assert found <= 10  # of 10240 points
+    result = sum(int(find_outliers(CLEAN[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
+    assert result <= 10  # of 10240 points
 
 
 def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(whole, path):
@@ -154,17 +154,17 @@ def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(whole
     area = [float(result.dataset["contact_area"].mean()) / result.nominal_area for result in (masked, full)]
     assert area[0] / area[1] == pytest.approx(1, abs=0.05)  # of the same pressure on less area
     doubt = "12 % of the points are interpolated, in holes larger than the contacts"
-    assert any(doubt in each.text for each in filled.caveats)
-    assert not any("interpolated" in each.text for each in masked.caveats)
+    assert any(doubt in caveat.text for caveat in filled.caveats)
+    assert not any("interpolated" in caveat.text for caveat in masked.caveats)
     for refused, why in (
         ({"mechanics": "asperities"}, "take whole scans"),
         ({"surrogates": 2}, "surrogates makes surfaces of a spectrum, which takes whole scans"),
         ({"work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion takes whole scans.*missing interpolate"),
     ):
-        asked = READ | ASKED | refused
-        asked.pop("onset")
+        options = READ | ASKED | refused
+        options.pop("onset")
         with pytest.raises(ValueError, match=why):  # before anything is computed
-            Pair.of(upper=path, lower=path, missing="mask", **asked)
+            Pair.of(upper=path, lower=path, missing="mask", **options)
 
 
 @pytest.mark.parametrize("mask", [np.ones(4, bool), np.zeros(5, bool), np.zeros(4)])

@@ -50,7 +50,7 @@ class TestMaps:
         assert (moved[:, 0] >= 6.4 / 8 - 1e-9).all()
         assert (np.abs(moved) <= 6.4 / 4 + 1e-9).all()
         assert len(np.unique(moved, axis=0)) == 30
-        assert np.ptp(np.subtract(*(each.heights for each in pairs.pair(0)))) > 0.01
+        assert np.ptp(np.subtract(*(item.heights for item in pairs.pair(0)))) > 0.01
 
     def test_map_pieces_cover_the_larger_map(self):
         small, large = surface((32, 32)), surface((200, 120), seed=4)
@@ -79,7 +79,7 @@ class TestMaps:
         on = np.ix_(y % 2 == 0, x % 2 == 0)
         off = lower.heights[on] - coarse.heights[np.ix_(y[y % 2 == 0] // 2, x[x % 2 == 0] // 2)]
         places = np.meshgrid(*map(range, off.shape), indexing="ij")
-        plane = np.column_stack([np.ones(off.size), *(each.ravel() for each in places)])
+        plane = np.column_stack([np.ones(off.size), *(place.ravel() for place in places)])
         rest = np.linalg.lstsq(plane, off.ravel(), rcond=None)[1]
         assert np.sqrt(rest / off.size) < 1e-9
 

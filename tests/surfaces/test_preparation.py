@@ -106,12 +106,12 @@ def test_flipped_scan_touches_at_the_peak():
 
 def test_common_grid_keeps_finer_profile_and_splines_the_other():
     fine, coarse = rough(100, 0.1), rough(20, 0.25)
-    for a, b, kept in ((fine, coarse, 0), (coarse, fine, 1)):
+    for a, b, stored in ((fine, coarse, 0), (coarse, fine, 1)):
         pair = on_common_grid(a, b)
         assert pair[0].spacing == pair[1].spacing == 0.1
         assert len(pair[0]) == len(pair[1]) == 48  # 4.75 µm in common
-        assert np.array_equal(pair[kept].heights, fine.heights[:48])
-        shared = pair[1 - kept].heights[::5]  # every fifth point is a point of the coarse grid as well
+        assert np.array_equal(pair[stored].heights, fine.heights[:48])
+        shared = pair[1 - stored].heights[::5]  # every fifth point is a point of the coarse grid as well
         assert np.abs(shared - coarse.heights[::2]).max() < ROUND_OFF
 
 
@@ -134,7 +134,7 @@ def test_spline_error_decreases_with_fourth_power_of_spacing():
 
 
 def test_common_grid_exists_for_any_two_profiles():
-    assert [len(each) for each in on_common_grid(rough(4, 3.0), rough(4, 0.1))] == [4, 4]
+    assert [len(item) for item in on_common_grid(rough(4, 3.0), rough(4, 0.1))] == [4, 4]
 
 
 # ---- History --------------------------------------------------------------------------------------------------------
@@ -142,8 +142,8 @@ def test_common_grid_exists_for_any_two_profiles():
 
 def test_history_contains_every_step():
     profile = Profile(rough(100).heights, spacing=0.1, history=("made up",))
-    done = cropped(levelled(profile, "quadratic"), 1.0, 9.0).with_amplitude(0.5, "Rq")
-    other = on_common_grid(done, rough(200, 0.05))[0]
+    completed = cropped(levelled(profile, "quadratic"), 1.0, 9.0).with_amplitude(0.5, "Rq")
+    other = on_common_grid(completed, rough(200, 0.05))[0]
     assert other.history == (
         "made up",
         "levelled by a parabola",

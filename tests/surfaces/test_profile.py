@@ -27,9 +27,9 @@ def test_heights_are_a_read_only_copy(body):
         again = pickle.loads(pickle.dumps(one))
         assert np.array_equal(again.heights, one.heights)
         assert again.spacing == one.spacing
-        for each in (one, again):
+        for item in (one, again):
             with pytest.raises(ValueError, match="read-only"):
-                each.heights[0] = 1
+                item.heights[0] = 1
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,13 @@ ROUND_OFF = 1e-15
 
 
 def noise_of(colour, shape, spacing, rng):
-    q = np.sqrt(sum(each**2 for each in np.meshgrid(*[np.fft.fftfreq(n, spacing) for n in shape], indexing="ij")))
+    q = np.sqrt(sum(item**2 for item in np.meshgrid(*[np.fft.fftfreq(n, spacing) for n in shape], indexing="ij")))
     factor = {
         "white": np.ones(q.shape), "band": (q > 0.13 / spacing) & (q < 0.3 / spacing),
         "pink": 1 / np.sqrt(np.maximum(q, 1e-3 / spacing)),
     }[colour]  # fmt: skip
-    made = np.fft.ifftn(np.fft.fftn(rng.normal(size=shape)) * factor).real
-    return made / made.std()
+    created = np.fft.ifftn(np.fft.fftn(rng.normal(size=shape)) * factor).real
+    return created / created.std()
 
 
 def place(dimensions, points, spacing):
@@ -40,36 +40,36 @@ def test_compare_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colou
         for start, own in zip(starts, noise, strict=True)
     ]
     scans[1] = scans[1] + 0.3 + 1e-5 * np.indices(shape).sum(axis=0)
-    found = compare_repeated_scans(*(kind(each, spacing=spacing) for each in scans))
+    result = compare_repeated_scans(*(kind(scan, spacing=spacing) for scan in scans))
     slack = 1.0 if colour == "pink" else 0.3  # points: slopes of noise are ten times those of the surface
-    assert np.abs(np.array(found.shift) / spacing - np.array(moved) / 2).max() < slack
-    assert found.correlation > 0.99
+    assert np.abs(np.array(result.shift) / spacing - np.array(moved) / 2).max() < slack
+    assert result.correlation > 0.99
     true = np.mean([mean_square_heights(kind(own, spacing=spacing))[1] for own in noise], axis=0)
     q = mean_square_heights(kind(noise[0], spacing=spacing))[0]
     octave = np.maximum(np.floor(np.log2(np.pi / (q * spacing)) + 1e-9), 0).astype(int)
     true = np.sqrt(np.bincount(octave, true))
     clean = kind(truth[tuple(slice(0, 2 * points, 2) for _ in shape)], spacing=spacing)
     common = np.sqrt(np.bincount(octave, mean_square_heights(clean)[1]))
-    told = (true > 0.01 * rms) & (np.bincount(octave) > 60)
-    told[0] = False  # from four points up
-    assert told.sum() >= (1 if colour == "band" else 3)
-    np.testing.assert_allclose(found.noise[told], true[told], rtol=RECOVERED)
-    seen = (common > 3 * true) & (np.bincount(octave) > 15)
-    assert seen.any()
-    np.testing.assert_allclose(found.common[seen], common[seen], rtol=RECOVERED)
+    reported = (true > 0.01 * rms) & (np.bincount(octave) > 60)
+    reported[0] = False  # from four points up
+    assert reported.sum() >= (1 if colour == "band" else 3)
+    np.testing.assert_allclose(result.noise[reported], true[reported], rtol=RECOVERED)
+    recorded = (common > 3 * true) & (np.bincount(octave) > 15)
+    assert recorded.any()
+    np.testing.assert_allclose(result.common[recorded], common[recorded], rtol=RECOVERED)
     # The mean without waves below the limit has a tenth of its mean square slope of noise.
-    q, whole = mean_square_heights(found.scan)
-    kept = q**2 * np.exp(-2 * np.log(2) * (q * found.limit / (2 * np.pi)) ** 2)
+    q, whole = mean_square_heights(result.scan)
+    stored = q**2 * np.exp(-2 * np.log(2) * (q * result.limit / (2 * np.pi)) ** 2)
     left = mean_square_heights(kind((noise[0] - noise[1]) / 2, spacing=spacing))
-    left = left[1] @ (left[0] ** 2 * np.exp(-2 * np.log(2) * (left[0] * found.limit / (2 * np.pi)) ** 2))
-    assert left / (whole @ kept) == pytest.approx(0.1, rel=0.15)
+    left = left[1] @ (left[0] ** 2 * np.exp(-2 * np.log(2) * (left[0] * result.limit / (2 * np.pi)) ** 2))
+    assert left / (whole @ stored) == pytest.approx(0.1, rel=0.15)
 
 
 def test_compare_repeated_scans_rejects_identical_and_unrelated_scans():
     first, other = (self_affine(seed, hurst_exponent=0.8, rms=0.1, points=2000, spacing=0.1) for seed in (1, 2))
-    found = compare_repeated_scans(first, Profile(first.heights[100:], spacing=0.1))
-    assert (found.shift, found.limit) == ((10.0,), 0.2)
-    assert max(found.noise_rms, found.noise.max()) < ROUND_OFF
+    result = compare_repeated_scans(first, Profile(first.heights[100:], spacing=0.1))
+    assert (result.shift, result.limit) == ((10.0,), 0.2)
+    assert max(result.noise_rms, result.noise.max()) < ROUND_OFF
     area = Surface(np.eye(40), spacing=0.1)
     holes = Profile(first.heights, spacing=0.1, missing=np.arange(2000) == 7)
     for one, two, why in (
@@ -86,7 +86,7 @@ def dilated(body, radius):
     steps = np.atleast_1d(body.spacing)
     reach = [int(radius / step) for step in steps]
     at = np.meshgrid(*[np.arange(-n, n + 1) * step for n, step in zip(reach, steps, strict=True)], indexing="ij")
-    square = sum(each**2 for each in at)
+    square = sum(item**2 for item in at)
     ball = radius - np.sqrt(np.maximum(radius**2 - square, 0))
     return grey_dilation(body.heights, footprint=square <= radius**2, structure=-ball, mode="constant", cval=-1e9)
 
@@ -100,16 +100,16 @@ def dilated(body, radius):
 )
 def test_tip_reconstructed_inverts_dilation_at_certain_points(body):
     radius = 0.15
-    seen = type(body)(dilated(body, radius), spacing=body.spacing)
-    found, certain = tip_reconstructed(seen, radius)
-    off = found.heights - body.heights
+    recorded = type(body)(dilated(body, radius), spacing=body.spacing)
+    result, certain = tip_reconstructed(recorded, radius)
+    off = result.heights - body.heights
     assert off.min() > -1e-12  # an upper bound
     assert np.abs(off[certain]).max() < 1e-12
     assert 0.1 < certain.mean() < 0.9
-    assert np.abs(dilated(found, radius) - seen.heights).max() < 1e-12  # which would be seen like that
-    assert off.mean() < 0.5 * (seen.heights - body.heights).mean()
+    assert np.abs(dilated(result, radius) - recorded.heights).max() < 1e-12  # which would be seen like that
+    assert off.mean() < 0.5 * (recorded.heights - body.heights).mean()
     with pytest.raises(ValueError, match="radius must be a finite number above 0"):
-        tip_reconstructed(seen, 0.0)
+        tip_reconstructed(recorded, 0.0)
     smooth = type(body)(1e-4 * np.cos(np.indices(body.heights.shape).sum(axis=0) / 20), spacing=body.spacing)
     again = tip_reconstructed(type(body)(dilated(smooth, radius), spacing=body.spacing), radius)
     inner = tuple(slice(20, -20) for _ in again[1].shape)

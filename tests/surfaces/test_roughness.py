@@ -25,12 +25,12 @@ class TestParameters:
     def test_parameters_of_sinusoid_have_closed_forms(self):
         # Even moments of whole waves are exact. |sin| at n points a wave has a mean short of 2/π by π²/3n² of it.
         n = 512
-        found = roughness_parameters(wave(n))
-        assert found.Pa == pytest.approx(2 / np.pi * AMPLITUDE, rel=1.01 * np.pi**2 / (3 * n**2) * 4)
-        assert found.Pq == pytest.approx(AMPLITUDE / np.sqrt(2), rel=ROUND_OFF)
-        assert found.Pt == pytest.approx(2 * AMPLITUDE, rel=ROUND_OFF)
-        assert found.Psk == pytest.approx(0, abs=ROUND_OFF)
-        assert found.Pku == pytest.approx(1.5, rel=ROUND_OFF)
+        result = roughness_parameters(wave(n))
+        assert result.Pa == pytest.approx(2 / np.pi * AMPLITUDE, rel=1.01 * np.pi**2 / (3 * n**2) * 4)
+        assert result.Pq == pytest.approx(AMPLITUDE / np.sqrt(2), rel=ROUND_OFF)
+        assert result.Pt == pytest.approx(2 * AMPLITUDE, rel=ROUND_OFF)
+        assert result.Psk == pytest.approx(0, abs=ROUND_OFF)
+        assert result.Pku == pytest.approx(1.5, rel=ROUND_OFF)
 
     @pytest.mark.parametrize(("derivative", "order", "factor"), [("neighbours", 2, 24), ("seven-point", 6, 140)])
     def test_slope_of_sinusoid_has_the_error_of_its_difference(self, derivative, order, factor):
@@ -42,11 +42,11 @@ class TestParameters:
             assert short == pytest.approx((2 * np.pi / n) ** order / factor, rel=(2 * np.pi / n) ** 2, abs=2e-6)
 
     def test_parameters_of_normal_heights_have_closed_forms(self):
-        found = roughness_parameters(rough(points=200_000, longest_wavelength=1.0))
+        result = roughness_parameters(rough(points=200_000, longest_wavelength=1.0))
         # Some 2000 independent heights: standard errors of 0.05 and 0.11, times four.
-        assert found.Psk == pytest.approx(0, abs=0.2)
-        assert found.Pku == pytest.approx(3, abs=0.45)
-        assert found.Pa / found.Pq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
+        assert result.Psk == pytest.approx(0, abs=0.2)
+        assert result.Pku == pytest.approx(3, abs=0.45)
+        assert result.Pa / result.Pq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
 
     @pytest.mark.parametrize("factor", [1e-45, 1e45])
     def test_parameters_scale_with_heights(self, factor):
@@ -145,42 +145,42 @@ def slow(surface):
 @pytest.mark.parametrize("factor", [1.0, 1e-6])
 def test_surface_parameters_equal_their_definitions(factor):
     surface = Surface(3.0 + factor * rough_area().heights, spacing=(0.5, 0.25))
-    found, wanted = surface_parameters(surface, derivative="neighbours"), slow(surface)
-    for name, value in wanted.items():
+    result, expected = surface_parameters(surface, derivative="neighbours"), slow(surface)
+    for name, value in expected.items():
         # The slow area less the projected one loses the digits that the heights are below it.
         loss = 1e-9 if name != "Sdr" else 1e-9 + 1e-15 / value
-        assert getattr(found, name) == pytest.approx(value, rel=loss), name
+        assert getattr(result, name) == pytest.approx(value, rel=loss), name
 
 
 def test_seven_point_slope_equals_that_of_lines():
     surface = rough_area()
     rows = [roughness_parameters(surface.row(index)).Pdq for index in range(40)]
     columns = [roughness_parameters(surface.column(index)).Pdq for index in range(50)]
-    wanted = math.sqrt(np.mean(np.square(rows)) + np.mean(np.square(columns)))
-    assert surface_parameters(surface).Sdq == pytest.approx(wanted, rel=ROUND_OFF)
+    expected = math.sqrt(np.mean(np.square(rows)) + np.mean(np.square(columns)))
+    assert surface_parameters(surface).Sdq == pytest.approx(expected, rel=ROUND_OFF)
 
 
 def test_autocorrelation_equals_mean_product_over_the_overlap():
     z = rough_area(shape=(9, 12)).heights
     z = z - z.mean()
-    found = autocorrelation(z)
-    assert found.shape == (5, 13)
+    result = autocorrelation(z)
+    assert result.shape == (5, 13)
     for j in range(5):
         for shift in range(-6, 7):
             pairs = [
                 z[y, x] * z[y + j, x + shift] for y in range(9 - j) for x in range(max(0, -shift), min(12, 12 - shift))
             ]
-            assert found[j, shift + 6] == pytest.approx(np.mean(pairs) / np.mean(z**2), abs=ROUND_OFF)
+            assert result[j, shift + 6] == pytest.approx(np.mean(pairs) / np.mean(z**2), abs=ROUND_OFF)
 
 
 def test_autocorrelation_lengths_of_gaussian_have_closed_forms():
     # exp(-r²/4s²) falls to 0.2 at 2 s sqrt(ln 5); 60 correlation areas leave some per cent.
     surface = rough_area(shape=(600, 700), spacing=0.5, smooth=8.0)
-    found = surface_parameters(surface)
-    assert found.Sal == pytest.approx(2 * 8.0 * 0.5 * math.sqrt(math.log(5)), rel=0.08)
-    assert found.Str > 0.8
+    result = surface_parameters(surface)
+    assert result.Sal == pytest.approx(2 * 8.0 * 0.5 * math.sqrt(math.log(5)), rel=0.08)
+    assert result.Str > 0.8
     stretched = surface_parameters(Surface(surface.heights, spacing=(1.5, 0.5)))
-    assert stretched.Sal == pytest.approx(found.Sal, rel=0.1)
+    assert stretched.Sal == pytest.approx(result.Sal, rel=0.1)
     assert stretched.Str == pytest.approx(1 / 3, rel=0.15)
 
 
@@ -193,20 +193,20 @@ def grooves(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
 
 @pytest.mark.parametrize("angle", [0, 31, 90, 135])
 def test_texture_parameters_of_grooves_give_their_direction(angle):
-    found = surface_parameters(grooves(angle))
+    result = surface_parameters(grooves(angle))
     # The cosine falls to 0.2 at arccos(0.2)/2π of the wavelength, but for what the overlap leaves of whole waves.
-    assert found.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
-    assert math.isnan(found.Str)  # along the grooves it never falls
-    off = abs((found.Std - angle + 90) % 180 - 90)
+    assert result.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
+    assert math.isnan(result.Str)  # along the grooves it never falls
+    off = abs((result.Std - angle + 90) % 180 - 90)
     assert off <= 3  # a sector of two degrees, and the spread of the window
 
 
 def test_core_of_distributions_has_closed_forms():
     # Heights equally spread: the bearing curve is straight, without peaks or valleys.
     even = Surface(np.random.default_rng(1).permutation(np.linspace(0, 2, 10_000)).reshape(100, 100), spacing=1.0)
-    found = surface_parameters(even)
-    assert found.Sk == pytest.approx(2, rel=1e-3)
-    assert found.Spk == pytest.approx(0, abs=1e-3)
+    result = surface_parameters(even)
+    assert result.Sk == pytest.approx(2, rel=1e-3)
+    assert result.Spk == pytest.approx(0, abs=1e-3)
     # Normal heights, by integrals of the normal distribution: the core from 30 to 70 % fitted by least squares.
     from scipy.stats import norm
 
@@ -217,24 +217,24 @@ def test_core_of_distributions_has_closed_forms():
         np.random.default_rng(2).permutation(norm.isf((np.arange(250_000) + 0.5) / 250_000)).reshape(500, 500),
         spacing=1.0,
     )
-    found = surface_parameters(normal)
-    assert found.Sk == pytest.approx(-slope, rel=1e-3)
-    assert found.Smr1 == pytest.approx(norm.sf(upper), abs=1e-3)
-    assert found.Smr2 == pytest.approx(norm.sf(lower), abs=1e-3)
-    assert found.Spk == pytest.approx(2 * (norm.pdf(upper) - upper * norm.sf(upper)) / norm.sf(upper), rel=5e-3)
-    assert found.Svk == pytest.approx(found.Spk, rel=5e-3)
+    result = surface_parameters(normal)
+    assert result.Sk == pytest.approx(-slope, rel=1e-3)
+    assert result.Smr1 == pytest.approx(norm.sf(upper), abs=1e-3)
+    assert result.Smr2 == pytest.approx(norm.sf(lower), abs=1e-3)
+    assert result.Spk == pytest.approx(2 * (norm.pdf(upper) - upper * norm.sf(upper)) / norm.sf(upper), rel=5e-3)
+    assert result.Svk == pytest.approx(result.Spk, rel=5e-3)
 
 
 def test_peaks_and_valleys_are_triangles_of_equal_area():
     surface = rough_area(seed=5)
-    found = surface_parameters(surface)
+    result = surface_parameters(surface)
     z = np.sort(surface.heights.ravel() - surface.heights.mean())[::-1]
-    upper = z[round(found.Smr1 * z.size) - 1]  # the lowest of the peaks is above the core
-    peaks = z[: round(found.Smr1 * z.size)]
+    upper = z[round(result.Smr1 * z.size) - 1]  # the lowest of the peaks is above the core
+    peaks = z[: round(result.Smr1 * z.size)]
     assert peaks.min() >= upper
-    area = found.Spk * found.Smr1 / 2
-    core_top = (peaks.sum() / z.size - area) / found.Smr1
-    assert z[round(found.Smr1 * z.size)] <= core_top <= upper
+    area = result.Spk * result.Smr1 / 2
+    core_top = (peaks.sum() / z.size - area) / result.Smr1
+    assert z[round(result.Smr1 * z.size)] <= core_top <= upper
 
 
 def test_bearing_curve_returns_heights_at_material_ratios():
@@ -275,20 +275,20 @@ def test_surface_parameters_agree_with_surface_topography():
     surface = rough_area()
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
     other = topography.Topography(surface.heights.T - surface.heights.mean(), (columns * dx, rows * dy), periodic=False)
-    found = surface_parameters(surface, derivative="neighbours")
-    assert found.Sq == pytest.approx(np.sqrt(np.mean(other.heights() ** 2)), rel=ROUND_OFF)
+    result = surface_parameters(surface, derivative="neighbours")
+    assert result.Sq == pytest.approx(np.sqrt(np.mean(other.heights() ** 2)), rel=ROUND_OFF)
     # It takes slopes of triangles, where each mesh has one along x and one along y on both of its sides.
-    assert found.Sdq == pytest.approx(other.rms_gradient(), rel=0.01)
+    assert result.Sdq == pytest.approx(other.rms_gradient(), rel=0.01)
 
 
 @pytest.mark.parametrize(
-    ("surface", "options", "said"),
+    ("surface", "options", "message"),
     [
         (Surface(np.ones((9, 9)), spacing=1.0), {}, "a flat surface has no roughness"),
         (Surface(np.eye(6), spacing=1.0), {}, "at least 7 rows and 7 columns"),
         (Surface(np.eye(9), spacing=1.0), {"derivative": "spline"}, "derivative must be one of"),
     ],
 )
-def test_surface_parameters_reject_bad_arguments(surface, options, said):
-    with pytest.raises(ValueError, match=said):
+def test_surface_parameters_reject_bad_arguments(surface, options, message):
+    with pytest.raises(ValueError, match=message):
         surface_parameters(surface, **options)

@@ -30,30 +30,30 @@ BINS = 0.03  # of a slope between two bins, 48 to a decade
 def test_scale_dependent_roughness_tends_to_moments_of_spectrum():
     profile = rough()
     moments = spectral_moments(profile, periodic=True)
-    found = scale_dependent_roughness(profile, periodic=True)
-    assert found.gradient[-1] ** 2 == pytest.approx(moments.slope, rel=ROUND_OFF)
-    assert found.curvature[-1] ** 2 == pytest.approx(moments.curvature, rel=ROUND_OFF)
+    result = scale_dependent_roughness(profile, periodic=True)
+    assert result.gradient[-1] ** 2 == pytest.approx(moments.slope, rel=ROUND_OFF)
+    assert result.curvature[-1] ** 2 == pytest.approx(moments.curvature, rel=ROUND_OFF)
     surface = self_affine_map(1, 0.7, (64, 81), spacing=(0.5, 0.3))
     spectrum = surface_spectrum(surface, periodic=True)
-    found = scale_dependent_roughness(surface, periodic=True)
+    result = scale_dependent_roughness(surface, periodic=True)
     both = spectrum.moments(0).slope + spectrum.moments(90).slope
-    assert found.gradient[-1] ** 2 == pytest.approx(both, rel=ROUND_OFF)
+    assert result.gradient[-1] ** 2 == pytest.approx(both, rel=ROUND_OFF)
     q_y, q_x = np.meshgrid(spectrum.wave_number_y, spectrum.wave_number_x, indexing="ij")
     step = (2 * np.pi / 32) * (2 * np.pi / 24.3) / (4 * np.pi**2)
     laplacian = ((q_x**2 + q_y**2) ** 2 * spectrum.density).sum() * step
-    assert found.curvature[-1] ** 2 == pytest.approx(laplacian / 4, rel=ROUND_OFF)
+    assert result.curvature[-1] ** 2 == pytest.approx(laplacian / 4, rel=ROUND_OFF)
 
 
 def test_scale_dependent_roughness_sums_spectrum_above_wavelength():
     x = np.arange(1000) * 0.1
     long, short = 0.3 * np.sin(2 * np.pi * x / 10), 0.02 * np.sin(2 * np.pi * x / 0.5)
-    found = scale_dependent_roughness(Profile(long + short, spacing=0.1), periodic=True)
+    result = scale_dependent_roughness(Profile(long + short, spacing=0.1), periodic=True)
     slopes = [0.3 * 2 * np.pi / 10 / math.sqrt(2), 0.02 * 2 * np.pi / 0.5 / math.sqrt(2)]
-    assert found.gradient_at([20.0, 5.0, 0.3]) == pytest.approx([0, slopes[0], math.hypot(*slopes)], rel=1e-6)
-    assert float(found.fraction_below(5.0)) == pytest.approx(slopes[1] ** 2 / (slopes[0] ** 2 + slopes[1] ** 2))
+    assert result.gradient_at([20.0, 5.0, 0.3]) == pytest.approx([0, slopes[0], math.hypot(*slopes)], rel=1e-6)
+    assert float(result.fraction_below(5.0)) == pytest.approx(slopes[1] ** 2 / (slopes[0] ** 2 + slopes[1] ** 2))
     curvature = [slope * 2 * np.pi / length for slope, length in zip(slopes, (10, 0.5), strict=True)]
-    assert float(found.curvature_at(0.3)) == pytest.approx(math.hypot(*curvature), rel=1e-6)
-    assert found.gradient_at(1000.0) == 0
+    assert float(result.curvature_at(0.3)) == pytest.approx(math.hypot(*curvature), rel=1e-6)
+    assert result.gradient_at(1000.0) == 0
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.8])
@@ -63,25 +63,25 @@ def test_scale_dependent_roughness_of_power_law_has_closed_form(hurst):
         1, hurst_exponent=hurst, rms=0.1, points=2**15, spacing=0.01, longest_wavelength=longest, periodic=True,
         amplitudes="fixed",
     )  # fmt: skip
-    found = scale_dependent_roughness(profile, periodic=True)
+    result = scale_dependent_roughness(profile, periodic=True)
     power = 2 - 2 * hurst
     for length in (0.05, 0.2, 1.0):
         ratio = (1 / length**power - 1 / longest**power) / (1 / 0.02**power - 1 / longest**power)
-        assert float(found.gradient_at(length)) / found.gradient[-1] == pytest.approx(math.sqrt(ratio), rel=BINS)
+        assert float(result.gradient_at(length)) / result.gradient[-1] == pytest.approx(math.sqrt(ratio), rel=BINS)
 
 
 def test_scale_dependent_roughness_is_independent_of_tilt_and_window():
     profile = self_affine(
         4, hurst_exponent=0.7, rms=0.1, points=8192, spacing=0.01, longest_wavelength=2.0, shortest_wavelength=0.2
     )
-    found = scale_dependent_roughness(profile)
+    result = scale_dependent_roughness(profile)
     own = math.sqrt(np.mean(np.square(np.diff(profile.heights) / 0.01)))
-    assert found.gradient[-1] == pytest.approx(own, rel=0.05)  # some hundred waves, weighted by a window
+    assert result.gradient[-1] == pytest.approx(own, rel=0.05)  # some hundred waves, weighted by a window
     tilted = scale_dependent_roughness(Profile(5 + profile.heights + 0.3 * profile.x, spacing=0.01))
-    assert tilted.gradient == pytest.approx(found.gradient, rel=1e-6)
+    assert tilted.gradient == pytest.approx(result.gradient, rel=1e-6)
     larger = scale_dependent_roughness(Profile(10 * profile.heights, spacing=0.1))
-    assert larger.gradient == pytest.approx(found.gradient, rel=ROUND_OFF)
-    assert 10 * larger.curvature == pytest.approx(found.curvature, rel=ROUND_OFF)
+    assert larger.gradient == pytest.approx(result.gradient, rel=ROUND_OFF)
+    assert 10 * larger.curvature == pytest.approx(result.curvature, rel=ROUND_OFF)
 
 
 @pytest.mark.parametrize("hurst", [0.3, 0.8])
@@ -102,25 +102,25 @@ def test_extrapolation_follows_power_law(hurst, areal):
         fine = self_affine(3, hurst_exponent=hurst, rms=0.1, points=2**15, spacing=0.01, periodic=True)
         coarse = Profile(np.fft.irfft(np.fft.rfft(fine.heights)[: 2**11 + 1], 2**12) / 8, spacing=0.08)
     truth = scale_dependent_roughness(fine, periodic=True)
-    seen = scale_dependent_roughness(coarse, periodic=True)
+    recorded = scale_dependent_roughness(coarse, periodic=True)
     estimate = estimate_hurst_exponent(coarse, periodic=True)
-    lines = [seen.continued([0.02, 0.04, 0.1], line) for line in interval_power_laws(estimate)]
-    wanted = truth.gradient_at([0.02, 0.04, 0.1])
-    assert lines[0] == pytest.approx(wanted, rel=0.15)
+    lines = [recorded.continued([0.02, 0.04, 0.1], line) for line in interval_power_laws(estimate)]
+    expected = truth.gradient_at([0.02, 0.04, 0.1])
+    assert lines[0] == pytest.approx(expected, rel=0.15)
     assert (lines[2] <= lines[0]).all()
     assert (lines[0] <= lines[1]).all()
-    length = seen.wavelength_of(float(lines[0][0]), estimate)
+    length = recorded.wavelength_of(float(lines[0][0]), estimate)
     assert length == pytest.approx(0.02, rel=1e-6)
-    assert seen.wavelength_of(float(seen.gradient_at(0.3))) == pytest.approx(0.3, rel=1e-6)
-    assert math.isnan(seen.wavelength_of(2 * float(seen.gradient[-1])))
-    assert seen.wavelength_of(1e-9) == pytest.approx(seen.wavelength[0], rel=1e-6)
+    assert recorded.wavelength_of(float(recorded.gradient_at(0.3))) == pytest.approx(0.3, rel=1e-6)
+    assert math.isnan(recorded.wavelength_of(2 * float(recorded.gradient[-1])))
+    assert recorded.wavelength_of(1e-9) == pytest.approx(recorded.wavelength[0], rel=1e-6)
 
 
 def test_extrapolation_is_continuous_at_exponent_1():
     estimate = replace(estimate_hurst_exponent(rough(points=4096)), value=1.0)
-    seen = scale_dependent_roughness(rough(points=4096))
+    recorded = scale_dependent_roughness(rough(points=4096))
     near = replace(estimate, value=1 + 1e-9)
-    assert seen.continued(1e-4, estimate) == pytest.approx(seen.continued(1e-4, near), rel=1e-6)
+    assert recorded.continued(1e-4, estimate) == pytest.approx(recorded.continued(1e-4, near), rel=1e-6)
 
 
 class TestInstrument:
@@ -136,8 +136,8 @@ class TestInstrument:
             profile = self_affine(1, hurst_exponent=hurst, rms=0.1, points=8192, spacing=0.01, repetition=repetition)
             assert instrument_limit(profile).reason == "pixels"
         surface = self_affine_surface(1, hurst_exponent=hurst, rms=0.1, shape=(256, 256), spacing=(0.02, 0.01))
-        found = instrument_limit(surface)
-        assert (found.reason, found.wavelength, found.pixels) == ("pixels", 0.04, 0.04)
+        result = instrument_limit(surface)
+        assert (result.reason, result.wavelength, result.pixels) == ("pixels", 0.04, 0.04)
         folded = Surface(surface.heights[::4, ::4], spacing=(0.08, 0.04))  # with what is folded back
         assert instrument_limit(folded).reason == "pixels"
 
@@ -147,36 +147,36 @@ class TestInstrument:
             1, hurst_exponent=0.9, rms=0.1, points=2**14, spacing=0.01, periodic=True, amplitudes="fixed"
         )
         random = np.random.default_rng(1).normal(size=profile.heights.size)
-        found = instrument_limit(Profile(profile.heights + noise * random, spacing=0.01), periodic=True)
-        assert found.reason == "noise floor"
+        result = instrument_limit(Profile(profile.heights + noise * random, spacing=0.01), periodic=True)
+        assert result.reason == "noise floor"
         # Of a spectrum A n^-2.8 over harmonics n, whose sum is the mean square.
-        harmonic = profile.extent / found.noise
+        harmonic = profile.extent / result.noise
         power = 0.1**2 * harmonic**-2.8 / (np.arange(1, 2**13) ** -2.8).sum()
         assert 1.2 < power / (noise**2 / 2**13) < 4  # with the noise, four times the lowest of all
 
     def test_white_heights_are_noise_at_all_wavelengths(self):
-        found = instrument_limit(Profile(np.random.default_rng(2).normal(size=4096), spacing=0.1))
-        assert found.reason == "noise floor"
-        assert found.noise > 10
+        result = instrument_limit(Profile(np.random.default_rng(2).normal(size=4096), spacing=0.1))
+        assert result.reason == "noise floor"
+        assert result.noise > 10
 
     def test_tip_limits_curvature(self):
         surface = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(256, 256), spacing=0.01)
         roughness = scale_dependent_roughness(surface)
         for radius in (0.02, 0.1, 1.0):
-            found = instrument_limit(surface, tip_radius=radius)
-            assert float(roughness.curvature_at(found.tip * 1.2)) < 0.1 / radius
-            assert float(roughness.curvature_at(found.tip * 0.95)) > 0.1 / radius * 0.95
-        assert found.reason == "tip"
+            result = instrument_limit(surface, tip_radius=radius)
+            assert float(roughness.curvature_at(result.tip * 1.2)) < 0.1 / radius
+            assert float(roughness.curvature_at(result.tip * 0.95)) > 0.1 / radius * 0.95
+        assert result.reason == "tip"
         assert math.isnan(instrument_limit(surface, tip_radius=1e-5).tip)
 
     def test_instrument_limit_of_measured_map_is_plausible(self, measured):
         surface = read_surface(measured("di-4.di"))
-        found = instrument_limit(surface)
-        assert found.reason == "noise floor"
-        assert math.isnan(found.noise_x)  # the fast axis
-        assert found.noise_y == pytest.approx(6.37 * surface.spacing[0], rel=0.01)
-        assert found.noise == found.wavelength == 0.125
-        assert found.slope_fraction == pytest.approx(0.227, abs=0.001)
+        result = instrument_limit(surface)
+        assert result.reason == "noise floor"
+        assert math.isnan(result.noise_x)  # the fast axis
+        assert result.noise_y == pytest.approx(6.37 * surface.spacing[0], rel=0.01)
+        assert result.noise == result.wavelength == 0.125
+        assert result.slope_fraction == pytest.approx(0.227, abs=0.001)
         assert instrument_limit(read_profile(measured("dektak-1.csv"))).reason == "pixels"
 
     def test_coloured_noise_is_detected_and_filtered_slope_is_true(self):
@@ -197,12 +197,12 @@ class TestInstrument:
                     random = np.random.default_rng([repetition, seed])
                     noise = np.fft.irfft(band * np.exp(2j * np.pi * random.uniform(size=band.size)), points)
                     heights = clean.heights + 0.03 * clean.heights.std() * noise / noise.std()
-                    found = instrument_limit(Profile(heights, spacing=step))
-                    if found.reason == "pixels":
+                    result = instrument_limit(Profile(heights, spacing=step))
+                    if result.reason == "pixels":
                         assert name == "band"  # as high as the surface's own end at most
                         continue
                     slopes = [
-                        np.gradient(cut_off(Profile(z, spacing=step), found.wavelength).heights).std()
+                        np.gradient(cut_off(Profile(z, spacing=step), result.wavelength).heights).std()
                         for z in (heights, clean.heights)
                     ]
                     acted += 1
@@ -254,16 +254,16 @@ class TestTexture:
         rng = np.random.default_rng(3)
         heights = turned(rng, 1, feed=(40, 40), rough=0.02, wander=0.0)
         noisy = body_of(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
-        found = instrument_limit(noisy)
-        assert (found.reason, found.origin, found.matters) == ("noise floor", "unknown", True)
+        result = instrument_limit(noisy)
+        assert (result.reason, result.origin, result.matters) == ("noise floor", "unknown", True)
         assert instrument_limit(noisy, texture=True).origin == "instrument"
 
     def test_line_spectrum_is_unattributed_unless_texture_is_declared(self):
         rng = np.random.default_rng(1)
         smooth = filtered_noise(rng, (4096,), 0.8, longest=300, shortest=20)
         humming = body_of(smooth + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
-        found = instrument_limit(humming)
-        assert (found.reason, found.origin, found.matters) == ("line", "unknown", True)
+        result = instrument_limit(humming)
+        assert (result.reason, result.origin, result.matters) == ("line", "unknown", True)
         assert instrument_limit(humming, texture=True).reason == "pixels"
 
     def test_white_noise_of_map_is_attributed_to_instrument_with_declared_texture(self):
@@ -271,12 +271,12 @@ class TestTexture:
         smooth = filtered_noise(rng, (128, 128), 0.8, longest=60, shortest=6)
         noisy = body_of(smooth + 0.05 * rng.normal(size=smooth.shape))
         for texture in (False, True):
-            found = instrument_limit(noisy, texture=texture)
-            assert (found.reason, found.origin, found.matters) == ("noise floor", "instrument", True)
+            result = instrument_limit(noisy, texture=texture)
+            assert (result.reason, result.origin, result.matters) == ("noise floor", "instrument", True)
 
 
 @pytest.mark.parametrize(
-    ("function", "arguments", "said"),
+    ("function", "arguments", "message"),
     [
         (scale_dependent_roughness, {"body": [1.0]}, "body must be a Profile or a Surface, got list"),
         (scale_dependent_roughness, {"body": Profile(np.ones(9), spacing=1.0)}, "a flat profile has no roughness"),
@@ -284,34 +284,34 @@ class TestTexture:
         (instrument_limit, {"body": wave(16), "tip_radius": 0.0}, "tip_radius must be a finite number above 0 µm"),
     ],
 )
-def test_instrument_limit_rejects_bad_arguments(function, arguments, said):
-    with pytest.raises(ValueError, match=said):
+def test_instrument_limit_rejects_bad_arguments(function, arguments, message):
+    with pytest.raises(ValueError, match=message):
         function(**arguments)
 
 
 def test_gradient_and_wavelength_reject_bad_arguments():
-    found = scale_dependent_roughness(wave(16))
+    result = scale_dependent_roughness(wave(16))
     with pytest.raises(ValueError, match="wavelength must be above 0"):
-        found.gradient_at(0.0)
+        result.gradient_at(0.0)
     with pytest.raises(ValueError, match="gradient must be a finite number above 0"):
-        found.wavelength_of(-1.0)
+        result.wavelength_of(-1.0)
 
 
 @pytest.mark.parametrize("colour", ["white", "band"])
 def test_cutoff_of_instrument_preserves_slope_of_trusted_wavelengths(colour):
     """A Gaussian takes a part of longer waves: with its wavelength at the limit h' would be a fifth too small."""
     for seed in range(6):
-        made = self_affine_surface(
+        created = self_affine_surface(
             seed, hurst_exponent=0.7, rms=0.002, shape=(192, 192), spacing=0.02, shortest_wavelength=0.2
         )
         q = np.hypot(*np.meshgrid(np.fft.fftfreq(192), np.fft.fftfreq(192)))
         waves = np.ones(q.shape) if colour == "white" else (q > 0.15) & (q < 0.35)
         noise = np.fft.ifft2(np.fft.fft2(np.random.default_rng(seed).normal(size=q.shape)) * waves).real
-        scan = Surface(made.heights + 0.04 * made.heights.std() * noise / noise.std(), spacing=0.02)
+        scan = Surface(created.heights + 0.04 * created.heights.std() * noise / noise.std(), spacing=0.02)
         limit = instrument_limit(scan)
         assert limit.slope_fraction > 0.1
         assert 0.04 <= limit.cut_off < limit.wavelength
-        bodies = (made, scan, cut_off(scan, limit.cut_off))
+        bodies = (created, scan, cut_off(scan, limit.cut_off))
         slopes = [float(scale_dependent_roughness(body).gradient[-1]) for body in bodies]
         assert slopes[2] == pytest.approx(slopes[0], rel=0.06)
         assert slopes[1] > 1.06 * slopes[0]

@@ -86,7 +86,9 @@ class TestDefinitions:
         expected = slow.heights_and_slopes(z, 0.5) | slow.stratified(z)
         expected |= {"p": peak, "v": pit, "z": peak + pit, "Sm": 0.5 * spacing, "c": tall}
         expected |= {"mr": slow.ratio_at(z, 0), "dc": slow.height_at(z, 0.2) - slow.height_at(z, 0.8)}
-        assert sorted(f"R{stem}" for stem in expected) == sorted(each.name for each in PROFILE_PARAMETERS["R"])
+        assert sorted(f"R{stem}" for stem in expected) == sorted(
+            parameter.name for parameter in PROFILE_PARAMETERS["R"]
+        )
         for stem, value in expected.items():
             # The slow filter samples the Gaussian, by eight points at λs; ratios change by whole points.
             close = {"abs": 2 / 800} if stem.startswith("mr") else {"rel": 2e-4, "abs": 2e-4}
@@ -150,7 +152,7 @@ class TestSettingClass:
         heights = profile.heights.copy()
         heights[1500:1560] -= 20
         grooved = Profile(heights, spacing=0.5)
-        linear, robust = (section_parameters(grooved, lc=250, robust=each) for each in (False, True))
+        linear, robust = (section_parameters(grooved, lc=250, robust=value) for value in (False, True))
         plain = section_parameters(profile, lc=250)
         assert abs(robust.Rp - plain.Rp) < 0.2 * abs(linear.Rp - plain.Rp)
 

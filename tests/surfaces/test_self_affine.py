@@ -95,11 +95,11 @@ def test_spectrum_is_power_law_with_plateau_and_cutoff(hurst):
     extents = (5.12, 5.12)
     spectra = []
     for repetition in range(8):
-        made = surface(
+        created = surface(
             shape=(256, 256), spacing=0.02, hurst_exponent=hurst, repetition=repetition,
             longest_wavelength=1.28, shortest_wavelength=0.08,
         )  # fmt: skip
-        density, q = power(made.heights, extents)
+        density, q = power(created.heights, extents)
         spectra.append(density)
     mean = np.mean(spectra, axis=0)
     assert mean[q > 2 * np.pi / 0.08 * 1.001].max() < 1e-25
@@ -114,20 +114,22 @@ def test_spectrum_is_power_law_with_plateau_and_cutoff(hurst):
 
 
 def test_surface_is_isotropic_on_any_grid():
-    made = [surface(shape=(128, 256), spacing=(0.02, 0.01), shortest_wavelength=0.08, repetition=r) for r in range(20)]
-    along_y = np.array([np.gradient(one.heights, 0.02, axis=0).std() for one in made])
-    along_x = np.array([np.gradient(one.heights[:, ::2], 0.02, axis=1).std() for one in made])
+    created = [
+        surface(shape=(128, 256), spacing=(0.02, 0.01), shortest_wavelength=0.08, repetition=r) for r in range(20)
+    ]
+    along_y = np.array([np.gradient(one.heights, 0.02, axis=0).std() for one in created])
+    along_x = np.array([np.gradient(one.heights[:, ::2], 0.02, axis=1).std() for one in created])
     # Some thousand waves each, of which the shortest hundreds make the slope: 20 of them agree to 1 %.
     assert np.mean(along_y**2) / np.mean(along_x**2) == pytest.approx(1, abs=0.03)
 
 
 def test_surface_is_periodic():
-    made = surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
-    doubled = np.tile(made.heights, (2, 2))
+    created = surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
+    doubled = np.tile(created.heights, (2, 2))
     # Between equal neighbours a jump at the seam would stand out.
     steps = np.abs(np.diff(doubled, axis=1))
     assert steps[:, 63].max() <= np.delete(steps, 63, axis=1).max()
-    assert np.abs(np.diff(doubled, axis=0))[63].max() <= np.abs(np.diff(made.heights, axis=0)).max() * 1.5
+    assert np.abs(np.diff(doubled, axis=0))[63].max() <= np.abs(np.diff(created.heights, axis=0)).max() * 1.5
 
 
 def test_finer_grid_samples_the_same_surface():
@@ -149,12 +151,12 @@ def test_surface_is_reproducible_and_depends_on_seed():
 
 def test_random_words_match_documentation():
     # One wave (1, 0) along x alone, on a strip: the second word cannot show, because the rms is given.
-    made = self_affine_surface(
+    created = self_affine_surface(
         5, hurst_exponent=0.5, rms=1.0, shape=(4, 64), spacing=(0.01, 0.125), shortest_wavelength=7.0, repetition=2
     )
     word = np.random.PCG64(np.random.SeedSequence([5, 2, 0, 1])).random_raw()
     phase = 2 * np.pi * (int(word) >> 11) / 2**53
-    assert np.allclose(made.heights, np.sqrt(2) * np.cos(2 * np.pi * made.x / 8.0 + phase), atol=ROUND_OFF)
+    assert np.allclose(created.heights, np.sqrt(2) * np.cos(2 * np.pi * created.x / 8.0 + phase), atol=ROUND_OFF)
 
 
 @pytest.mark.parametrize(
@@ -184,15 +186,15 @@ def test_self_affine_rejects_bad_arguments(changes, match):
 
 class TestAmplitude:
     def test_profile_has_requested_amplitude_and_zero_mean(self):
-        made = surface()
-        raised = Surface(made.heights + 5.0, spacing=made.spacing, history=("made",))
+        created = surface()
+        raised = Surface(created.heights + 5.0, spacing=created.spacing, history=("made",))
         for measure, of in (("height", np.ptp), ("Sa", lambda h: np.abs(h).mean()), ("Sq", np.std)):
             scaled = raised.with_amplitude(0.3, measure)
             assert of(scaled.heights) == pytest.approx(0.3, rel=ROUND_OFF)
             assert abs(scaled.heights.mean()) < ROUND_OFF
-            assert scaled.spacing == made.spacing
+            assert scaled.spacing == created.spacing
             assert scaled.history == ("made", f"scaled to {measure} 0.3 µm")
-            assert np.corrcoef(scaled.heights.ravel(), made.heights.ravel())[0, 1] == pytest.approx(1, rel=ROUND_OFF)
+            assert np.corrcoef(scaled.heights.ravel(), created.heights.ravel())[0, 1] == pytest.approx(1, rel=ROUND_OFF)
 
     def test_self_affine_rejects_bad_arguments(self):
         flat = Surface(np.full((5, 5), 2.0), spacing=1.0)

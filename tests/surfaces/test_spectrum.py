@@ -64,13 +64,13 @@ class TestSpectrum:
             for periodic in (False, True)
         )
         q = power_spectrum(profiles[0]).wave_number
-        wanted = np.maximum(q * 4.0 / (2 * np.pi), 1.0) ** -2.6
+        expected = np.maximum(q * 4.0 / (2 * np.pi), 1.0) ** -2.6
         # The spectrum has a variance of 0.1² over the harmonics of the period, 16384 points.
         fine = np.maximum(np.arange(1, 8192) * 4.0 / 163.84, 1.0) ** -2.6
-        wanted *= 0.1**2 * np.pi / (fine.sum() * 2 * np.pi / 163.84)
+        expected *= 0.1**2 * np.pi / (fine.sum() * 2 * np.pi / 163.84)
         high = q > 100  # a thousand harmonics of 40 profiles: 1 % of scatter, and 1.2 % of leakage at most
-        assert np.mean(windowed[high] / wanted[high]) == pytest.approx(1, abs=0.02)
-        assert np.mean(plain[high] / wanted[high]) > 1.3
+        assert np.mean(windowed[high] / expected[high]) == pytest.approx(1, abs=0.02)
+        assert np.mean(plain[high] / expected[high]) > 1.3
 
     @pytest.mark.parametrize("bad", [{"periodic": "yes"}, {"periodic": None}])
     def test_spectrum_rejects_bad_arguments(self, bad):
@@ -83,12 +83,12 @@ class TestSpectrum:
 
 class TestSpectralMoments:
     def test_moments_of_sinusoid_have_closed_forms(self):
-        found = spectral_moments(wave(16), periodic=True)
+        result = spectral_moments(wave(16), periodic=True)
         q = 2 * np.pi / WAVELENGTH
-        for order, value in enumerate((found.height, found.slope, found.curvature)):
+        for order, value in enumerate((result.height, result.slope, result.curvature)):
             # Round-off at the highest of 64 harmonics weighs 8^(2j) times as much.
             assert value == pytest.approx(AMPLITUDE**2 / 2 * q ** (2 * order), rel=1e-10)
-        assert found.nayak_parameter == pytest.approx(1, rel=1e-10)
+        assert result.nayak_parameter == pytest.approx(1, rel=1e-10)
 
     def test_moments_of_bands_add_up(self):
         profile = rough()
@@ -118,8 +118,8 @@ def test_areal_spectrum_equals_its_definition():
         for j, q_y in enumerate(spectrum.wave_number_y):
             for i, q_x in enumerate(spectrum.wave_number_x):
                 wave = np.exp(-1j * (q_y * surface.y[:, np.newaxis] + q_x * surface.x))
-                wanted = 0 if q_x == q_y == 0 else abs((heights * wave).sum()) ** 2 * 0.125 / 72
-                assert spectrum.density[j, i] == pytest.approx(wanted, rel=1e-9, abs=1e-15)
+                expected = 0 if q_x == q_y == 0 else abs((heights * wave).sum()) ** 2 * 0.125 / 72
+                assert spectrum.density[j, i] == pytest.approx(expected, rel=1e-9, abs=1e-15)
 
 
 def test_moments_are_variances_along_any_direction():
@@ -136,9 +136,9 @@ def test_moments_are_variances_along_any_direction():
     along, across = spectrum.moments(20).slope, spectrum.moments(110).slope
     assert along + across == pytest.approx(spectrum.moments(0).slope + spectrum.moments(90).slope, rel=AREA_ROUND_OFF)
     wave = np.cos(0.25 * np.pi * (surface.x / 0.5) + 0.5 * np.pi * (surface.y[:, np.newaxis] / 0.5))
-    found = surface_spectrum(Surface(wave, spacing=0.5), periodic=True).moments(math.degrees(math.atan2(2, 1)))
-    assert found.slope == pytest.approx(0.5 * (np.pi / 2) ** 2 * 5, rel=1e-9)
-    assert found.nayak_parameter == pytest.approx(1, rel=1e-9)
+    result = surface_spectrum(Surface(wave, spacing=0.5), periodic=True).moments(math.degrees(math.atan2(2, 1)))
+    assert result.slope == pytest.approx(0.5 * (np.pi / 2) ** 2 * 5, rel=1e-9)
+    assert result.nayak_parameter == pytest.approx(1, rel=1e-9)
 
 
 def test_steepest_direction_is_across_lay():
@@ -174,11 +174,11 @@ def test_radial_spectrum_agrees_with_surface_topography():
     surface = self_affine_map(4, 0.8, (96, 128))
     other = topography.Topography(surface.heights.T - surface.heights.mean(), (64.0, 48.0), periodic=True)
     q, density = other.power_spectrum_from_area(nb_points_per_decade=5)
-    kept = np.isfinite(density) & (q > 0.5) & (q < 5)
+    stored = np.isfinite(density) & (q > 0.5) & (q < 5)
     own = surface_spectrum(surface, periodic=True)
     at, _, values = own.waves()
     edges = np.sqrt(q[1:] * q[:-1])
-    for index in np.flatnonzero(kept)[1:-1]:
+    for index in np.flatnonzero(stored)[1:-1]:
         ring = (at > edges[index - 1]) & (at < edges[index])
         # Its rings have edges of their own, and the density falls by half within a tenth of a decade.
         assert density[index] == pytest.approx(values[ring].mean(), rel=0.35)
@@ -188,7 +188,7 @@ def test_moments_of_eq_1_equal_exact_moments():
     # Half of Σ a² k^(2j); 20 profiles of some hundred independent wavelengths each leave a few per cent.
     options = {"convention": "classical"}
     exact = weierstrass_mandelbrot_moments(1.2, shortest_wavelength=0.02, **options)
-    found = [
+    result = [
         spectral_moments(
             weierstrass_mandelbrot(
                 random_phases(4, repetition=r), 1.2, points=8000, band_limit="nyquist", extent=80.0, **options
@@ -197,4 +197,4 @@ def test_moments_of_eq_1_equal_exact_moments():
         for r in range(20)
     ]
     for name in ("slope", "curvature"):
-        assert np.mean([getattr(m, name) for m in found]) == pytest.approx(getattr(exact, name), rel=0.05)
+        assert np.mean([getattr(m, name) for m in result]) == pytest.approx(getattr(exact, name), rel=0.05)

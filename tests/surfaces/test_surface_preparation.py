@@ -62,12 +62,12 @@ def test_adjacent_crops_make_up_the_surface():
     assert np.array_equal(np.block(pieces), surface.heights)
     assert cropped(surface, (1.0, 2.0), (5.0, 6.0)).history == ("cropped to 1 to 5 µm along y and 2 to 6 µm along x",)
     assert np.array_equal(cropped(surface, (1.0, 2.0)).heights, surface.heights[5:, 20:])
-    for start, stop, said in (
+    for start, stop, message in (
         ((0, 7.0), (9, 9.0), "within the extent of 8 µm along x"),
         ((0, 0), (0.5, 8), "at least 4 points must remain, but from 0 to 0.5 µm along y"),
         ((0, 0, 0), None, r"must be pairs \(y, x\)"),
     ):
-        with pytest.raises(ValueError, match=said):
+        with pytest.raises(ValueError, match=message):
             cropped(surface, start, stop)
 
 
@@ -104,9 +104,9 @@ def test_common_grid_aligned_at_middle_matches_rotated_map():
     half = on_common_grid(Profile(np.arange(8.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle")
     assert half[0].heights.tolist() == [1, 2, 3, 4, 5]
     turned = on_common_grid(rotated(small, 30), small, align="middle")
-    kept = turned[1].heights
-    rows, columns = (41 - kept.shape[0]) // 2, (61 - kept.shape[1]) // 2
-    assert np.array_equal(kept, small.heights[rows : rows + kept.shape[0], columns : columns + kept.shape[1]])
+    stored = turned[1].heights
+    rows, columns = (41 - stored.shape[0]) // 2, (61 - stored.shape[1]) // 2
+    assert np.array_equal(stored, small.heights[rows : rows + stored.shape[0], columns : columns + stored.shape[1]])
     with pytest.raises(ValueError, match="align must be one of 'start', 'middle', got 'end'"):
         on_common_grid(small, small, align="end")
 
@@ -134,8 +134,8 @@ def test_rotated_equals_rotated_function(angle, shape):
     for before, length in ((before_y, shape[0]), (before_x, shape[1])):
         assert before.min() > -1e-9
         assert before.max() < (length - 1) * 0.1 + 1e-9
-    wanted = height(before_y, before_x)
-    off = np.abs(turned.heights - wanted)
+    expected = height(before_y, before_x)
+    off = np.abs(turned.heights - expected)
     assert np.median(off) < 1e-6  # of the fourth order of the spacing
     assert off.max() < 1e-4  # at the sides
     if angle != 90:
@@ -157,7 +157,7 @@ def test_rotated_rejects_narrow_strip():
 def test_surrogate_of_periodic_surface_has_its_spectrum(shape):
     surface = Surface(3.0 + np.random.default_rng(1).normal(size=shape), spacing=(0.2, 0.1))
     other = surrogate(surface, 7, periodic=True)
-    one, again = (surface_spectrum(each, periodic=True).density for each in (surface, other))
+    one, again = (surface_spectrum(item, periodic=True).density for item in (surface, other))
     assert again == pytest.approx(one, rel=1e-9, abs=1e-9 * one.max())
     assert other.heights.mean() == pytest.approx(3, abs=0.2)
     assert other.heights.mean() == pytest.approx(surface.heights.mean(), rel=ROUND_OFF)
@@ -175,12 +175,12 @@ def test_surrogate_preserves_lay_height_and_slopes():
     amplitude = np.maximum(np.hypot(along, 3 * across), 0.4) ** -1.8
     white = np.fft.fft2(np.random.default_rng(3).normal(size=(2 * size, 2 * size)))
     surface = Surface(np.fft.ifft2(amplitude * white).real[:size, :size], spacing=0.1)
-    found = surface_parameters(surface)
+    result = surface_parameters(surface)
     others = [surface_parameters(surrogate(surface, 5, repetition=r)) for r in range(6)]
-    assert others[0].Sq == pytest.approx(found.Sq, rel=ROUND_OFF)
+    assert others[0].Sq == pytest.approx(result.Sq, rel=ROUND_OFF)
     # The window weighs the middle, whose share of long waves is not that of the whole.
     for name, within in (("Sdq", 0.1), ("Sal", 0.2), ("Str", 0.3)):
-        assert np.mean([getattr(other, name) for other in others]) == pytest.approx(getattr(found, name), rel=within)
+        assert np.mean([getattr(other, name) for other in others]) == pytest.approx(getattr(result, name), rel=within)
     q, direction, density = surface_spectrum(surrogate(surface, 5)).waves()
     high = q < 20
     leaning = [density[high & (np.abs(direction - lay) < 10)].sum() for lay in (31, 149)]

@@ -53,8 +53,10 @@ class TestSurrogate:
         density = np.abs(np.fft.fft(image)) ** 2
         own = 2 * np.arange(1, points // 2 + 1)
         averaged = density[own] / 2 + (density[own - 1] + density[(own + 1) % (2 * points)]) / 4
-        made = np.abs(np.fft.rfft(surrogate(Profile(heights, spacing=1.0), 3).heights)[1:]) ** 2
-        assert np.allclose(made / made.sum(), averaged / averaged.sum(), rtol=1e-9, atol=0)  # scaled to the same Pq
+        created = np.abs(np.fft.rfft(surrogate(Profile(heights, spacing=1.0), 3).heights)[1:]) ** 2
+        assert np.allclose(
+            created / created.sum(), averaged / averaged.sum(), rtol=1e-9, atol=0
+        )  # scaled to the same Pq
 
     @pytest.mark.parametrize("hurst", [0.4, 0.8])
     @pytest.mark.parametrize("longest", [4.0, 40.0])
@@ -112,11 +114,11 @@ def test_surface_spectrum_is_recovered_from_sections(hurst):
     phases[[0, -1]] = [0, 1]
     profile = Profile(np.fft.irfft(np.sqrt(mean * points / spacing) * phases, points), spacing=spacing)
     np.testing.assert_allclose(power_spectrum(profile, periodic=True).density, mean[1:], rtol=FIT_ROUND_OFF)
-    found = isotropic_spectrum(profile, periodic=True)
-    wanted = np.maximum(found.wave_number, 20 * q[1]) ** (-2 - 2 * hurst)
+    result = isotropic_spectrum(profile, periodic=True)
+    expected = np.maximum(result.wave_number, 20 * q[1]) ** (-2 - 2 * hurst)
     # Not those that follow their neighbours, nor beside the corner of the roll-off, which is made round.
-    sure = (found.count >= 4) & (np.abs(np.log(found.wave_number / (20 * q[1]))) > 0.35)
-    np.testing.assert_allclose(found.density[sure], wanted[sure], rtol=RING)
+    sure = (result.count >= 4) & (np.abs(np.log(result.wave_number / (20 * q[1]))) > 0.35)
+    np.testing.assert_allclose(result.density[sure], expected[sure], rtol=RING)
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
@@ -126,9 +128,9 @@ def test_gradient_of_section_equals_that_of_surface(hurst):
     gradient = np.sqrt(own.moments(0).slope + own.moments(90).slope)
     for row in (0, 100):
         section = levelled(body.row(row), "line")
-        made = isotropic_surface(section, 1, shape=(256, 256))
-        assert made.spacing == (0.1, 0.1)
-        again = surface_spectrum(made, periodic=True)
+        created = isotropic_surface(section, 1, shape=(256, 256))
+        assert created.spacing == (0.1, 0.1)
+        again = surface_spectrum(created, periodic=True)
         assert np.sqrt(again.moments(0).slope + again.moments(90).slope) == pytest.approx(gradient, rel=SCATTER)
         # Isotropic, up to the scatter of its waves.
         assert again.moments(0).slope == pytest.approx(again.moments(90).slope, rel=2 * SCATTER)
@@ -138,14 +140,14 @@ def test_mean_spectrum_equals_fit():
     section = known(0.7, shape=(64, 512)).row(3)
     fitted = isotropic_spectrum(section, periodic=True)
     slopes = [
-        surface_spectrum(isotropic_surface(section, 1, shape=(64, 64), repetition=each, periodic=True), periodic=True)
+        surface_spectrum(isotropic_surface(section, 1, shape=(64, 64), repetition=index, periodic=True), periodic=True)
         .moments(0)
         .slope
-        for each in range(40)
+        for index in range(40)
     ]
     # Of waves of the profile and of the surface: 64 points hold all but some of the longest.
-    wanted = spectral_moments(section, periodic=True).slope
-    assert np.mean(slopes) == pytest.approx(wanted, rel=4 * np.std(slopes) / np.sqrt(40) / wanted)
+    expected = spectral_moments(section, periodic=True).slope
+    assert np.mean(slopes) == pytest.approx(expected, rel=4 * np.std(slopes) / np.sqrt(40) / expected)
     assert fitted.count.sum() == pytest.approx(255.5)  # harmonics, that at the Nyquist wave number half
 
 
@@ -188,13 +190,13 @@ def test_isotropic_surface_has_contact_area_and_friction_of_map():
     bodies = [known(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
 
     def answers(pairs):
-        found = []
+        values = []
         for pair in pairs:
             area = np.prod(pair[0].extent)
             curve = half_space(*pair, [0.02 * area], direction=[0.0, 90.0, 180.0, 270.0])
             friction = curve.friction_coefficient(mu0=0.4, tau0=0.1)
-            found.append([curve.contact_area[0] / area, friction.mean()])
-        return np.mean(found, axis=0)
+            values.append([curve.contact_area[0] / area, friction.mean()])
+        return np.mean(values, axis=0)
 
     own = answers(
         [
@@ -203,11 +205,11 @@ def test_isotropic_surface_has_contact_area_and_friction_of_map():
         ]
         for at in range(0, 1024, 128)
     )  # fmt: skip
-    made = answers(
+    created = answers(
         [
-            isotropic_surface(levelled(body.row(20 * each), "line"), 1, shape=(128, 128), side=side, repetition=each)
+            isotropic_surface(levelled(body.row(20 * index), "line"), 1, shape=(128, 128), side=side, repetition=index)
             for body, side in zip(bodies, ("upper", "lower"), strict=True)
         ]
-        for each in range(6)
+        for index in range(6)
     )  # fmt: skip
-    np.testing.assert_allclose(made, own, rtol=SCATTER)
+    np.testing.assert_allclose(created, own, rtol=SCATTER)
