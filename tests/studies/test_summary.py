@@ -1,11 +1,12 @@
 """The summary of a result: computed once, complete, and the same from every way to ask for it."""
 
+import json
 import sys
 from collections import Counter
 
 import numpy as np
 import pytest
-from stiction import open_result, self_affine_surface, write_surface
+from stiction import Study, open_result, run, self_affine_surface, write_surface
 from stiction.cli import application
 from stiction.studies import budget, input_caveats, summary
 
@@ -82,3 +83,38 @@ def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(folder
     np.testing.assert_allclose([point.value, point.lower, point.upper], at.values, rtol=1e-12)
     kept = [caveat.text for caveat in result.input_caveats if point.at["cut_off"] < caveat.cut_off]
     assert set(kept) <= {caveat.text for caveat in point.doubts}
+
+
+def test_at_per_member_averages_to_the_means(folder, calls):
+    result = open_result(folder / "pair")
+    members = result.at("20 MPa", per_member=True)
+    means = result.at("20 MPa")
+    assert members.sizes["repetition"] == 3
+    mean = means["friction_all_round"].sel(statistic="mean")
+    own = members["friction_coefficient"].mean(("repetition", "direction")).transpose(*mean.dims)
+    np.testing.assert_allclose(own, mean, rtol=1e-12)
+    with pytest.raises(ValueError, match="per_member must be False with budget"):
+        result.at("20 MPa", per_member=True, budget=True)
+
+
+def test_at_command_has_the_assessment_and_caveats_of_pair(folder, calls, monkeypatch, capsys):
+    records = []
+    for arguments in (["info", folder / "pair", "--json"], ["at", folder / "pair", "--json"]):
+        capsys.readouterr()
+        run_command(monkeypatch, *arguments)
+        records.append(json.loads(capsys.readouterr().out)["answers"])
+    for one, other in zip(*records, strict=True):
+        assert [one[name] for name in ("verdict", "doubts", "rules")] == [
+            other[name] for name in ("verdict", "doubts", "rules")
+        ]
+
+
+def test_at_command_rejects_few_contacts_at_a_load_of_its_own(tmp_path, monkeypatch, capsys):
+    study = Study.named("quick").with_changes({"ensemble.repetitions": 8, "surfaces.points": 3000})
+    run(study, store=tmp_path / "study")
+    capsys.readouterr()
+    arguments = ("--load", "0.002 mN", "--d", "1.3", "--mu0", "0.4", "--tau0", "20 MPa", "--json")
+    run_command(monkeypatch, "at", tmp_path / "study", *arguments)
+    (answer,) = json.loads(capsys.readouterr().out)["answers"]
+    assert answer["verdict"] == "Do not quote"
+    assert "1.9 contacts on average are too few" in [doubt["text"] for doubt in answer["doubts"]]

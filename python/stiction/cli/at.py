@@ -89,9 +89,6 @@ def at(
     Loads, mu0 and tau0 that are not given are those of the study. Others need nothing pressed again. Each factor of
     --scale-heights is solved once and stored with the result.
     """
-    from stiction.studies.at_load import at_load
-    from stiction.studies.budget import with_uncertainty
-    from stiction.studies.summary import summarize
     from stiction.views import rows, text
 
     result = opened(directory)
@@ -111,7 +108,7 @@ def at(
         )  # fmt: skip
         return
     length = None if amplitude is None else parse_quantity("amplitude", amplitude, "length")
-    found = with_uncertainty(at_load(result, _loads(result, load, width), mu0=rubbing, tau0=strengths), result)
+    found = result.at(_loads(result, load, width), mu0=rubbing, tau0=strengths, budget=True)
     dimensions = None if d is None else parse_numbers("d", d)
     if hurst is not None:
         if d is not None or getattr(result.study.surfaces, "generator", "") != "self-affine":
@@ -120,7 +117,7 @@ def at(
     found = _cells(found, dimensions, None if length is None else [length])
     if direction is not None:
         found = _towards(found, direction)
-    summary = summarize(found, result.study, input_caveats=result.input_caveats)
+    summary = result.summary_of(found)
     if as_json:
         tell(rows.record_text("at", summary))
     else:

@@ -180,12 +180,9 @@ class Result:
 
         Of a study over a range of fractal dimensions there are `DIMENSIONS` of them.
         """
-        from stiction.studies.at_load import at_load
-        from stiction.studies.budget import with_uncertainty
-
-        at = at_load(self, self.default_loads)
+        at = self.at(budget=True)
         if self.study.is_measured:
-            return with_uncertainty(at, self)
+            return at
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return at
@@ -196,8 +193,9 @@ class Result:
 
     def at(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
-        reading: Any = None, height_scale: str | ArrayLike | None = None,
-        scaled: Literal["both", "upper", "lower"] = "both", compute: bool = False,
+        reading: Any = None, per_member: bool = False, budget: bool = False,
+        height_scale: str | ArrayLike | None = None, scaled: Literal["both", "upper", "lower"] = "both",
+        compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
         """Return what `at_load` gives at other loads and materials; nothing is computed again.
 
@@ -217,6 +215,10 @@ class Result:
             Such as "50 MPa".
         reading : {"mean", "elastic", "normal"}, optional
             Which load is meant.
+        per_member : bool
+            Whether to return the values of each member, as `member_values` does, instead of means and intervals.
+        budget : bool
+            Whether to add the uncertainty budget of measured bodies, which takes most of the time.
         height_scale : float, array_like or str, optional
             Factors of the heights from 0.01 to 100, such as 0.5, "0.5,1,2" or "0.25..4".
         scaled : {"both", "upper", "lower"}
@@ -243,16 +245,19 @@ class Result:
         >>> (gradient / gradient[1]).round(6).tolist()
         [0.5, 1.0, 2.0]
         """
-        if height_scale is not None:
-            return self._at_height_scale(height_scale, load, mu0, tau0, reading, scaled, compute)
-        return self._at(load, mu0, tau0, reading)
-
-    def _at(self, load: Any, mu0: Any, tau0: Any, reading: Any = None, *, budget: bool = False) -> xarray.Dataset:
-        from stiction.studies.at_load import at_load
+        from stiction.studies.at_load import at_load, member_values
         from stiction.studies.budget import with_uncertainty
 
+        for name, value in (("per_member", per_member), ("budget", budget)):
+            check_bool(name, value)
+        if per_member and (budget or height_scale is not None):
+            raise ValueError("per_member must be False with budget or height_scale")
+        if height_scale is not None:
+            return self._at_height_scale(height_scale, load, mu0, tau0, reading, scaled, compute)
         loads = self.default_loads if load is None else self._loads_of(load)
         strengths = to_core_units("tau0", tau0, "pressure")
+        if per_member:
+            return member_values(self, loads, mu0=mu0, tau0=strengths, reading=reading or "elastic")
         return with_uncertainty(at_load(self, loads, mu0=mu0, tau0=strengths, reading=reading), self, budget=budget)
 
     def _at_height_scale(
@@ -321,18 +326,19 @@ class Result:
 
         The summary at the study's own values is computed once.
         """
-        from stiction.studies.summary import summarize
-
         if load is None and mu0 is None and tau0 is None:
             return replace(self._own_summary, onset=self.onset, over_cut_offs=self.over_cut_offs)
-        at = self._at(load, mu0, tau0, budget=True)
+        return self.summary_of(self.at(load, mu0=mu0, tau0=tau0, budget=True))
+
+    def summary_of(self, at: xarray.Dataset) -> Summary:
+        """Return the summary of what `at` returns with its budget, or of some of its cells, loads and directions."""
+        from stiction.studies.summary import summarize
+
         return summarize(at, self.study, input_caveats=self.input_caveats)
 
     @cached_property
     def _own_summary(self) -> Summary:
-        from stiction.studies.summary import summarize
-
-        return summarize(self.at_study_loads, self.study, input_caveats=self.input_caveats)
+        return self.summary_of(self.at_study_loads)
 
     @property
     def _first(self) -> PointSummary:
