@@ -101,6 +101,11 @@ def test_studies_command_loads_no_tables_figures_or_readers():
     assert loaded_of_others(code) <= LOADED | LOADED_BY_HELP
 
 
+def test_stub_lists_each_public_name_with_the_module_that_package_imports():
+    tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
+    assert {name.name: node.module for node in tree.body for name in node.names} == stiction._MODULES
+
+
 def test_public_names_are_imported_from_their_modules():
     """Not from where it is imported to: type checkers and Python read the same list."""
     tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))

@@ -3,27 +3,80 @@
 Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles in rad.
 """
 
-_MODULE_OF: dict[str, str] = {}
-"""Module of each public name, parsed from the stub. A module is imported when one of its names is first used."""
+_NAMES = {
+    "stiction._core": "__version__",
+    "stiction.mechanics.candidates": "Candidates candidates",
+    "stiction.mechanics.closed_forms": (
+        "dmt effective_modulus fuller_tabor gentle_friction hardness_under_shear hertz_cylinder hertz_ellipse "
+        "hertz_line hertz_sphere jkr maugis_dugdale slope_friction tabor_friction tabor_parameter "
+        "westergaard_contact_fraction westergaard_gap westergaard_pressure"
+    ),
+    "stiction.mechanics.contact": "Asperities Contacts asperities contacts",
+    "stiction.mechanics.friction": "SurfaceValidity Validity",
+    "stiction.mechanics.half_space": "HalfSpaceContact HalfSpaceCurve half_space",
+    "stiction.mechanics.law": "HertzCylinder HertzSphere JacksonGreen force_and_area",
+    "stiction.mechanics.load_curve": "LoadCurve SurfaceLoadCurve press",
+    "stiction.mechanics.loading": "approach_at_load",
+    "stiction.mechanics.materials": "Material MaterialValue compliance_fraction material materials softer_hardness",
+    "stiction.mechanics.model": "ContactModel",
+    "stiction.mechanics.onset": "Onset",
+    "stiction.mechanics.presliding": "FourParameterIwan LuGre",
+    "stiction.mechanics.resolution": "resolution resolution_friction spectral_resolution",
+    "stiction.studies.calibration": "calibrate",
+    "stiction.studies.friction_table": "friction_table table_study",
+    "stiction.studies.interfaces": "Ball FrictionTest Interface interface interfaces read_interface write_interface",
+    "stiction.studies.layout": "nondimensional",
+    "stiction.studies.maps": "area_map friction_map stiffness_map",
+    "stiction.studies.members": "pair_of",
+    "stiction.studies.result": "Result open_result",
+    "stiction.studies.runner": "run",
+    "stiction.studies.study": "Study study_names",
+    "stiction.studies.traverse": "pressed_maps pressed_maps_mean traverse traverse_mean",
+    "stiction.surfaces.cut_off": "cut_off",
+    "stiction.surfaces.filters": "filtered",
+    "stiction.surfaces.fractal": (
+        "random_phases weierstrass_mandelbrot weierstrass_mandelbrot_family weierstrass_mandelbrot_moments "
+        "weierstrass_mandelbrot_surface"
+    ),
+    "stiction.surfaces.hurst": "HurstEstimate estimate_hurst_exponent",
+    "stiction.surfaces.joined_spectrum": "JoinedSpectrum joined_spectrum",
+    "stiction.surfaces.lines": "LineRoughness line_roughness lines_along_both",
+    "stiction.surfaces.material_ratio": "bearing_curve material_ratio",
+    "stiction.surfaces.measured.raw": "FormatError FormatWarning",
+    "stiction.surfaces.measured.reading": "read_measurement read_profile read_surface",
+    "stiction.surfaces.measured.spectrum_file": "read_spectrum write_spectrum",
+    "stiction.surfaces.measured.writing": "write_profile write_surface",
+    "stiction.surfaces.pairing": "paired_lines",
+    "stiction.surfaces.preparation": "cropped flipped levelled on_common_grid rotated",
+    "stiction.surfaces.profile": "Profile",
+    "stiction.surfaces.repeated_scans": "RepeatedScans compare_repeated_scans",
+    "stiction.surfaces.roughness": "RoughnessParameters SurfaceParameters roughness_parameters surface_parameters",
+    "stiction.surfaces.scale": "InstrumentLimit ScaleDependentRoughness instrument_limit scale_dependent_roughness",
+    "stiction.surfaces.sections": "SectionFilters SectionParameters section_parameters",
+    "stiction.surfaces.self_affine": "self_affine self_affine_surface",
+    "stiction.surfaces.spectrum": (
+        "PowerSpectrum ProfileMoments RadialSpectrum SurfaceSpectrum power_spectrum spectral_moments surface_spectrum"
+    ),
+    "stiction.surfaces.surface": "Surface",
+    "stiction.surfaces.surrogates": "isotropic_spectrum isotropic_surface surrogate",
+    "stiction.surfaces.tip": "tip_reconstructed",
+    "stiction.views.calibration": "calibration_figure",
+    "stiction.views.pair": "pair",
+}
+"""Public names, as the stub has them, by the module that defines them, which is imported at their first use."""
+
+_MODULES = {name: module for module, names in _NAMES.items() for name in names.split()}
+
+__all__ = sorted(_MODULES)
 
 
 def __getattr__(name: str) -> object:
-    import ast  # imported here, because every command imports this module and most need no public name
-    from importlib import import_module
-    from pathlib import Path
+    from importlib import import_module  # here: a command begins by importing this module, and uses no name
 
-    if not _MODULE_OF:
-        for node in ast.parse(Path(__file__).with_suffix(".pyi").read_text("utf-8")).body:
-            if isinstance(node, ast.ImportFrom) and node.module is not None:
-                _MODULE_OF.update((alias.name, node.module) for alias in node.names)
-    if name == "__all__":
-        return sorted(_MODULE_OF)
-    if name not in _MODULE_OF:
+    if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_MODULE_OF[name]), name)
-    globals()[name] = value
-    return value
+    return getattr(import_module(_MODULES[name]), name)
 
 
 def __dir__() -> list[str]:
-    return __getattr__("__all__")
+    return __all__

@@ -19,6 +19,7 @@ from typing import Annotated, Any, TypeVar, cast
 
 import typer
 from typer.core import TyperCommand, TyperGroup
+from typer.exceptions import TyperException
 
 from stiction._core import __version__, build
 from stiction._errors import ArgumentError
@@ -27,9 +28,6 @@ from stiction._text import MAX_LINE_LENGTH, printable, printable_path
 from stiction.cli import BAD_INPUT, INTERRUPTED, end_at_interrupt
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-UsageError: type[Exception] = typer.BadParameter.__mro__[1]
-"""What the parser raises of options: click's UsageError, of the copy of click that typer brings or imports."""
 
 
 def say(text: str, kind: str = "") -> None:
@@ -258,13 +256,13 @@ def start() -> int:
     sys.unraisablehook = _interrupt_again
     try:
         return int(app(standalone_mode=False, prog_name="stiction") or 0)
-    except UsageError as error:
+    except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":
             error.show()  # type: ignore[attr-defined]
         else:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
-            said = error.format_message()  # type: ignore[attr-defined]
+            said = error.format_message()
             # A number out of its range is said in the words of the library that looks at it.
             said = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", said)
             said = _with_nearest_command(said)

@@ -133,10 +133,7 @@ def characterise(
         if dry_run:
             continue
         body = _levelled(_line(read.body, row, column), level)
-        try:
-            body = body if shortest is None else cut_off(body, shortest)
-        except ValueError as error:
-            raise ValueError(str(error).replace("wavelength", "--cutoff", 1)) from None
+        body = body if shortest is None else cut_off(body, shortest)
         found.append(
             views.Characterisation(body, band=fitted, tip_radius=radius, textured=texture is not None, **filters)
         )

@@ -13,7 +13,7 @@ from stiction.cli.application import command, tell
 from stiction.cli.options import Verbose, option
 from stiction.cli.running import Part, Scheduler, Workers
 from stiction.studies.study import Study, study_names, study_summary
-from stiction.studies.values import StudyError, toml
+from stiction.studies.values import MAX_LISTED_FAULTS, StudyError, toml
 
 Changes = Annotated[
     list[str] | None, option("--set KEY=VALUE", "Change a value, as in ensemble.repetitions=10. Repeatable.")
@@ -47,7 +47,8 @@ def run_command(
     try:
         what = what.with_changes(changes_of(changes or []))
     except StudyError as error:
-        raise StudyError(str(error).replace("changes: ", "--set ")) from None
+        lines = [f"--set {key}: {why}" if key else f"--set {why}" for key, why in error.faults]
+        raise StudyError("\n".join(lines[:MAX_LISTED_FAULTS]), error.faults) from None
     directory = directory if output is None else output
     which = part_of(part)
     with executor_of(workers, scheduler) as executor:

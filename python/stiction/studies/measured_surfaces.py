@@ -126,23 +126,27 @@ def _one_or_two(read: Callable[[object], Any], most: int = 2) -> PlainValidator:
 MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # factors of the heights of a file
 
 
+@dataclass(frozen=True, eq=False)
 class InMemory:
-    """A body that no file holds; the checksum beside it says which it is, so all of these are equal, and equal None."""
+    """A body that no file holds."""
 
-    def __init__(self, body: Any) -> None:
-        self.body = body
-
-    def __eq__(self, other: object) -> bool:
-        return other is None or isinstance(other, InMemory)
-
-    def __hash__(self) -> int:
-        return hash(None)
+    body: Any
 
 
 class MeasuredFile(Table):
     """A file that holds a measured profile or surface, and how it is read, or a spectrum of several; or such a body."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
+
+    def __eq__(self, other: object) -> bool:
+        """Compare all but the body itself, of which the checksum is compared."""
+        return isinstance(other, MeasuredFile) and self._compared() == other._compared()
+
+    def __hash__(self) -> int:
+        return hash(self._compared())
+
+    def _compared(self) -> tuple[Any, ...]:
+        return tuple(value for name, value in self if name != "body")
 
     file: str = Field(min_length=1, max_length=LONGEST_PATH, description="Name of the file.")
     sha256: str | None = Field(

@@ -716,14 +716,20 @@ def choices_of(name: str) -> tuple[str, ...]:
 # ---- Names of options, as the caller writes them ---------------------------------------------------------------------
 
 
+_SET_BY = {"wavelength": "cutoff"}
+"""Arguments of functions of surfaces that an option sets."""
+
+
 def name_on_command_line(name: str) -> str:
     """Return how a command line names an option: "--hardness"."""
+    name = _SET_BY.get(name, name)
     option = OPTIONS.get(name)
     return option.flag if option and option.flag else f"--{name.replace('_', '-')}"
 
 
 def name_in_python(name: str) -> str:
     """Return how a call of `stiction.pair` names an option: "hardness"."""
+    name = _SET_BY.get(name, name)
     option = OPTIONS.get(name)
     return option.argument if option and option.argument else name
 

@@ -517,6 +517,9 @@ def differences(one: Table, other: Table, prefix: str = "") -> list[Difference]:
     """Every value that differs, in the order of a study file."""
     texts, found = (one.model_dump(), other.model_dump()), []
     for name in dict.fromkeys((*type(one).model_fields, *type(other).model_fields)):
+        field = type(one).model_fields.get(name) or type(other).model_fields[name]
+        if not field.repr:  # a body in memory, whose checksum is compared
+            continue
         values = getattr(one, name, None), getattr(other, name, None)
         if values[0] == values[1]:
             continue

@@ -282,6 +282,9 @@ def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type
 _Kind = TypeVar("_Kind", bound=Table)
 
 
+MAX_LISTED_FAULTS = 5  # faults of a study in a message
+
+
 class StudyError(ValueError):
     """A study that cannot be: one line per fault, each naming its key.
 
@@ -332,10 +335,10 @@ def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
         faults = [_fault(kind, fault) for fault in error.errors(include_url=False)]
         lines = [
             f"{printable_path(source)}: {key}: {why}" if key else f"{printable_path(source)}: {why}"
-            for key, why in faults[:5]
+            for key, why in faults[:MAX_LISTED_FAULTS]
         ]
-        if len(faults) > 5:
-            lines.append(f"{printable_path(source)}: ... and {len(faults) - 5} more")
+        if len(faults) > MAX_LISTED_FAULTS:
+            lines.append(f"{printable_path(source)}: ... and {len(faults) - MAX_LISTED_FAULTS} more")
         raise StudyError("\n".join(lines), tuple(faults)) from None
 
 

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from stiction._checks import Floats, check_bool, check_choice, number
+from stiction._errors import ArgumentError
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import AnyBody, Surface, as_body
@@ -101,7 +102,9 @@ def checked_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: f
     if not low <= length * ROUND_OFF_FACTOR or not length <= high * ROUND_OFF_FACTOR:
         end = "the shortest side" if longest == 1 else "a third of the shortest side"
         got = repr(value) if isinstance(value, str) else f"{length:g} µm"
-        raise ValueError(f"{name} must be from two points, {low:g} µm, to {end}, {high:g} µm, got {got}")
+        raise ArgumentError(
+            f"{{{name}}} must be from two points, {low:g} µm, to {end}, {high:g} µm, got {{got}}", got=got
+        )
     return length
 
 
