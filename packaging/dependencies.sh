@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# GSL and FFTW, as archives that a wheel can carry inside, and Eigen, where the machine that builds wheels has neither: in
-# manylinux containers and on macOS, whose packages are built for its newest version alone.
+# Build GSL and FFTW as static libraries for wheels, and install Eigen, on machines that lack them: manylinux containers,
+# and macOS, whose packages support its newest version only.
 set -euo pipefail
 
 fetch() { # ADDRESS SHA256: unpacked in the working directory
@@ -29,7 +29,7 @@ fetch https://www.fftw.org/fftw-3.3.10.tar.gz \
   56c932549852cddcfafdab3820b0200c7742675be92179e59e6215b340e26467
 (
   cd fftw-3.3.10
-  # In double and in single precision, with what the machine is found to have when it runs.
+  # In double and single precision; the instruction set is selected at run time.
   case $(uname -m) in
     x86_64) wide="--enable-sse2 --enable-avx --enable-avx2" ;;
     *) wide="" ;;

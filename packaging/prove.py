@@ -1,10 +1,9 @@
-"""Prove one wheel: what is in it, what it needs, and that it works without a compiler, Eigen, GSL and FFTW.
+"""Verify a wheel: its contents, its requirements, and that it works without a compiler, Eigen, GSL and FFTW.
 
     python packaging/prove.py [--quick] WHEEL [TESTS ...]
 
-`--quick` leaves out the tests, and TESTS are those to run instead of all. cibuildwheel runs this for each wheel,
-packaging/wheel.py for those made without it.
-What a rule forbids ends it with a message and exit status 1.
+`--quick` leaves out the tests; TESTS are run instead of all tests. cibuildwheel runs this script for each wheel, and
+packaging/wheel.py for wheels that are built without it. A violation gives a message and exit status 1.
 """
 
 import argparse
@@ -34,12 +33,12 @@ NEWEST_GLIBC = (2, 34)
 SECONDS_OF_AN_IMPORT = 5.0
 """More than that is no slow machine, but something that should be imported later; 0.3 s where nothing else runs."""
 
-# The dynamic libraries that every Linux with glibc has.
+# Dynamic libraries of every Linux with glibc.
 SYSTEM_LIBRARY = re.compile(r"(libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*)\.so\.\d+")
 COMPILER = re.compile(r"([\w-]+-)?(cc|c\+\+|gcc|g\+\+|clang|clang\+\+|cpp|ld|as|cmake|ninja|g?make)(-[\d.]+)?")
 SYSTEM_PATH = [Path(folder) for folder in ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin")]
 
-# Run where compilers, Eigen, GSL and FFTW are out of sight, and once where they are not: prints those that it sees.
+# Print the compilers, Eigen, GSL and FFTW that are visible; run inside and, once, outside of the environment.
 LOOK = """
 import os, shutil, sys
 path = os.environ["PATH"] + os.pathsep + sys.argv[1]
@@ -74,7 +73,7 @@ def call(
     quiet: bool = True,
     within: Iterable[str] = (),
 ) -> str:
-    """Run a command, within another, and return what it said; end with that if it fails."""
+    """Run a command, inside another if given, and return its output; exit with the output if it fails."""
     whole = [*within, *map(str, command)]
     message = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if quiet else {}
     done = subprocess.run(whole, check=False, cwd=cwd, env=env, text=True, **message)  # type: ignore[call-overload]
@@ -84,7 +83,7 @@ def call(
 
 
 def compare(what: str, found: Iterable[str], expected: Iterable[str]) -> None:
-    """End where two sets of names differ, saying how. `what` names the thing and what it should hold."""
+    """Exit with the difference if two sets of names differ. `what` describes them in the message."""
     extra, missing = sorted(set(found) - set(expected)), sorted(set(expected) - set(found))
     if extra:
         fail(f"{what}: there is also {', '.join(extra)}")
@@ -92,11 +91,11 @@ def compare(what: str, found: Iterable[str], expected: Iterable[str]) -> None:
         fail(f"{what}: missing {', '.join(missing)}")
 
 
-# ---- What is in it --------------------------------------------------------------------------------------------------
+# ---- Contents -------------------------------------------------------------------------------------------------------
 
 
 def check_wheel(wheel: Path, folder: Path) -> None:
-    """That it holds the package, its licences and nothing else, and an extension that needs nothing else."""
+    """Check that the wheel contains only the package and its licences, and that its extension needs no other library."""
     package = [
         str(path.relative_to(ROOT / "python"))
         for path in (ROOT / "python/stiction").rglob("*")
@@ -108,7 +107,7 @@ def check_wheel(wheel: Path, folder: Path) -> None:
         extensions = [name for name in names if re.fullmatch(r"stiction/_core\.cpython-[\w-]+\.so", name)]
         if len(extensions) != 1:
             fail(f"{wheel.name} holds {len(extensions)} extensions, not one")
-        # auditwheel notes what it bundles, here nothing, in a bill of materials.
+        # auditwheel lists bundled libraries, here none, in a bill of materials.
         message = {name for name in names if name.startswith(f"{STEM}.dist-info/sboms/")}
         compare(
             "the wheel, of the package and its licences",
@@ -135,7 +134,7 @@ def check_metadata(text: bytes) -> None:
 
 
 def check_floor(wheel: Path) -> None:
-    """That it asks for no newer glibc than the documents say."""
+    """Check that the wheel needs no newer glibc than documented."""
     floors = [(int(major), int(minor)) for major, minor in re.findall(r"manylinux_(\d+)_(\d+)_", wheel.name)]
     if not floors:
         fail(f"{wheel.name}: not the name of a manylinux wheel")
@@ -159,18 +158,18 @@ def check_extension(extension: Path) -> None:
     compare("symbols that the extension exports", exported, ["PyInit__core"])
 
 
-# ---- Where it is installed ------------------------------------------------------------------------------------------
+# ---- Environment ----------------------------------------------------------------------------------------------------
 
 
-class Elsewhere:
-    """A new environment where neither this tree nor compilers, Eigen, GSL or FFTW can be seen."""
+class IsolatedEnvironment:
+    """New environment that hides this tree, compilers, Eigen, GSL and FFTW."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.bin = folder / "environment/bin"
         tools = folder / "tools"
         tools.mkdir()
-        for name in ("sh", "bash", "cat", "setsid", "mount", "umount"):  # what the tests use
+        for name in ("sh", "bash", "cat", "setsid", "mount", "umount"):  # requirements of the tests
             if result := shutil.which(name):
                 (tools / name).symlink_to(result)
         stored = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
@@ -181,12 +180,12 @@ class Elsewhere:
         self.pip("pip>=25.1")
 
     def hides(self) -> bool:
-        """Whether mounts can hide; they need root, and are seen by nobody else."""
+        """Return whether mounts can hide directories: they need root, and affect no other process."""
         able = sys.platform == "linux" and os.geteuid() == 0 and shutil.which("unshare") is not None
         return able and subprocess.run(["unshare", "--mount", "true"], check=False, capture_output=True).returncode == 0
 
     def hiding(self) -> str:
-        """Shell commands that hide folders under empty ones, and programs and libraries under /dev/null."""
+        """Return shell commands that hide directories by empty ones, and programs and libraries by /dev/null."""
         folders = [ROOT, *map(Path, ("/usr/include", "/usr/local/include", "/usr/share/eigen3", "/usr/lib/gcc"))]
         programs = [
             program
@@ -214,7 +213,7 @@ class Elsewhere:
         return call(*command, cwd=cwd or self.folder, env=self.environment, quiet=quiet, within=within)
 
     def check_hidden(self) -> None:
-        """That nothing is seen here of what is seen outside."""
+        """Check that everything visible outside is hidden inside."""
         system = os.pathsep.join(map(str, SYSTEM_PATH))
         if self.mounts:
             seen_outside = call(sys.executable, "-c", LOOK, system, "/usr").splitlines()
@@ -228,12 +227,12 @@ class Elsewhere:
             fail(f"these are not hidden: {', '.join(seen.split())}")
 
     def pip(self, *wanted: str | Path) -> None:
-        """From wheels alone, so that nothing is compiled."""
+        """Install packages from wheels only, so that nothing is compiled."""
         pip = (self.bin / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
         self.call(*pip, "--only-binary=:all:", *wanted)
 
     def check_installed(self) -> None:
-        """That it is the wheel that is imported."""
+        """Check that the wheel is the package that is imported."""
         code = "import stiction, stiction._core as core; print(stiction.__version__, stiction.__file__, core.__file__)"
         version, *files = self.call(self.bin / "python", "-I", "-c", code).split()
         for file in files:
@@ -243,7 +242,7 @@ class Elsewhere:
             fail(f"version {version} is imported, not {PROJECT['version']}")
 
     def seconds_of_an_import(self) -> float:
-        """The least of three, by the clock of a new interpreter each time."""
+        """Return the shortest of three import times, each in a new interpreter."""
         code = "import time; a = time.perf_counter(); import stiction; stiction.press; print(time.perf_counter() - a)"
         return min(float(self.call(self.bin / "python", "-I", "-c", code)) for _ in range(3))
 
@@ -254,7 +253,7 @@ class Elsewhere:
                 fail(f"stiction run quick wrote no {name}")
 
     def press_samples(self) -> None:
-        """The sample scans, as text and in an instrument's format."""
+        """Compute the friction of the sample scans, as text and in an instrument format."""
         shutil.copytree(ROOT / "examples/scans", self.folder / "scans")
         for kind, ending, softer in (("lapped", "csv", []), ("ground", "x3p", ["--hardness", "2 GPa"])):
             scans = [f"scans/{kind}_{side}.{ending}" for side in ("upper", "lower")]
@@ -266,7 +265,7 @@ class Elsewhere:
                 fail(f"stiction pair of the {kind} scans gave no coefficient:\n{said}")
 
     def run_tests(self, wanted: Iterable[str]) -> None:
-        """The tests, from a copy without the sources of what they test."""
+        """Run the tests from a copy without the sources of the package."""
         tests = self.folder / "tests"
         left_out = shutil.ignore_patterns("build", ".*", "__pycache__")
         shutil.copytree(ROOT, tests, ignore=left_out)
@@ -286,11 +285,11 @@ def prove(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) -> None:
         folder = Path(temporary).resolve()
         check_wheel(wheel, folder)
         say(f"{wheel.name}: the package alone, {wheel.stat().st_size / 1000:.0f} kB; no foreign library or symbol")
-        elsewhere = Elsewhere(folder)
+        elsewhere = IsolatedEnvironment(folder)
         elsewhere.check_hidden()
         by = "a mount namespace and PATH" if elsewhere.mounts else "PATH alone"
         say(f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {by}")
-        stored = shutil.copy(wheel, folder)  # this tree is out of sight
+        stored = shutil.copy(wheel, folder)  # this tree is hidden
         elsewhere.pip(stored)
         elsewhere.check_installed()
         if (seconds := elsewhere.seconds_of_an_import()) > SECONDS_OF_AN_IMPORT:

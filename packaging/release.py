@@ -1,10 +1,10 @@
-"""Walk the list of docs/project/releasing.md: each line is looked at, not remembered.
+"""Check the list of docs/project/releasing.md: each line has a function that checks it.
 
-    python packaging/release.py                  what is so, and what is not yet
-    python packaging/release.py --tagged         for the tag that is being released, by its workflow
-    python packaging/release.py --address URL    write the public address of the sources wherever it belongs
+    python packaging/release.py                  report what is done and what is missing
+    python packaging/release.py --tagged         check the tag that its workflow releases
+    python packaging/release.py --address URL    write the public address of the sources into all files
 
-It ends with exit status 1 while anything is open, and changes nothing but for --address.
+The exit status is 1 if anything is missing. Only --address changes files.
 """
 
 import argparse
@@ -29,7 +29,7 @@ CHECKS: list[tuple[str, Check]] = []
 
 
 def check(line: str) -> Callable[[Check], Check]:
-    """A line of the list, and the function that says what is missing, or None."""
+    """Register a line of the list with the function that returns what is missing, or None."""
 
     def keep(function: Check) -> Check:
         CHECKS.append((line, function))
@@ -83,7 +83,7 @@ def recipe_agrees() -> str | None:
 
 
 def recipe_lacks() -> Iterator[str]:
-    """Lines that the recipe should have."""
+    """Yield the lines that the recipe lacks."""
     lines = {line.strip() for line in text("packaging/conda/recipe.yaml").splitlines()}
     if f'version: "{RELEASE}"' not in lines:
         yield f'version: "{RELEASE}"'
@@ -127,7 +127,7 @@ def absent(what: str, missing: Iterator[str]) -> str | None:
 
 
 def walk(*, tagged: bool) -> bool:
-    """Whether nothing is open. The workflow of a tag builds and proves by itself."""
+    """Return whether nothing is missing. The workflow of a tag builds and verifies separately."""
     checks = [item for item in CHECKS if not (tagged and item[1] is wheels_are_proven)]
     if tagged:
         checks.append((f"the tag v{VERSION} is on this commit", tag_is_here))
@@ -142,7 +142,7 @@ def walk(*, tagged: bool) -> bool:
 
 
 def write_address(url: str) -> None:
-    """Into pyproject.toml, CITATION.cff and the links of README.md."""
+    """Write the address into pyproject.toml, CITATION.cff and the links of README.md."""
     if not re.fullmatch(r"https://[\w.-]+/[\w.-]+/[\w.-]+", url):
         fail(f"--address must be that of a repository, https://HOST/OWNER/NAME, got {url!r}")
     name = url.rpartition("/")[2]

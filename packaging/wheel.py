@@ -1,7 +1,7 @@
-"""Build the source distribution, from it alone a wheel for each Python that is here, and prove them all.
+"""Build the source distribution, a wheel from it for each installed Python, and verify all of them.
 
 `./dev wheel` runs this; `./dev wheel --quick` leaves out the tests, which otherwise run with the Python of ./dev.
-Releases are built by cibuildwheel, which needs containers: this needs none, and says what the release will meet.
+Releases are built by cibuildwheel, which needs containers. This script needs none, and finds most problems before.
 """
 
 import argparse
@@ -24,7 +24,7 @@ RECORD = ROOT / "build/wheel/proven.txt"
 OLDEST = 11
 NEWEST = 14
 
-# Whether this is an interpreter of Python 3.N, with what environments and extensions are made of.
+# Check for an interpreter of Python 3.N that can create environments and build extensions.
 ABLE = """
 import os, sys, sysconfig, ensurepip
 header = os.path.join(sysconfig.get_path("include"), "Python.h")
@@ -33,7 +33,7 @@ sys.exit(sys.version_info[:2] != (3, int(sys.argv[1])) or not os.path.exists(hea
 
 
 def pythons() -> dict[str, Path]:
-    """By "3.11" and so on, an interpreter that can make environments: on PATH, or one of pyenv's."""
+    """Return an interpreter for each version such as "3.11" that can create environments: on PATH, or from pyenv."""
     result = {}
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
     for minor in range(OLDEST, NEWEST + 1):
@@ -52,7 +52,7 @@ def works(python: Path, minor: int) -> bool:
 
 
 def commit() -> str:
-    """With a mark where there are changes."""
+    """Return the current commit, with a mark if there are changes."""
     return call("git", "describe", "--always", "--dirty", "--abbrev=40", "--match", "nothing").strip()
 
 
@@ -62,7 +62,7 @@ def build_sdist(folder: Path) -> Path:
 
 
 def check_sdist(sdist: Path) -> int:
-    """That it holds the tracked files of the allow-list and no others; returns how many."""
+    """Check that the source distribution contains the tracked files of the allow-list only; return their number."""
     patterns = [
         f":(top,glob){pattern.lstrip('/')}" for pattern in PYPROJECT["tool"]["scikit-build"]["sdist"]["include"]
     ]
@@ -74,7 +74,7 @@ def check_sdist(sdist: Path) -> int:
 
 
 def build_wheel(sdist: Path, python: Path, folder: Path) -> Path:
-    """From the unpacked source distribution, in a folder whose name has a space."""
+    """Build a wheel from the unpacked source distribution, in a directory whose name has a space."""
     sources, built = folder / "the sources", folder / "built"
     shutil.unpack_archive(sdist, sources)
     environment = folder / "building"
@@ -88,7 +88,7 @@ def build_wheel(sdist: Path, python: Path, folder: Path) -> Path:
 
 
 def repair(built: Path, folder: Path) -> Path:
-    """Give it the oldest manylinux tag that its symbols allow; nothing may have to be bundled."""
+    """Set the oldest manylinux tag that the symbols of the wheel allow; fail if a library would be bundled."""
     tools = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     call(sys.executable, "-m", "auditwheel", "repair", "--wheel-dir", folder / "repaired", built, cwd=folder, env=tools)
     (wheel,) = (folder / "repaired").glob("*.whl")
@@ -98,7 +98,7 @@ def repair(built: Path, folder: Path) -> Path:
 
 
 def prove(wheel: Path, python: Path, *, with_tests: bool) -> bool:
-    """In a process of the wheel's own Python, so that its environments are of that."""
+    """Verify a wheel in a process of its own Python, which creates its environments."""
     command: list[str | Path] = [python, ROOT / "packaging/prove.py", *([] if with_tests else ["--quick"]), wheel]
     return subprocess.run(command, check=False, cwd=ROOT).returncode == 0
 
@@ -107,7 +107,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Build the source distribution and wheels, and prove them.")
     parser.add_argument("--quick", action="store_true", help="without the tests")
     asked = parser.parse_args()
-    # The times of files in the archives are those of the commit, so that they can be built again.
+    # Files in the archives have the time of the commit, so that builds are reproducible.
     os.environ["SOURCE_DATE_EPOCH"] = call("git", "log", "-1", "--format=%ct").strip()
     RECORD.unlink(missing_ok=True)
     for folder in (DIST, UNPROVEN):
@@ -128,7 +128,7 @@ def main() -> None:
             say(f"building the wheel for Python {version} from it")
             wheel = repair(build_wheel(sdist, python, own), own)
             call(sys.executable, "-m", "twine", "check", "--strict", wheel)
-            # Kept whatever comes of the proof, which takes long.
+            # Preserved even if the verification fails, because it takes long.
             stored = Path(shutil.copy(wheel, UNPROVEN))
             with_tests = not asked.quick and python == Path(sys.executable)
             if prove(stored, python, with_tests=with_tests):
