@@ -1,4 +1,4 @@
-"""How does it compare with what people would write or pick instead? Each comparison checks that the answers agree."""
+"""Compare stiction with programs and libraries that could replace it; each comparison checks that results agree."""
 
 import numpy as np
 import plain
@@ -62,7 +62,7 @@ def generators() -> list[tuple[str, str]]:
     def by_finufft():
         groups = np.empty((40, POINTS))
         for k in range(40):
-            # Modes run from -N/2; the strengths carry the phase of the first point there.
+            # Modes start at -N/2; the strengths contain the phase of the first point.
             strengths = np.exp(1j * (phases[:, k] + angle[:, k] * (POINTS // 2)))
             sums = finufft.nufft1d1(
                 np.ascontiguousarray(angle[:, k]), strengths, POINTS, eps=1e-12, isign=1, nthreads=1

@@ -1,4 +1,4 @@
-"""How soon is `stiction app` there, and its first answer? With the pictures of docs/howto/app.md on the way."""
+"""Measure the start and the first result of `stiction app`; also writes the screenshots of docs/howto/app.md."""
 
 import base64
 import os
@@ -19,7 +19,7 @@ IMAGES = HERE.parent / "docs/images"
 
 
 def shot(driver, name: str, height: int = 720) -> None:
-    """The window as it is."""
+    """Save a screenshot of the window."""
     size(driver, 1280, height)
     driver.execute_script("document.activeElement.blur(); document.getElementById('inputs').scrollTo(0, 0)")
     time.sleep(0.5)
@@ -33,7 +33,7 @@ def size(driver, width: int, height: int) -> None:
 
 
 def until(driver, script: str) -> float:
-    """Seconds until it is true."""
+    """Return the seconds until a script returns true."""
     start = time.perf_counter()
     browser.wait(driver, lambda driver: driver.execute_script(f"return {script}"))
     return time.perf_counter() - start

@@ -1,4 +1,4 @@
-"""What do two areas pressed together cost, in transforms of one map, and how many times less than boundary elements?
+"""Measure areal contact in units of one FFT of the map, and compare it with boundary elements.
 
 Times are of the processor in this thread, so that other jobs of the machine do not count, but those of two threads.
 """
@@ -44,7 +44,7 @@ def took(call: Callable[[], object]) -> float:
 
 
 def medians(*calls: Callable[[], object], repeats: int = REPEATS) -> list[float]:
-    """Median time of each call, all taken in turns."""
+    """Return the median time of each call; the calls alternate."""
     times = [[took(call) for call in calls] for _ in range(repeats)]
     return [statistics.median(column) for column in zip(*times, strict=True)]
 
@@ -96,7 +96,7 @@ def rows() -> list[tuple[str, str]]:
 
 
 def boundary_elements() -> list[tuple[str, str]]:
-    """Against tamaas, periodic, at its mean error of 1e-6, one load at which 1 % of the area is in contact."""
+    """Compare with tamaas: periodic, mean error 1e-6, one load with 1 % of the area in contact."""
     import tamaas
 
     points = 1024

@@ -1,4 +1,4 @@
-"""Draws docs/images/performance.png from the table in docs/generated/performance.md: other ways, in times of ours."""
+"""Draw docs/images/performance.png from docs/generated/performance.md: run time relative to stiction."""
 
 import re
 from pathlib import Path
@@ -37,7 +37,7 @@ def answers(table: str) -> dict[str, str]:
 
 
 def times(answer: str, name: str) -> float | None:
-    """How many times our time: the whole answer, or what stands behind a name in it."""
+    """Return the run time relative to stiction: of the whole task, or of a named part."""
     if ";" in answer or " s, " in answer:
         result = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", answer)
         return float(result[1]) if result else None
@@ -57,7 +57,7 @@ def measured(table: str) -> dict[str, dict[str, float]]:
 
 
 def draw() -> None:
-    """A group of bars for each task, ours the first of each."""
+    """Draw a group of bars for each task, stiction first."""
     groups = measured((DOCS / "generated/performance.md").read_text(encoding="utf-8"))
     with mpl.rc_context(STYLE):
         bars = sum(1 + len(group) for group in groups.values())

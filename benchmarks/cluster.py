@@ -1,4 +1,4 @@
-"""How many repetitions a second are stored by workers that compute nothing, and how many workers is that enough for?
+"""Measure the repetitions per second that idle Dask workers can store, and the number of workers that this supports.
 
 Two workers on this machine, and the process that hands out the work: where they write the blocks themselves, and where
 they send them.
@@ -34,7 +34,7 @@ _task = runner.block_task
 
 
 class Given:
-    """A task that computes nothing: its sums stand in a file, which every process reads once."""
+    """Task without computation: its sums are read once per process from a file."""
 
     def __init__(self, path: str, seen: bool) -> None:
         self.path = path
@@ -51,7 +51,7 @@ _read: dict[str, list[dict]] = {}
 
 
 def different(sums: dict) -> list[dict]:
-    """Sums like those of a repetition: what is zero stays so, other numbers have digits of their own."""
+    """Return sums like those of a repetition: zeros stay zero, other numbers get random digits."""
     random = np.random.default_rng(0)
 
     def other(values: np.ndarray) -> np.ndarray:
@@ -63,7 +63,7 @@ def different(sums: dict) -> list[dict]:
 
 
 def stored(study: Study, sums: list[dict], executor: Executor, *, seen: bool) -> tuple[float, float]:
-    """Repetitions a second, and seconds of the driver's own for one, when workers compute nothing."""
+    """Return repetitions per second and processor seconds of the driver per repetition."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))
@@ -84,7 +84,7 @@ def rows() -> list[tuple[str, str]]:
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
         for name in STUDIES:
             study = Study.named(name).with_changes({"ensemble.repetitions": 1_000_000})
-            half_plane = name == "figure6-half-plane"  # of which one takes a minute and a half
+            half_plane = name == "figure6-half-plane"  # each takes a minute and a half
             one = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if half_plane else study
             dimensions = study.surfaces.fractal_dimensions().size if half_plane else 1
             sums = member_sums(one, 0)

@@ -1,4 +1,4 @@
-"""How does the cost grow with points, dimensions and approaches, and how much memory does it take?"""
+"""Measure how time and memory increase with points, dimensions and approaches."""
 
 from measure import in_units, peak_mebibytes
 from stiction import Study, run

@@ -1,4 +1,4 @@
-"""How fast is the elastic half-space beside other solvers, at equal error? Processor time, one thread."""
+"""Compare the half-space solver with other solvers at equal error: processor time of one thread."""
 
 import importlib.util
 import statistics
@@ -31,7 +31,7 @@ def rough(shape: tuple[int, ...], longest: int, shortest: int, hurst: float = 0.
 
 
 def error(heights: np.ndarray, pressure: np.ndarray) -> float:
-    """The one measure for all: Σ p (v - min v)/(F h), the energy that is missing at most, over load and rms height."""
+    """Return the error measure of all solvers: Σ p (v - min v)/(F h), the energy bound over load and rms height."""
     n, m = heights.shape
     k = 2 * np.pi * np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.fft.rfftfreq(m, 1 / m))
     compliance = np.divide(2 / MODULUS, k, out=np.zeros_like(k), where=k > 0)
@@ -79,7 +79,7 @@ def of_aspher(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]:
 
 
 def timed(solve: Callable[..., Any], heights: np.ndarray, load: float) -> tuple[float, float]:
-    """Processor time and error of a solution."""
+    """Return processor time and error of a solution."""
     start = time.process_time()
     answer = solve(heights, load)
     took = time.process_time() - start
@@ -87,7 +87,7 @@ def timed(solve: Callable[..., Any], heights: np.ndarray, load: float) -> tuple[
 
 
 def rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
-    # Tolerances in each solver's own measure that give about our error in the common one, or more.
+    # Tolerance of each solver, in its own measure, that gives about our error in the common measure, or a larger one.
     others = {"tamaas": of_tamaas(TOLERANCE)}
     if importlib.util.find_spec("aspher"):
         others["aspher"] = of_aspher(1.5e-7)
@@ -114,7 +114,7 @@ def rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
 
 
 def agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
-    """Prints the largest difference from tamaas' pressures, of the highest one; minutes."""
+    """Print the largest difference from the pressures of tamaas, relative to the highest pressure; takes minutes."""
     for n in sides:
         heights = rough((n, n), 4, n // 16)
         body = Surface(heights, spacing=1 / n)
@@ -130,7 +130,7 @@ def agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
 
 
 def shift(side: int = 384) -> tuple[str, str]:
-    """What one shift of a pair of maps takes: three loads, all directions, both rules and the stiffness."""
+    """Measure one shift of a pair of maps: three loads, all directions, both sliding rules and the stiffness."""
     heights = rough((side, side), 4, side // 16)
     body = Surface(heights, spacing=1 / side)
     flat = Surface(np.zeros(heights.shape), spacing=1 / side)
@@ -156,7 +156,7 @@ def shift(side: int = 384) -> tuple[str, str]:
 
 
 def threads(side: int = 1024) -> tuple[str, str]:
-    """Wall time of one thread over that of two; of transforms alone, by `scipy.fft.set_workers`."""
+    """Return the speed-up by a second thread, and that of transforms only (`scipy.fft.set_workers`)."""
     heights = rough((side, side), 4, side // 16)
     body = Surface(heights, spacing=1 / side)
     flat = Surface(np.zeros(heights.shape), spacing=1 / side)

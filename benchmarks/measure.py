@@ -1,4 +1,4 @@
-"""Times and memory of one run; the unit U is one real FFT of 150 000 numbers, timed between the others.
+"""Measure time and memory of one run. The unit U is one real FFT of 150 000 numbers, timed between the other calls.
 
 The C library takes the FFT's memory from the system at each call until a large block has been freed once; then it keeps
 it, and U is up to half as long. U is taken in that state, in which costs in U are at their highest.
@@ -22,7 +22,7 @@ def keep_memory() -> None:
 
 
 def seconds(call: Callable[[], object], repeats: int = 5) -> float:
-    """Median time of a call."""
+    """Return the median time of a call."""
     times = []
     for _ in range(repeats):
         start = time.perf_counter()
@@ -32,13 +32,13 @@ def seconds(call: Callable[[], object], repeats: int = 5) -> float:
 
 
 def unit(repeats: int = 40) -> float:
-    """U in seconds."""
+    """Return U in seconds."""
     keep_memory()
     return seconds(lambda: np.fft.rfft(_SIGNAL), repeats)
 
 
 def in_units(call: Callable[[], object], repeats: int = 5) -> float:
-    """Median of time over U, U being timed before and after each call, because the machine's clock drifts."""
+    """Return the median of time over U, which is timed before and after each call, because the clock drifts."""
     ratios = []
     for _ in range(repeats):
         before = unit(10)
@@ -48,7 +48,7 @@ def in_units(call: Callable[[], object], repeats: int = 5) -> float:
 
 
 def peak_mebibytes(call: Callable[[], object]) -> float:
-    """Peak memory of a new process that makes a call."""
+    """Return the peak memory of a new process that makes a call."""
     context = multiprocessing.get_context("spawn")
     queue = context.Queue()
     process = context.Process(target=_report_peak, args=(call, queue))
@@ -60,6 +60,6 @@ def peak_mebibytes(call: Callable[[], object]) -> float:
 
 def _report_peak(call: Callable[[], object], queue: "multiprocessing.Queue[float]") -> None:
     call()
-    # Not getrusage, whose peak a new process inherits from its parent.
+    # getrusage is unsuitable: a new process inherits the peak of its parent.
     lines = Path("/proc/self/status").read_text("ascii").splitlines()
     queue.put(next(float(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM")))

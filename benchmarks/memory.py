@@ -1,4 +1,4 @@
-"""How much memory do commands take on results that they do not hold?
+"""Measure the memory of commands on results that are larger than it.
 
 Each in a process of its own: 10 000 repetitions as large as quick's, of small surfaces, and 200 of figure6.
 """
@@ -30,7 +30,7 @@ COMMANDS = {
 
 
 def peak(folder: str, arguments: list[str]) -> float:
-    """MiB of a process and all that it starts, at once."""
+    """Return the peak memory (MiB) of a process and its children together."""
     process = subprocess.Popen([sys.executable, *arguments], cwd=folder, stdout=subprocess.DEVNULL)
     most = 0.0
     while process.poll() is None:
@@ -41,7 +41,7 @@ def peak(folder: str, arguments: list[str]) -> float:
 
 
 def family(pid: int) -> list[int]:
-    """A process and all that it has started."""
+    """Return a process and all its descendants."""
     parents = {}
     for stat in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
@@ -53,7 +53,7 @@ def family(pid: int) -> list[int]:
 
 
 def resident(pid: int) -> int:
-    """KiB of a process, with what it shares with others."""
+    """Return the resident memory (KiB) of a process, including shared pages."""
     with contextlib.suppress(OSError, StopIteration):
         lines = Path(f"/proc/{pid}/status").read_text().splitlines()
         return int(next(line for line in lines if line.startswith("VmRSS")).split()[1])

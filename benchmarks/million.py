@@ -1,4 +1,4 @@
-"""What does a result of a million repetitions cost: to store, to open, to map, to continue?
+"""Measure a result of a million repetitions: storing, opening, mapping and extending it.
 
 The numbers are a stand-in, made without any contact: fractal dimensions and approaches are few, so that what is
 measured is what repetitions cost by themselves.
@@ -33,7 +33,7 @@ KINDS = 4099
 
 
 def stand_in(study: Study) -> Callable[[Study, int], dict]:
-    """Sums that grow with the approach as Hertz's do, times a random factor of each repetition."""
+    """Return sums that increase with the approach like Hertz's, times a random factor for each repetition."""
     random = np.random.default_rng(study.ensemble.seed)
     step = np.arange(1.0, 1 + study.contact.steps().size)
     bank = []
@@ -54,7 +54,7 @@ def timed(function: Callable[[], object]) -> tuple[object, float]:
 
 
 def rows() -> list[tuple[str, str]]:
-    # A member that costs nothing makes blocks as large as they may be.
+    # Members without cost give blocks of the maximum size.
     real = runner.member_sums, runner.cost_of_member
     runner.member_sums, runner.cost_of_member = stand_in(STUDY), lambda _: 0.0
     try:

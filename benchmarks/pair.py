@@ -1,4 +1,4 @@
-"""What does a pair of figure6 cost, in U, and where does it go? What do two threads gain?"""
+"""Measure a pair of figure6 in units of U, its parts, and the gain of a second thread."""
 
 from concurrent.futures import Executor, ThreadPoolExecutor
 
@@ -17,13 +17,13 @@ SIGNAL = np.random.default_rng(0).random(150_000)
 
 
 def by_new_threads(study: Study, workers: int) -> float:
-    """Seconds, where the threads have to come by their memory first."""
+    """Return the seconds with new threads, which must first allocate their memory."""
     with ThreadPoolExecutor(workers) as pool:
         return seconds(lambda: run(study, executor=pool), 1)
 
 
 def gain(study: Study, one: Executor, two: Executor) -> float:
-    """How many times faster two threads are than one."""
+    """Return the speed of two threads relative to one."""
     return seconds(lambda: run(study, executor=one), 1) / seconds(lambda: run(study, executor=two), 1)
 
 
@@ -39,7 +39,7 @@ def rows() -> list[tuple[str, str]]:
             gain(study, one, two)  # which brings their memory
             cost = in_units(lambda study=study, one=one: run(study, executor=one), 3) / PAIRS
             median = float(np.median([gain(study, one, two) for _ in range(TURNS)]))
-        share = 2 / median - 1  # of one thread's time that a second does not shorten (Amdahl)
+        share = 2 / median - 1  # fraction of the time of one thread that a second thread does not shorten (Amdahl)
         four = 1 / (share + (1 - share) / 4)
         result += [
             (f"a pair of figure6, {detection}, one thread", f"{cost:.2f} U"),

@@ -1,4 +1,4 @@
-"""What does `stiction pair` of two maps of 512 x 512 take, and how much of it is the half-space? Processor time."""
+"""Measure the processor time of `stiction pair` on two 512 x 512 maps, and the fraction of the half-space solver."""
 
 import resource
 import statistics
@@ -33,7 +33,7 @@ def scans(folder: Path) -> None:
 
 
 def of_command(folder: Path, output: str) -> tuple[float, float]:
-    """Processor time and time by the clock."""
+    """Return processor time and wall time of the command."""
     before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     command = Path(sys.executable).with_name("stiction")
     subprocess.run([command, *COMMAND, "--output", output], cwd=folder, check=True, capture_output=True)
@@ -42,7 +42,7 @@ def of_command(folder: Path, output: str) -> tuple[float, float]:
 
 
 def solving(study: Study) -> Callable[[], None]:
-    """Solves every load of a study's members in one direction, and nothing else; its bodies are made beforehand."""
+    """Solve every load of the members of a study in one direction; the surfaces are prepared before."""
     contact, bodies = study.contact, bodies_of(study)
     pairs = [
         bodies.member(member, float(wavelength)).pair

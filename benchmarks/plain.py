@@ -1,11 +1,11 @@
-"""The straightforward program: NumPy and SciPy, a pair at a time, every cosine of Eq. 1, whole splines."""
+"""Straightforward program for comparison: NumPy and SciPy, one pair at a time, every cosine of Eq. 1, full splines."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 
 def profile(phases, dimension, *, extent, points, amplitude, gamma=1.5):
-    """Eq. 1 by its double sum, scaled to a total height."""
+    """Return a profile by the double sum of Eq. 1, scaled to a total height."""
     directions, frequencies = phases.shape
     x = np.arange(points) * (extent / points)
     heights = np.zeros(points)

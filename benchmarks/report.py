@@ -1,6 +1,6 @@
-"""How large is the interactive page of figure6, and how fast does it answer in a browser?
+"""Measure the size of the interactive report of figure6 and its response time in a browser.
 
-The browser is headless Chromium. docs/images/report.png is taken on the way.
+The browser is headless Chromium. Also writes docs/images/report.png.
 """
 
 import base64
@@ -21,7 +21,7 @@ from support import browser  # noqa: E402
 
 STEPS = 40
 POINTS = 20
-# From the key that was pressed until the frame that it changed has been handed over.
+# Time from a key press to the end of the frame that it changed.
 WATCH = """
 window.times = [];
 for (const slider of document.querySelectorAll("input[type=range]"))
@@ -31,7 +31,7 @@ for (const slider of document.querySelectorAll("input[type=range]"))
 
 
 def steps(driver, slider: str) -> float:
-    """Median time of a step of a slider by a key, ms."""
+    """Return the median time (ms) of a key press on a slider."""
     middle = "const e = arguments[0]; e.value = (Number(e.min) + Number(e.max)) / 2"  # with room on both sides
     driver.execute_script(middle + "; times.length = 0", driver.find_element("id", slider))
     for i in range(STEPS):
@@ -45,7 +45,7 @@ def steps(driver, slider: str) -> float:
 
 
 def largest_difference(driver, dataset: xarray.Dataset) -> float:
-    """Differences of values and ends of intervals at random points, relative to the library's."""
+    """Return the largest differences of values and interval ends at random points, relative to the library."""
     random = np.random.default_rng(1)
     largest = 0.0
     for _ in range(POINTS):
@@ -66,7 +66,7 @@ def largest_difference(driver, dataset: xarray.Dataset) -> float:
 
 
 def screenshot(driver, path: Path) -> None:
-    """The upper part of the page as it opens."""
+    """Save a screenshot of the upper part of the report."""
     browser.settle(driver)
     clip = {"x": 0, "y": 0, "width": 1280, "height": 1960, "scale": 1}
     completed = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})

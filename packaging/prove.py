@@ -95,7 +95,7 @@ def compare(what: str, found: Iterable[str], expected: Iterable[str]) -> None:
 
 
 def check_wheel(wheel: Path, folder: Path) -> None:
-    """Check that the wheel contains only the package and its licences, and that its extension needs no other library."""
+    """Check that the wheel contains only the package and its licences, and that its extension is self-contained."""
     package = [
         str(path.relative_to(ROOT / "python"))
         for path in (ROOT / "python/stiction").rglob("*")

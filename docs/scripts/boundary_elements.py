@@ -1,4 +1,4 @@
-"""What neglecting the interaction of asperities costs: writes images/boundary_elements*.png and the table here.
+"""Measure the error of neglecting asperity interaction: writes images/boundary_elements*.png and prints the table.
 
 Takes about three minutes on two cores.
 """
@@ -40,7 +40,7 @@ THEORIES = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np.sqrt(8 /
 
 
 def measured(bandwidth: int, hurst: float, repetition: int, finer: int = 1, tolerance: float = TOLERANCE) -> np.ndarray:
-    """Contact fraction, contacts and stiffness (GPa/µm): (load, boundary elements | model | interacting, quantity)."""
+    """Return contact fraction, count and stiffness (GPa/µm): (load, boundary elements | model | interacting, 3)."""
     points, _ = BANDWIDTHS[bandwidth]
     random = np.random.default_rng([SEED, repetition])
     heights = band_limited_profile(random, hurst, bandwidth, finer * points)

@@ -1,4 +1,4 @@
-"""What the paper says of its own results: writes the tables of claims.md and friction.md into docs/generated.
+"""Test the claims of the paper: writes the tables of claims.md and friction.md into docs/generated.
 
 Run by `./dev claims`, which has run the studies of the figures into build/claims before. `--repetitions 2000` judges on
 so many as well, and `--columns` areas, half-planes and half-spaces on a fraction of them.
@@ -156,12 +156,12 @@ def check(study: Study) -> None:
 
 
 def claims_study() -> Study:
-    """The study that the claims are judged on: 50 fractal dimensions, three amplitudes, 100 repetitions."""
+    """Return the study that tests the claims: 50 fractal dimensions, three amplitudes, 100 repetitions."""
     return Study.named("figure7")
 
 
 def variant_study(name: str) -> Study:
-    """The same with another choice, at 15 fractal dimensions."""
+    """Return the study with another option, at 15 fractal dimensions."""
     return claims_study().with_changes({"surfaces.fractal_dimension.count": 15, **VARIANTS[name]})
 
 
@@ -169,7 +169,7 @@ def variant_study(name: str) -> Study:
 
 
 def has_amplitudes(amplitudes: Floats) -> bool:
-    """Whether those are there that a claim is about."""
+    """Return whether the result has the amplitudes of a claim."""
     return all(bool(np.isclose(amplitudes, item, rtol=1e-9).any()) for item in (FLATTER, STEEPER))
 
 
@@ -199,7 +199,7 @@ class Resampled:
         repetitions = data.sizes["repetition"]
         random = np.random.default_rng(study.ensemble.seed)
         even = np.full(repetitions, 1 / repetitions)
-        # How often each is drawn: a few times at most, so that a byte holds it however many there are.
+        # Number of times that each repetition is drawn; small enough for a byte.
         drawn = np.ones((1 + RESAMPLES, repetitions), np.uint8)
         for resample in drawn[1:]:
             resample[:] = random.multinomial(repetitions, even)
@@ -282,12 +282,12 @@ class Resampled:
         return result / loads if what == "friction" else result
 
     def within(self, start: float, stop: float) -> Any:
-        """Which fractal dimensions lie in a range, both ends included."""
+        """Return a mask of the fractal dimensions in a range, both ends included."""
         return (self.dimensions > start - 1e-9) & (self.dimensions < stop + 1e-9)
 
 
 def between(lowest: Any, highest: Any, part: float) -> Floats:
-    """A load at some part, in ratio, of the way from the lowest to the highest; NaN where that is none."""
+    """Return the load at a fraction of the logarithmic range from lowest to highest, or NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where((lowest > 0) & (lowest < highest), lowest * (highest / lowest) ** part, np.nan)
 
@@ -324,7 +324,7 @@ class Part:
 
 
 def _mean(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
-    """Mean over fractal dimensions in a range."""
+    """Return the mean over fractal dimensions in a range."""
     stored = values[:, r.usable(values, r.within(start, stop))]
     return np.asarray(np.nansum(stored, axis=1) / np.isfinite(stored).sum(axis=1))
 
@@ -335,7 +335,7 @@ def _extreme(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats | Ban
     stored = np.concatenate([values[:, usable] for values in arrays], axis=1)
     if r.ruling == "percentiles" or not stored.size:
         return np.asarray(pick.reduce(stored, axis=1, initial=np.nan))
-    # In 95 of 100 ensembles no value is further off than so many of its standard deviations.
+    # In 95 of 100 ensembles every value is within this number of standard deviations.
     spread = np.nanstd(stored[1:], axis=0)
     known = spread > 0
     off = np.abs(stored[1:, known] - stored[0, known]) / spread[known]
@@ -346,7 +346,7 @@ def _extreme(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats | Ban
 
 
 def _slope(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
-    """Least-squares slope over fractal dimensions in a range."""
+    """Return the least-squares slope over fractal dimensions in a range."""
     stored = r.usable(values, r.within(start, stop))
     if stored.sum() < 2:
         return np.full(values.shape[0], np.nan)
@@ -399,7 +399,7 @@ def _by_adhesion(r: Resampled, load: float | Floats, amplitude: float | None = N
 
 
 def _ratios(r: Resampled, tau0: float) -> list[Floats]:
-    """Friction with adhesion over that without, at three loads."""
+    """Return friction with adhesion over friction without it, at three loads."""
     return [r.at("friction", load, tau0=tau0) / r.at("friction", load) for load in (r.light, r.middle, r.heavy)]
 
 
@@ -588,7 +588,7 @@ def judge(
 
 
 def verdict_of(claim: int, outcomes: list[Outcome]) -> Verdict:
-    """True if all parts of a claim are, false if one is, undefined if one is and none is false; else undecided."""
+    """Return true if all parts are true, false if one is false, undefined if one is undefined, otherwise undecided."""
     verdicts = {outcome.verdict for outcome in outcomes if outcome.part.claim == claim}
     for verdict in ("false", "undefined", "undecided"):
         if verdict in verdicts:
@@ -600,7 +600,7 @@ def verdict_of(claim: int, outcomes: list[Outcome]) -> Verdict:
 
 
 def claims_markdown(outcomes: list[Outcome]) -> str:
-    """A table with a row for each part."""
+    """Render a table with a row for each part."""
     lines = ["| | verdict | claim, and its numbers | value [95 %] | criterion |", "|---|---|---|---|---|"]
     for claim, statement in CLAIMS.items():
         lines.append(f"| **{claim}** | {_chip(verdict_of(claim, outcomes))} | **{statement}** | | |")
@@ -614,24 +614,24 @@ def claims_markdown(outcomes: list[Outcome]) -> str:
 
 
 def _chip(verdict: str) -> str:
-    """A verdict that pages set in a colour of its own."""
+    """Render a verdict with its colour."""
     return f'<span class="verdict verdict-{verdict}">{verdict}</span>'
 
 
 def _in_letters(text: str) -> str:
-    """Symbols as the other pages write them."""
+    """Return the symbols as in the other pages."""
     for plain, letters in (("mu_s", "μ_s"), ("mu0", "μ0"), ("tau0", "τ0")):
         text = text.replace(plain, letters)
     return text
 
 
 def variants_markdown(variants: Mapping[str, list[Outcome]]) -> str:
-    """A table with a row for each part and a column for each variant; a star where some D are left out."""
+    """Render a table with a row for each part and a column for each variant; a star marks values without some D."""
     return _side_by_side(variants, lambda part: part.name, lambda outcome: f"{_starred(outcome)}, {outcome.verdict}")
 
 
 def columns_markdown(columns: Mapping[str, list[Outcome]]) -> str:
-    """The same with what each part is, and intervals."""
+    """Render the table of columns with descriptions of the parts and intervals."""
 
     def cell(outcome: Outcome) -> str:
         if not math.isfinite(outcome.value):
@@ -690,7 +690,7 @@ def _left_out(outcome: Outcome) -> str:
 
 
 def main() -> None:
-    """Judge the claims by what the studies say, computing what is not in build/claims yet."""
+    """Test the claims, after computing the studies that are missing in build/claims."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repetitions", type=int)
     parser.add_argument("--columns", action="store_true")

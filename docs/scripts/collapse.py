@@ -1,4 +1,4 @@
-"""How far one curve of the slopes holds: writes images/collapse*.png, generated/collapse.md and collapse.csv.
+"""Test the small-slope curve of friction: writes images/collapse*.png, generated/collapse.md and collapse.csv.
 
 Each point is an ensemble of pairs of surfaces or lines by the elastic half-space, and by asperities on the same pairs.
 Points are kept in build/collapse.jsonl as they are done, and are not computed again. About ten minutes on one core.
@@ -62,7 +62,7 @@ Pair = tuple[Surface, Surface] | tuple[Profile, Profile]
 
 
 def cases() -> Iterator[dict]:
-    """Every point of the pictures: what the bodies are, and how they are pressed."""
+    """Yield every case of the figures: surfaces and contact model."""
     dimensions = [round(1 + d / 10, 1) for d in range(10)]
     for dimension, height, (scale, waves) in product(
         dimensions, (0.03, 0.1, 0.3, 0.6), ((2.0, 8), (2.0, 5), (1.0, 6), (1.0, 4))
@@ -95,7 +95,7 @@ def cases() -> Iterator[dict]:
 
 
 def pairs(case: dict) -> tuple[list[Pair], str]:
-    """The pairs of a case, upper and lower, and their boundary."""
+    """Return the pairs of a case and their boundary condition."""
     match case["family"]:
         case "WM area" | "WM line" as family:
             return [fractal(case, repetition, family) for repetition in range(6 if family == "WM area" else 10)], "free"
@@ -150,7 +150,7 @@ def random_pair(case: dict, repetition: int) -> Pair:
 
 
 class Loads:
-    """Sums by their names as attributes."""
+    """Sums as attributes."""
 
     def __init__(self, columns: dict) -> None:
         vars(self).update(columns)
@@ -278,7 +278,7 @@ def by_asperities(upper, lower, load: float, ways, name: str, keywords: dict, st
 
 
 def finished() -> dict[str, dict]:
-    """What is done already, by the text of its case."""
+    """Return the stored results by the text of their case."""
     if not DONE.exists():
         return {}
     rows = [json.loads(line) for line in DONE.read_text(encoding="utf-8").splitlines() if line.endswith("}")]
@@ -286,7 +286,7 @@ def finished() -> dict[str, dict]:
 
 
 def computed() -> list[dict]:
-    """Every case whose data are here, computed now or before."""
+    """Return the result of every case whose data exist, from storage or computed."""
     DONE.parent.mkdir(exist_ok=True)
     completed = finished()
     everything = [case for case in cases() if "file" not in case or (DATA / case["file"]).exists()]
@@ -346,7 +346,7 @@ def summary(row: dict) -> dict:
 
 
 def per_cent(points: list[dict], name: str) -> str:
-    """Mean and largest residual, in per cent."""
+    """Return mean and largest residual in per cent."""
     residuals = np.array([100 * (point[f"{name} over form"] - 1) for point in points if f"{name} over form" in point])
     residuals = residuals[np.isfinite(residuals)]
     if not residuals.size:
@@ -379,7 +379,7 @@ def table(points: list[dict]) -> list[str]:
 
 
 def limits(points: list[dict]) -> list[str]:
-    """Where it ends: a row for each case beside the main ones."""
+    """Render the limits of the curve: a row for each secondary case."""
     rows = [
         "| bodies | h' | p̄/(E* h') | true area | κ | by points | by patches | all rub |", "|" + "---|" * 8,
     ]  # fmt: skip
@@ -500,7 +500,7 @@ def draw_limits(points: list[dict]) -> None:
 
 
 def write_numbers(points: list[dict]) -> None:
-    """Every point, as committed: means over its pairs."""
+    """Write the means over the pairs of every case."""
     keys = sorted({key for point in points for key in point if key not in ("case", "together")})
     keys = ["family", "of", *(key for key in keys if key != "family")]
     with (DOCS / "generated/collapse.csv").open("w", encoding="utf-8", newline="") as file:

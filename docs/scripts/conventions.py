@@ -1,4 +1,4 @@
-"""Draw what the words and signs of the conventions mean: writes images/conventions.png.
+"""Draw the terms and signs of the conventions: writes images/conventions.png.
 
 Bodies, contacts, normals, spheres and forces are the library's own for one small pair, on one scale; only the places of
 the words are chosen by hand.
@@ -29,7 +29,7 @@ OPPOSING, OTHER = "#B84C00", "#0072B2"
 
 @dataclass(frozen=True)
 class Pair:
-    """Two profiles where they stand, and what the library finds between them."""
+    """Two profiles in position, and their contacts."""
 
     lower: Profile
     upper: Profile
@@ -37,7 +37,7 @@ class Pair:
 
     @property
     def first_touch(self) -> float:
-        """By how much the upper profile is lowered until grid points touch, µm."""
+        """Return the displacement of the upper profile until grid points touch, µm."""
         return float((self.upper.heights - self.lower.heights).min())
 
     @property

@@ -21,7 +21,7 @@ OPPOSING, OTHER, INK, BODY = "#d55e00", "#0072b2", "0.15", "#e3d5bb"
 
 
 def pair():
-    """Two gentle maps of 4 µm, and what the library finds between them."""
+    """Return two maps of 4 µm with small slopes, and their contacts."""
     lower, upper = (
         self_affine_surface(
             12, hurst_exponent=0.9, rms=0.15, shape=(48, 48), spacing=1 / 12, longest_wavelength=2.0,
@@ -33,19 +33,19 @@ def pair():
 
 
 def arrow(axes, start, vector, colour, text, length=0.8, beyond=1.15):
-    """From a point along a vector, with a word at its end."""
+    """Draw an arrow from a point along a vector, with a label at its end."""
     axes.quiver(*start, *(length * np.asarray(vector)), color=colour, linewidth=1.2, arrow_length_ratio=0.18)
     axes.text(*(start + beyond * length * np.asarray(vector)), text, color=colour, ha="center", va="center")
 
 
 def bare(axes, heights=1.0, zoom=1.0):
-    """Axes in true proportion, without boxes."""
+    """Set equal proportions and remove the box of the axes."""
     axes.set_box_aspect((1, 1, heights), zoom=zoom)
     axes.set_axis_off()
 
 
 def whole(axes, lower, found):
-    """The lower body, the contacts on it with their normals, the axes, and the direction of motion."""
+    """Draw the lower surface, its contacts with normals, the axes, and the direction of motion."""
     y, x = np.mgrid[: lower.heights.shape[0], : lower.heights.shape[1]] / 12
     axes.plot_surface(x, y, lower.heights, color=BODY, rstride=2, cstride=2, linewidth=0.15, edgecolor="0.7", zorder=0)
     for centre, normal, opposes in zip(found.centre, found.normal, found.opposing, strict=True):
@@ -70,7 +70,7 @@ def whole(axes, lower, found):
 
 
 def one(axes, normal, tangent):
-    """One contact that opposes: its tangent plane, the vectors, and the forces on the upper body."""
+    """Draw one opposing contact: tangent plane, vectors, and forces on the upper surface."""
     phi = np.radians(DIRECTION)
     s = np.array([np.cos(phi), np.sin(phi), 0.0])
     side = np.cross(normal, tangent)
@@ -92,7 +92,7 @@ def one(axes, normal, tangent):
 
 
 def save(path):
-    """Write the picture."""
+    """Write the figure."""
     lower, result = pair()
     steepest = int(np.argmax(np.where(result.opposing, np.hypot(result.normal[:, 0], result.normal[:, 1]), -1)))
     with mpl.rc_context(STYLE):

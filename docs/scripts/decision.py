@@ -1,4 +1,4 @@
-"""Draws docs/images/decision.png and decision_dark.png: which contact model and which option for which data."""
+"""Draw docs/images/decision.png and decision_dark.png: the contact model and options for each kind of data."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Draws docs/images/first.png and first_dark.png: two lapped faces of examples/scans, their contacts and friction.
+"""Draw docs/images/first.png and first_dark.png: two lapped surfaces of examples/scans, their contacts and friction.
 
 It takes half a minute on one core.
 """
@@ -64,7 +64,7 @@ def draw(curves, dark):
 
     x, lower, contact = faces()
     touching = contact.pressure > 0
-    # Where a contact that opposes and one that does not are nearest to each other.
+    # Place where an opposing contact and another contact are nearest to each other.
     climbing, leaning = (
         x[touching & which & (np.abs(x - x.mean()) < REACH)] for which in (contact.opposing, ~contact.opposing)
     )

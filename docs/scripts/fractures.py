@@ -1,4 +1,4 @@
-"""Draws docs/images/fractures.png and prints the tables of explanation/experiments.md: two fractures in granodiorite.
+"""Draw docs/images/fractures.png and print the tables of explanation/experiments.md on two fractures in granodiorite.
 
     python docs/scripts/fractures.py FOLDER [SPECIMEN ...]
 
@@ -20,9 +20,9 @@ IMAGE = Path(__file__).resolve().parents[1] / "images/fractures.png"
 DIAMETER = 122e3  # µm
 YOUNG, POISSON = 11.0, 0.33  # GPa: 10 to 12 were measured; Poisson's ratio was not, and its authors assume this
 LOW, HIGH = (1.0, 2.0), (5.0, 10.0)  # MPa, between which stiffness is compared
-STEP = 4.0  # µm, of heights that were read from a picture
+STEP = 4.0  # µm, error of heights read from a figure
 FITTED = 1e3, 10e3  # µm, wavelengths from which the exponent of the gap is taken
-LEAST = 0.2  # MPa, below which there is nothing measured
+LEAST = 0.2  # MPa, lowest measured stress
 
 
 def gap_of(folder, name, *, square=True):
@@ -92,14 +92,14 @@ def finer(gap, factor, seed=1):
 
 
 def shifted(gap, by, seed=1):
-    """The gap after one face was moved by µm along x, if the face has the gap's spectrum and is another surface."""
+    """Return the gap after one surface moved along x; it is independent and has the spectrum of the gap."""
     _, density = spectrum_of(gap)
     face = waves(gap.heights.shape, gap.spacing[0], density, FITTED[1], seed)
     return Surface(gap.heights + by * np.gradient(face, gap.spacing[0], axis=1), spacing=gap.spacing)
 
 
 def changed(gap, change):
-    """A gap with its heights changed."""
+    """Return a gap with changed heights."""
     return Surface(change(gap.heights), spacing=gap.spacing)
 
 

@@ -1,4 +1,4 @@
-"""What friction depends on, claim by claim: writes images/friction.png from what `./dev claims --columns` left.
+"""Draw friction over each parameter: writes images/friction.png from the results of `./dev claims --columns`.
 
 Reads build/claims/columns, where ./dev claims --repetitions 2000 --columns puts its results.
 """

@@ -1,4 +1,4 @@
-"""How results depend on the number of points: writes images/grid_dependence.png and generated/grid_dependence.md."""
+"""Measure the effect of the number of points: writes images/grid_dependence.png and generated/grid_dependence.md."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What asperities are worth beside the elastic half-space: writes images/half_space.png and generated/half_space.md.
+"""Compare the asperity model with the elastic half-space: writes images/half_space.png and generated/half_space.md.
 
 Takes about a minute of one core.
 """
@@ -41,7 +41,7 @@ NAMES = ["area", "stiffness", *(f"{rule}, {strength:g}" for rule, strength in pr
 
 
 def body(kind: str, hurst: float, band: int, repetition: int, side: str) -> Profile | Surface:
-    """One of a pair: periodic on a length of one, with the rms slope SLOPE."""
+    """Return one surface of a pair: periodic on unit length, with rms slope SLOPE."""
     n = WAVES[kind] * band * POINTS[kind]
     common = {"hurst_exponent": hurst, "repetition": repetition, "side": side, "rms": 1.0, "spacing": 1 / n}
     common |= {"longest_wavelength": 1 / WAVES[kind], "shortest_wavelength": 1 / (WAVES[kind] * band)}
@@ -79,7 +79,7 @@ def exact(upper, lower, loads: np.ndarray) -> np.ndarray:
 
 
 def asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndarray:
-    """The same by asperities, where their elastic load first reaches that of the half-space."""
+    """Return the results of the asperity model where its elastic load first reaches that of the half-space."""
     law = {"law": HertzCylinder(), "detection": "gap-minimum"} if isinstance(upper, Profile) else {}
     approaches = np.geomspace(1e-5, 1.0, 400) * deepest
     names = [f"{way}_{part}" for way in ("tangential", "normal") for part in ("elastic", "frictional", "adhesive")]

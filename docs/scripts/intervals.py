@@ -1,4 +1,4 @@
-"""How often the intervals of traverses cover the true mean, and how wide they are beside the best possible ones."""
+"""Measure the coverage of the intervals of traverses, and their width relative to the best possible interval."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Areal surrogates made of one section of each map, pressed beside pieces of the maps: docs/generated/isotropic.md."""
+"""Compare areal surrogates from one section of each map with pieces of the maps: writes docs/generated/isotropic.md."""
 
 from pathlib import Path
 

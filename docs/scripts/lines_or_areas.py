@@ -1,4 +1,4 @@
-"""True area and friction of maps as areas, as lines of them, and by tamaas: docs/generated/lines_or_areas.md."""
+"""Compare contact area and friction of maps, of their profiles, and of tamaas: docs/generated/lines_or_areas.md."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ FOUR = [0.0, 90.0, 180.0, 270.0]
 
 
 def bodies(repetition):
-    """The two surfaces of a repetition."""
+    """Return the two surfaces of a repetition."""
     return tuple(
         self_affine_surface(
             3, repetition=repetition, hurst_exponent=0.8, rms=0.03, shape=(POINTS, POINTS), spacing=SPACING,
@@ -24,7 +24,7 @@ def bodies(repetition):
 
 
 def answers(upper, lower):
-    """A/A0 (%) and mu_s of each kind of pressing."""
+    """Return A/A0 (%) and mu_s of each contact model."""
     area = (POINTS * SPACING) ** 2
     load = [PRESSURE * area]
     computed = {}

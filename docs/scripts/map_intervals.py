@@ -1,4 +1,4 @@
-"""How often intervals of pairs of maps cover what they are said to cover: docs/generated/map_intervals.md."""
+"""Measure the coverage of intervals of pairs of maps: writes docs/generated/map_intervals.md."""
 
 from pathlib import Path
 

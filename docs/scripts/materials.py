@@ -1,4 +1,4 @@
-"""The table of materials with the source of every number: docs/generated/materials.md."""
+"""Write the table of materials with the source of every number: docs/generated/materials.md."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ def shown(value: MaterialValue) -> str:
 
 
 def table() -> str:
-    """Every material in a row, its sources by number below."""
+    """Return a table with a row for each material and numbered sources below."""
     sources: list[str] = []
 
     def marked(value: MaterialValue | None) -> str:

@@ -1,4 +1,4 @@
-"""How rough bodies begin to slide: writes images/onset.png, images/onset_dimension.png and generated/onset_*.md.
+"""Compute the onset of sliding of rough surfaces: writes images/onset*.png and generated/onset_*.md.
 
 Takes about four minutes of one core; with names, as in ``onset.py dimension``, only these tables.
 """
@@ -54,25 +54,25 @@ def gradient(heights: np.ndarray) -> float:
 
 
 def pair(band: int, repetition: int, **how: float) -> tuple[Surface, Surface, float]:
-    """Upper, lower, and the load that is a mean pressure of E* h'."""
+    """Return upper and lower surface, and the load for a mean pressure of E* h'."""
     upper, lower = (body(band, repetition, side, **how) for side in ("upper", "lower"))
     return upper, lower, MODULUS * gradient(upper.heights - lower.heights)
 
 
 def header(*names: str) -> list[str]:
-    """Head of a table."""
+    """Return the header of a table."""
     return ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
 
 
 def interval(ratios: list[float]) -> str:
-    """Geometric mean with 95 %."""
+    """Return the geometric mean with its 95 % interval."""
     logs = np.log(ratios)
     half = student.ppf(0.975, logs.size - 1) * logs.std(ddof=1) / math.sqrt(logs.size)
     return f"{math.exp(logs.mean()):.2f} [{math.exp(logs.mean() - half):.2f}, {math.exp(logs.mean() + half):.2f}]"
 
 
 def asperities() -> list[str]:
-    """Ratio of asperities to the half-space, at equal elastic load."""
+    """Return the ratio of the asperity model to the half-space at equal elastic load."""
     lines = header(
         "longest / shortest wave",
         "pressure / E\\* h'",
@@ -112,7 +112,7 @@ def asperities() -> list[str]:
 
 
 def whole_kernel() -> list[str]:
-    """Stiffness at rest with the whole tangential kernel over that with the isotropic one, ν = 0.3."""
+    """Return the initial stiffness with the full tangential kernel over that with the isotropic kernel, ν = 0.3."""
     lines = header("roughness", "the kernel's direction", "and nothing moves across")
     upper, lower, unit = pair(8, 0, points=32)
     gap = upper.heights - lower.heights
@@ -189,7 +189,7 @@ def costs() -> list[str]:
 
 
 def fits() -> list[str]:
-    """Iwan's and LuGre's models of the curve."""
+    """Fit the Iwan and LuGre models to the curve."""
     lines = header(
         "boundary", "pressure / E\\* h'", "τ0 / E\\*", "Iwan: χ, β", "its load off, rms",
         "its energy of a cycle off, rms", "LuGre: σ0 over stiffness at rest", "its load off, rms",

@@ -1,4 +1,4 @@
-"""Draws docs/images/pla_silicone.png and prints the numbers of two silicones in tutorials/from_a_test.md.
+"""Draw docs/images/pla_silicone.png and print the numbers of two silicones in tutorials/from_a_test.md.
 
     python docs/scripts/pla_silicone.py pla_silicone.csv
 
@@ -19,8 +19,8 @@ from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE, save
 
 IMAGE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
 SHOWN = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
-FITTED = 50.0  # mN, from which on both laws are fitted
-LAST = 700.0  # mN; beyond it values jump, as by another range of the instrument
+FITTED = 50.0  # mN, lowest load of both fits
+LAST = 700.0  # mN; values jump above, as with another range of the instrument
 COMMON = 0.02  # relative standard error of each mean beside its scatter
 
 

@@ -1,4 +1,4 @@
-"""Prints what docs/explanation/experiments.md says of published laws of rough contacts, as computed here.
+"""Print the numbers of docs/explanation/experiments.md on published laws of rough contact.
 
 python docs/scripts/published.py
 """

@@ -1,4 +1,4 @@
-"""Pages made from the package at each build of the documentation: names, keys of study files, options of commands."""
+"""Generate reference pages for each build of the documentation: names, keys of study files, options of commands."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ENTRY = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULT
 
 
 def pages(docs: Path) -> dict[str, str]:
-    """Text by the name of its file."""
+    """Return the text of each page by its file name."""
     return {
         "names.md": names(docs),
         "commands.md": commands(),
@@ -57,7 +57,7 @@ GROUPS = ("surfaces", "roughness", "mechanics", "closed_forms", "studies", "meas
 
 
 def names(docs: Path) -> str:
-    """A table for each group: every name and the first line of what it says of itself."""
+    """Return a table for each group: names with the first line of their docstrings."""
     lines = []
     for group in GROUPS:
         text = (docs / f"reference/api_{group}.md").read_text("utf-8")
@@ -70,7 +70,7 @@ def names(docs: Path) -> str:
 
 
 def targets(docs: Path) -> dict[str, str]:
-    """What the reference calls each name, by the name as pages write it."""
+    """Return the link target of each public name."""
     result = (
         name for group in GROUPS for name in ENTRY.findall((docs / f"reference/api_{group}.md").read_text("utf-8"))
     )
@@ -78,7 +78,7 @@ def targets(docs: Path) -> dict[str, str]:
 
 
 def _summary(name: str) -> str:
-    """The first paragraph of a docstring."""
+    """Return the first paragraph of a docstring."""
     result: object = stiction
     parts = name.removeprefix("stiction.").split(".")
     if len(parts) > 1:
@@ -95,7 +95,7 @@ def _summary(name: str) -> str:
 
 
 def commands() -> str:
-    """Every command: usage, arguments and options, and what its help ends with."""
+    """Return the section of every command: usage, arguments, options and epilogue."""
     known: Any = typer.main.get_command(app)
     lines = []
     for name in (name for group in COMMANDS.values() for name in group):
@@ -151,5 +151,5 @@ def parameters() -> str:
 
 
 def built_in() -> str:
-    """A table of the studies by their names."""
+    """Return a table of the built-in studies."""
     return "\n".join(["| study | |", "|---|---|", *(_row(f"`{name}`", study_summary(name)) for name in study_names())])

@@ -1,4 +1,4 @@
-"""Answers over the resolution of a scan: docs/generated/resolution.md and docs/images/resolution.png.
+"""Measure results against scan resolution: writes docs/generated/resolution.md and docs/images/resolution.png.
 
 Takes the part to compute, "settling", "bracketing", "continuing" or "joining", or none to write page and picture from
 what is in the folder `resolution` of the working directory. Seeds are fixed; 15 minutes in all on two busy cores.
@@ -41,7 +41,7 @@ def gradient(bodies):
 
 
 def pair(hurst, index, points, longest):
-    """Two self-affine surfaces with waves from four points to a number of them, of one slope."""
+    """Return two self-affine surfaces of equal slope, with wavelengths from four points upwards."""
     bodies = [
         self_affine_surface(
             28, hurst_exponent=hurst, rms=0.01, shape=(points, points), spacing=SPACING, side=side, repetition=index,
@@ -67,7 +67,7 @@ def settling():
 
 
 def bracketing():
-    """Many smaller pairs with a hardness: whether finer answers are where coarser ones say."""
+    """Compute many smaller pairs with a hardness, to test the brackets of coarse results."""
     found = []
     for hurst in HURST:
         for index in range(BRACKETED):
@@ -103,7 +103,7 @@ def answers(bodies, seen, hardness, name):
 
 
 def coarser(body, shortest, step):
-    """A surface without waves shorter than a length (in points), on every `step`-th point."""
+    """Return a low-pass filtered surface (cutoff in points) on every `step`-th point."""
     waves = np.fft.fft2(body.heights)
     k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(POINTS),) * 2, indexing="ij"))
     smooth = np.fft.ifft2(np.where(k * shortest <= 1 + 1e-9, waves, 0)).real
@@ -153,7 +153,7 @@ def continuing():
 
 
 def joining():
-    """One surface seen by three simulated instruments, and its spectrum from them."""
+    """Compute one surface as measured by three simulated instruments, and its joined spectrum."""
     from scipy.ndimage import grey_dilation
     from stiction.views.scans import joined_figure
     from stiction.views.style import save_picture
@@ -216,7 +216,7 @@ def found(name):
 
 
 def settled_lines(rows):
-    """The table of one Hurst exponent, and how far answers at coarser cut-offs are from the finest."""
+    """Return the table of one Hurst exponent: differences of results at coarser cutoffs from the finest."""
 
     def mean(model, name, factor=1.0, digits=3):
         values = np.mean([row[model][name] for row in rows], axis=0)
@@ -260,7 +260,7 @@ def widths(rows, name, limit, most):
 
 
 def bracket_lines(groups):
-    """How many pairs are in their brackets and in narrower ones, and how wide these are."""
+    """Return the fractions of pairs inside their brackets and narrower ones, and the widths of the brackets."""
     lines = [
         "| every finer answer is between the plastic limit and | A/A0 | upper end over the limit (%) | μ_s, all rub "
         "| upper end over the limit (%) |",
