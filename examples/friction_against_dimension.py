@@ -10,8 +10,8 @@ study = Study.named("quick").with_changes(
         "ensemble.repetitions": 20,
     }
 )
-dataset = run(study, progress=True)
-friction = friction_map(dataset, loads=[0.001, 0.01], mu0=[0.3], tau0=[0.0, 0.1])  # loads in mN, tau0 in GPa
+result = run(study, progress=True)
+friction = friction_map(result, loads=[0.001, 0.01], mu0=[0.3], tau0=[0.0, 0.1])  # loads in mN, tau0 in GPa
 
 for row in friction.to_dataframe().reset_index().itertuples():
     value = f"{row.friction_coefficient:.3f} ({row.lower:.3f} to {row.upper:.3f})" if row.status == "ok" else row.status

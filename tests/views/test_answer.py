@@ -399,3 +399,9 @@ def test_generated_surfaces_are_assessed_by_their_contacts_and_by_tau0_as_measur
     assert "7 contacts on average are few" in texts(said)
     assert summarize(generated(contact_count=3.0), generated_study()).points[0].verdict == "Do not quote"
     assert "τ0 is 0, so this is the μ0" in texts(summarize(generated(friction=0.4), generated_study()).points[0])
+
+
+def test_caveat_has_the_number_that_was_checked_and_its_limit():
+    (caveat,) = one(measured(share_at_edge=0.6), measured_study()).doubts
+    assert (caveat.name, caveat.value, caveat.limit) == ("share_at_edge", pytest.approx(0.6), 0.5)
+    assert caveat.text == "60 % of the load is on contacts that the edge cuts"

@@ -150,7 +150,7 @@ def test_overview_has_a_row_for_each_cell_and_tau0_and_marks_values_beyond_the_m
 
 def test_quantities_of_several_cells_name_the_cell_that_they_are_of():
     for dimensions, words in (((1.1, 1.2), "D = 1.1, mean [95 %]"), ((1.1,), "mean [95 %]")):
-        text = result_text(generated(dimensions=dimensions), generated_study())
+        text = result_text(summarize(generated(dimensions=dimensions), generated_study()))
         table = text[text.rindex("\n\n") :] if "\n\n" in text else text
         assert words.split()[0] in table
         assert ("D = 1.1" in table) == (len(dimensions) > 1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -81,6 +81,12 @@ class Doubt:
     """Cut-off (µm) from which on it is none."""
     has_readings: bool = False
     """Whether a reading without its waves is in the interval."""
+    name: str = ""
+    """Number of the point that was checked, if it was one: a name of `QUANTITIES` or of `_numbers`."""
+    value: float = field(default=math.nan, compare=False)
+    """That number, in core units."""
+    limit: float = field(default=math.nan, compare=False)
+    """Limit that it exceeds."""
 
 
 class Check(NamedTuple):
@@ -101,7 +107,10 @@ class Check(NamedTuple):
             words = significant(value * ROUND_UP, 2 if self.shown == "digits" else 1).replace("-", "\N{MINUS SIGN}")
         else:
             words = percent(value) if self.shown == "percent" else with_unit(value, self.shown)
-        return Doubt(self.text.replace("{}", words), self.cure, self.severity)
+        return Doubt(
+            self.text.replace("{}", words), self.cure, self.severity, name=self.name, value=numbers[self.name],
+            limit=self.limit,
+        )  # fmt: skip
 
 
 Checks = Sequence[Sequence[Check]]  # groups of checks: in each the first that is not passed is said
