@@ -19,7 +19,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 @pytest.fixture(scope="session")
 def measured():
-    """measured(name): the path of a file of an instrument; where it is not there, the test is skipped."""
+    """measured(name): path of an instrument file; the test is skipped if it is absent."""
     folder = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
     def path(name):
@@ -61,13 +61,13 @@ def circular_arc():
 
 @pytest.fixture(scope="session")
 def small_result():
-    """The result of the study `SMALL`; nothing may change it."""
+    """Result of the study `SMALL`; tests must not change it."""
     return run(SMALL).dataset
 
 
 @pytest.fixture(scope="module")
 def no_figures():
-    """No figure is drawn while this is entered: what other tests look at takes a fraction of the time."""
+    """Context without figures, for tests that do not check figures: it saves most of their time."""
 
     @contextlib.contextmanager
     def undrawn():
@@ -80,6 +80,6 @@ def no_figures():
 
 @pytest.fixture
 def undrawn(no_figures):
-    """The test looks at no figure."""
+    """Disable figures for a test."""
     with no_figures():
         yield

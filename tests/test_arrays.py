@@ -1,4 +1,4 @@
-"""NumPy arrays with a spacing in place of profiles and surfaces, and lengths as texts with units."""
+"""Tests of NumPy arrays with a spacing instead of profiles and surfaces, and of lengths as texts with units."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cached properties that no thread waits for."""
+"""Tests of cached properties without locks."""
 
 import threading
 

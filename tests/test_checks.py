@@ -1,4 +1,4 @@
-"""Checks of arguments that all public functions share."""
+"""Tests of the argument checks of all public functions."""
 
 from __future__ import annotations
 

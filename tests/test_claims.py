@@ -1,4 +1,4 @@
-"""The tables that `./dev claims` writes: each part has a world in which it is true and one in which it is not."""
+"""Tests of `./dev claims`: each part is tested with data in which it is true, and data in which it is false."""
 
 import importlib.util
 import math
@@ -121,7 +121,7 @@ def test_claims_have_parts_with_unique_names():
 
 
 def made_up(**worlds):
-    """A result whose loads rise alike at every dimension D and amplitude a, with given sums over (D, a, load)."""
+    """Return a result with equal loads at every dimension D and amplitude a, and given sums over (D, a, load)."""
     study = SMALL.with_changes({"ensemble.repetitions": 40})
     result = empty_dataset(study)
     factor = np.random.default_rng(3).lognormal(0, 0.02, size=40)[:, np.newaxis]
@@ -137,7 +137,7 @@ def made_up(**worlds):
 
 
 def judged(name, result, **options):
-    """What is found of one part, as `judge` finds it of all."""
+    """Return the outcome of one part."""
     (part,) = (part for part in PARTS if part.name == name)
     return Outcome.of(part, claims.Resampled(result, 0.1, **options))
 
@@ -147,7 +147,7 @@ def friction(coefficient):
 
 
 def adhesion(coefficient):
-    """What tau0 = 1 GPa adds to the coefficient."""
+    """Return sums in which tau0 = 1 GPa adds a given value to the coefficient."""
     return {"tangential_adhesive": lambda d, a, f: coefficient(d, a, f) * f}
 
 

@@ -1,4 +1,4 @@
-"""What the documents and docstrings show runs as it stands."""
+"""Run the examples of docstrings, pages and scripts unchanged."""
 
 import ast
 import contextlib
@@ -42,7 +42,7 @@ def test_docstring_examples_run(name):
 
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory):
-    """printed(path): what a script prints; it runs once, in an empty directory."""
+    """printed(path): output of a script, which runs once in an empty directory."""
 
     @functools.cache
     def of(path):
@@ -80,7 +80,7 @@ class Block(NamedTuple):
 
 
 def blocks(page):
-    """Everything on a page that is set as code, wherever it stands."""
+    """Return all code blocks of a page."""
     values = []
     for token in MarkdownIt().parse(page.read_text(encoding="utf-8")):
         if token.type == "fence":
@@ -117,7 +117,7 @@ SMALL_STUDY = {
 
 
 def made_small(command):
-    """A command that does the same with little to compute; more repetitions than before stay more."""
+    """Return the command with a small study; a larger number of repetitions stays larger."""
     match shlex.split(command)[1]:
         case "run" if shlex.split(command)[2] != "pair":
             changes = dict(SMALL_STUDY)
@@ -131,7 +131,7 @@ def made_small(command):
 
 
 def run_command(line, cwd):
-    """A line of a terminal: those of stiction are run, of others what they name must be there."""
+    """Run a command line of stiction; for other commands, check that the files that they name exist."""
     line = line.split(" #")[0].strip()
     match shlex.split(line):
         case ["stiction", "app", *_]:
@@ -167,7 +167,7 @@ DEV = ROOT / "dev"
 
 
 def dev_commands():
-    """Commands of its usage; none where it is not, as among the sources that a wheel is built from."""
+    """Return the commands in the usage of `dev`; none if the file is absent, as in an installed package."""
     usage = ast.get_docstring(ast.parse(DEV.read_text(encoding="utf-8"))) if DEV.exists() else ""
     return set(re.findall(r"^\./dev (\w+)", usage, re.MULTILINE))
 
@@ -177,7 +177,7 @@ def lines_of(block):
 
 
 def run_page(page, cwd):
-    """The blocks of a page in their order, in one directory, as its reader would."""
+    """Run the blocks of a page in order, in one directory."""
     for block in blocks(page):
         if block.kind == "sh":
             for line in lines_of(block):
@@ -293,7 +293,7 @@ def test_reference_lists_every_public_name():
 
 
 def script(name):
-    """A module of the scripts of the documents."""
+    """Return a script of the documentation as a module."""
     path = ROOT / f"docs/scripts/{name}.py"
     if not path.exists():
         pytest.skip("the documents are not here")

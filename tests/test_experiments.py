@@ -1,4 +1,4 @@
-"""The script of docs/explanation/experiments.md: on bodies that are made, and on the data where somebody has them."""
+"""Tests of the script of docs/explanation/experiments.md on generated surfaces, and on the data if present."""
 
 import os
 import runpy

@@ -1,4 +1,4 @@
-"""A few of the inputs that `./dev soak` tries by the thousand."""
+"""A few of the random inputs of `./dev soak fuzz`."""
 
 from collections import Counter
 

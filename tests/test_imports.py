@@ -1,4 +1,4 @@
-"""Which part of the package may know which: a value goes from surfaces to the command, and nothing points back."""
+"""Tests of imports: each layer imports from lower layers only, and imports are lazy."""
 
 import ast
 import re
@@ -29,7 +29,7 @@ LOADED_BY_HELP = {"typer", "click", "shellingham", "annotated_doc", "typing_exte
 
 
 def imported(source):
-    """Full names of what a module imports from the package, inside functions too, and from where they are made."""
+    """Yield the full names that a module imports from the package, also inside functions."""
     for node in ast.walk(ast.parse((PACKAGE / source).read_text("utf-8"))):
         names = []
         if isinstance(node, ast.Import):
@@ -45,7 +45,7 @@ def imported(source):
 
 @pytest.mark.parametrize("room", ["", *ROOMS])
 def test_layers_import_only_from_lower_layers(room):
-    """What serves all rooms knows none."""
+    """Modules that serve all layers import from none."""
     paths = (PACKAGE / room).rglob("*.py") if room else PACKAGE.glob("_*.py")
     allowed = ROOMS[: ROOMS.index(room) + 1] if room else ()
     for source in sorted(path.relative_to(PACKAGE) for path in paths):
@@ -84,7 +84,7 @@ def test_import_loads_no_dependencies():
 
 
 def test_package_imports_nothing_before_the_command():
-    """Whatever the package imports by itself comes before the command that answers Ctrl-C without a traceback."""
+    """Imports of the package would run before the command can handle Ctrl-C."""
     body = ast.parse(Path(stiction.__file__).read_text("utf-8")).body
     assert not [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
 
@@ -107,7 +107,7 @@ def test_stub_lists_each_public_name_with_the_module_that_package_imports():
 
 
 def test_public_names_are_imported_from_their_modules():
-    """Not from where it is imported to: type checkers and Python read the same list."""
+    """The stub names the defining module: type checkers and Python read the same list."""
     tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
     for name, module in {name.asname: node.module for node in tree.body for name in node.names}.items():
         assert name in stiction.__all__
@@ -133,6 +133,6 @@ def test_help_lists_every_command_with_its_module():
 
 @pytest.mark.parametrize("folder", ["python", "tests", "benchmarks", "docs", "examples"])
 def test_docstrings_do_not_begin_with_of(folder):
-    """Each is read without the line above it."""
+    """A docstring is read without the line above it."""
     paths = sorted((Path(__file__).parent.parent / folder).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

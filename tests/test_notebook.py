@@ -1,4 +1,4 @@
-"""What a notebook shows: every public name with its example, its signature and its repr; `pair` and the command."""
+"""Tests of public names in notebooks: examples, signatures and reprs, and `pair` against the command."""
 
 import copy
 import doctest
@@ -215,7 +215,7 @@ its name because that is the word of `Result.at`, of study files and of tables, 
 
 
 def datasets(upper, lower, by_function, folder):
-    """One of every kind that a public function returns or keeps beside a result."""
+    """Yield a dataset of every kind that public functions return or store."""
     maps = {"mu0": 0.3, "shifts": 3, "mechanics": "asperities"}
     pressed = pressed_maps(upper, lower, ["1 mN"], **maps)
     lines = stiction.traverse(upper.row(0), lower.row(0), "10 uN", mu0=0.3)
@@ -309,7 +309,7 @@ def test_surface_from_topography_preserves_heights(lower):
 
 
 class Surfalize:
-    """What surfalize's Surface has: micrometres, and steps along x and y."""
+    """Attributes of the Surface of surfalize: micrometres, and steps along x and y."""
 
     def __init__(self, data, step_x, step_y):
         self.data, self.step_x, self.step_y = data, step_x, step_y

@@ -1,4 +1,4 @@
-"""What stands in several files for others' tools says the same in all of them."""
+"""Tests of facts that several packaging files repeat."""
 
 import importlib.util
 import re
@@ -16,7 +16,7 @@ SCANS = ROOT / "examples/scans"
 
 
 def module(path, monkeypatch):
-    """A script that is no part of the package."""
+    """Return a script outside of the package as a module."""
     monkeypatch.syspath_prepend(str(path.parent))
     for name in ("prove", "wheel", "release"):
         monkeypatch.delitem(sys.modules, name, raising=False)

@@ -1,4 +1,4 @@
-"""What others wrote, on a terminal; and files of others, read within bounds."""
+"""Tests of foreign text on a terminal, and of bounded reading of foreign files."""
 
 import os
 import re

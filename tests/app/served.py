@@ -1,4 +1,4 @@
-"""A server of `stiction app` as people begin it, and requests to it as anybody may write them."""
+"""Start a server of `stiction app`, and send it arbitrary requests."""
 
 import contextlib
 import http.client
@@ -20,7 +20,7 @@ HELD = Path(__file__).parent / "held"
 
 
 class Served:
-    """A process, and what one needs to ask it."""
+    """Server process with its address, cookie and key."""
 
     def __init__(self, process, folder):
         self.process, self.folder, self.cookie, self.key = process, folder, "", ""
@@ -30,7 +30,7 @@ class Served:
         self.address = f"{self.origin}/?token={self.token}"
 
     def ask(self, method, path, body=None, *, cookie=None, **headers):
-        """Status, headers and body of a request; those of our own page unless others are given (None: left out)."""
+        """Return status, headers and body of a request; headers default to those of the page, None leaves one out."""
         own = {"Host": f"127.0.0.1:{self.port}", "Cookie": self.cookie if cookie is None else cookie}
         own |= {"X-Stiction-Key": self.key}
         own |= {} if method == "GET" else {"Origin": self.origin}
@@ -61,17 +61,17 @@ class Served:
         return json.loads(body)
 
     def take(self, path):
-        """Drop a file."""
+        """Upload a file, and return its identifier."""
         status, _, body = self.ask("PUT", f"/scans?name={quote(path.name)}", path.read_bytes())
         assert status == 200, body
         return json.loads(body)["scan"]
 
     def jobs(self):
-        """What the page is told."""
+        """Return the jobs as the page receives them."""
         return json.loads(self.ask("GET", "/jobs")[2])
 
     def memory(self):
-        """Resident memory of the server alone, bytes."""
+        """Return the resident memory of the server process in bytes."""
         with open(f"/proc/{self.process.pid}/statm", encoding="utf-8") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
@@ -80,7 +80,7 @@ class Served:
 
     @contextlib.contextmanager
     def held(self, member):
-        """Commands that begin in here wait at this member until the end, or until it is let go."""
+        """Make commands wait at a member until the context ends."""
         hold = self.folder / "hold"
         hold.write_text(str(member))
         try:
@@ -89,12 +89,12 @@ class Served:
             hold.unlink(missing_ok=True)
 
     def private(self):
-        """Folders of servers."""
+        """Return the private directories of servers."""
         return sorted((self.folder / "tmp").glob("stiction-app-*"))
 
 
 def until(value, holds):
-    """The value, as soon as it holds."""
+    """Return a value as soon as it satisfies a condition."""
     end = time.monotonic() + 10 * PATIENCE
     while not holds(result := value()):
         assert time.monotonic() < end, result
@@ -104,7 +104,7 @@ def until(value, holds):
 
 @contextlib.contextmanager
 def served(folder, *options, code=""):
-    """A server that was begun in a folder, by the command or by other code; its temporary folder is there too."""
+    """Start a server in a directory, by the command or by other code; its temporary directory is inside."""
     (folder / "tmp").mkdir(exist_ok=True)
     what = ["-c", code] if code else ["-m", "stiction", "app", *options]
     own = {"TMPDIR": folder / "tmp", "BROWSER": "true", "XDG_DATA_HOME": folder}
@@ -126,7 +126,7 @@ def served(folder, *options, code=""):
 
 
 def write_maps(folder, size=24):
-    """Two small rough maps."""
+    """Write two small rough maps."""
     paths = []
     for side in ("upper", "lower"):
         face = self_affine_surface(5, hurst_exponent=0.8, rms=0.02, shape=(size, size), spacing=0.1, side=side)
@@ -136,7 +136,7 @@ def write_maps(folder, size=24):
 
 
 def write_other_grid(folder):
-    """A map on another grid."""
+    """Write a map on another grid."""
     rng = np.random.default_rng(3)
     write_surface(Surface(0.01 * rng.standard_normal((20, 30)), spacing=(0.15, 0.12)), folder / "coarse.csv")
     return folder / "coarse.csv"

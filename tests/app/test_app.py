@@ -1,4 +1,4 @@
-"""The page as people use it, in a browser: what it shows is what the command says."""
+"""Tests of the app in a browser: its results equal those of the command."""
 
 import contextlib
 import json
@@ -37,7 +37,7 @@ def app(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def driver(app, tmp_path_factory):
-    """A browser that has been let in."""
+    """A browser with access to the server."""
     with browser.browser(tmp_path_factory.mktemp("profile")) as driver:
         driver.set_page_load_timeout(PATIENCE)
         size(driver)
@@ -52,7 +52,7 @@ def driver(app, tmp_path_factory):
 
 @pytest.fixture
 def fresh(driver, app):
-    """A page on which nobody has done anything, and which had nothing to complain of."""
+    """An unused page without errors."""
     driver.get(f"{app.origin}/app.css")  # where no script remembers anything while it is forgotten
     driver.execute_script("sessionStorage.clear()")
     driver.get(app.origin)
@@ -116,18 +116,18 @@ def press(driver, form="pair"):
 
 
 def state(driver):
-    """What the page shows of the job that was begun last."""
+    """Return the state of the latest job on the page."""
     return driver.execute_script("return jobs.find(({number}) => number === current)?.state")
 
 
 def finished(driver):
-    """How the job has ended, and what it is said to have failed of."""
+    """Return the final state of the job, with its error if it failed."""
     until(lambda: state(driver), lambda now: now not in (None, "waiting", "running"))
     return " ".join([state(driver), driver.find_element("id", "job-wrong").text]).strip()
 
 
 def answer(driver):
-    """Numbers that the page shows of each rule, in full, and the sentence."""
+    """Return the unrounded numbers of each sliding rule on the page, and the sentence."""
     lines = "return [...document.querySelectorAll('#answer .value')].map((each) => ({...each.dataset}))"
     rules = driver.execute_script(lines)
     shown = {rule["rule"]: [float(rule[name]) for name in ("value", "lower", "upper")] for rule in rules}
@@ -135,7 +135,7 @@ def answer(driver):
 
 
 def same_as(driver, folder, monkeypatch):
-    """What the line says that the page shows, of the same files: its numbers and sentence."""
+    """Return numbers and sentence of the command line that the page shows, run on the same files."""
     line = driver.find_element("id", "command").get_property("textContent")
     monkeypatch.setattr(showing, "draw_result", lambda *_, **__: None)
     completed = check_stiction(*shlex.split(line)[1:], "--json", cwd=folder)
@@ -148,12 +148,12 @@ def of_record(record):
 
 
 def inside(driver, script):
-    """In the page of the result, which `inside` is."""
+    """Run a script in the report, which is the variable `inside`."""
     return driver.execute_script(f"const inside = document.getElementById('page').contentDocument; {script}")
 
 
 def wait_for_page(driver):
-    """Wait until the page of the last answer is drawn, and not one before it."""
+    """Wait until the report of the latest result is drawn."""
     is_last, busy = "inside?.URL.split('#')[0].endsWith(framed)", "getElementById('main')?.getAttribute('aria-busy')"
     busy = f"return {is_last} ? inside.{busy} : null"
     browser.wait(driver, lambda _: inside(driver, busy) == "false")
@@ -240,7 +240,7 @@ def test_metal_profiles_give_a_result(fresh, tmp_path, monkeypatch, rough_pair):
 
 
 def test_maps_give_the_result_of_the_command_at_each_step(app, fresh, maps, monkeypatch):
-    """Drop, answer, another mu0, share, reload: always what the command says."""
+    """Upload, compute, change mu0, share and reload: each step equals the command."""
     roughness = json.loads(call_stiction("characterise", maps[0], "--json", cwd=app.folder).stdout)["values"]
     height = with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")
     assert f"Sq {height}," in drop(fresh, "upper", maps[0])["hint"]
@@ -324,7 +324,7 @@ def test_stopped_job_is_stored_and_resumes_with_another_window_open(fresh, tmp_p
 
 
 def look_at_another_window(fresh, app):
-    """It has a job of its own, which waits for this one."""
+    """Check another window, whose job waits for this one."""
     first = fresh.current_window_handle
     fresh.switch_to.new_window("tab")
     try:
@@ -345,7 +345,7 @@ def look_at_another_window(fresh, app):
 
 
 def is_ending(job):
-    """Whether a job was told to stop, or has stopped."""
+    """Return whether a job is stopping or stopped."""
     return "stopping" in job["words"] or job["state"] == "stopped"
 
 
@@ -427,7 +427,7 @@ def test_cookie_sent_to_another_port_gives_no_access(app, fresh):
             self.end_headers()
 
         def log_message(self, *_):
-            """Say nothing."""
+            """Print nothing."""
 
     with ThreadingHTTPServer(("127.0.0.1", 0), Other) as other:
         threading.Thread(target=other.serve_forever).start()

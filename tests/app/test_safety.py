@@ -1,4 +1,4 @@
-"""Who may ask the server for what, and how much: by requests as nobody's browser would write them."""
+"""Tests of access control and limits of the server, with requests that no browser would send."""
 
 import json
 import os
@@ -85,7 +85,7 @@ def test_server_listens_on_loopback_only(app):
 
 
 def _own_address():
-    """Address of this computer on whatever network it is; one that is not, if there is none."""
+    """Return the network address of this computer, or an unused address if it has none."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as some:
         try:
             some.connect(("198.51.100.1", 9))

@@ -1,4 +1,4 @@
-"""How the command speaks, and that no surrounding makes it end with a traceback."""
+"""Tests of messages, and of environments in which the command must not end with a traceback."""
 
 import os
 import subprocess
@@ -18,7 +18,7 @@ TINY = [
 
 
 def shell(script, *arguments, cwd):
-    """A script in which "$@" is the command."""
+    """Run a shell script in which "$@" is the command."""
     command = ["bash", "-o", "pipefail", "-c", script, "bash", sys.executable, "-m", "stiction", *arguments]
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=120)
 
@@ -75,7 +75,7 @@ def test_interrupt_during_import_gives_no_traceback(monkeypatch):
 
 
 def test_failed_thread_start_is_reported_in_one_message(tmp_path, monkeypatch):
-    """As a limit of processes makes it: before a store is begun."""
+    """A limit on processes stops the command before it creates a result."""
 
     def refuse(_):
         raise RuntimeError("can't start new thread")

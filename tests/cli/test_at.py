@@ -1,4 +1,4 @@
-"""Commands on results of every kind: at, info, export, plot, run again; of a study, of lines and of maps."""
+"""Tests of at, info, export, plot and run on results of a study, of profiles and of maps."""
 
 import csv
 import json

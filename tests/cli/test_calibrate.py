@@ -1,4 +1,4 @@
-"""`stiction calibrate`: tests from a table, on pairs that were pressed and on a ball; and what is refused."""
+"""Tests of `stiction calibrate`: friction tests from a table, on computed pairs and on a ball, and rejected input."""
 
 import json
 
@@ -25,7 +25,7 @@ def ball_rows(error=3):
 
 @pytest.fixture(scope="module")
 def pressed(tmp_path_factory):
-    """A folder with two finishes that were pressed, elastic, and their forces of friction, in two units."""
+    """A directory with results of two finishes, elastic, and their friction forces in two units."""
     where = tmp_path_factory.mktemp("finishes")
     rows = []
     for name, rms in (("ground", 0.04), ("lapped", 0.01)):

@@ -1,4 +1,4 @@
-"""The command for measured profiles and surfaces: what it prints is what the library finds in memory."""
+"""Tests of `stiction characterise`: its output equals that of the library."""
 
 import csv
 import json
@@ -46,7 +46,7 @@ def folder(tmp_path, profile, surface):
 
 
 def characterise(*arguments, cwd):
-    """History, the rest of the table, and the figure, beside which a page is written."""
+    """Run the command; return history, rest of the table, and figure."""
     completed = check_stiction("characterise", *arguments, cwd=cwd, without_figures=True)
     assert completed.stderr == ""
     lines = completed.stdout.splitlines()
@@ -64,7 +64,7 @@ def table(text):
 
 
 def words(text):
-    """Whatever the width of the terminal makes of lines."""
+    """Return the words of a text, independent of line breaks."""
     return " ".join(text.split())
 
 

@@ -1,4 +1,4 @@
-"""`stiction materials`: every number that the library has, with its source."""
+"""Tests of `stiction materials`: every number of the library with its source."""
 
 import json
 

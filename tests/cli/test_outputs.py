@@ -1,4 +1,4 @@
-"""Files that commands write: complete or absent, and never in place of a file that is not theirs."""
+"""Tests of files that commands write: complete or absent, and never replacing a foreign file."""
 
 import csv
 import errno

@@ -1,4 +1,4 @@
-"""`stiction pair`: what its options ask for, and a few pairs from files to figures."""
+"""Tests of `stiction pair`: its options, and a few pairs from files to figures."""
 
 import contextlib
 import json
@@ -61,7 +61,7 @@ def where(tmp_path_factory):
 
 
 def asked(where, *arguments):
-    """What a command line asks for."""
+    """Return the parsed options of a command line."""
     group = typer.main.get_command(app)
     command = group.get_command(group.context_class(group), "pair")
     with contextlib.chdir(where), command.make_context("pair", [str(argument) for argument in arguments]) as context:
@@ -69,13 +69,13 @@ def asked(where, *arguments):
 
 
 def study_of(where, *arguments):
-    """The study that a command line asks for."""
+    """Return the study of a command line."""
     with contextlib.chdir(where):
         return asked(where, *arguments).study
 
 
 def value_at(study, key):
-    """What a study has at a dotted key."""
+    """Return the value of a dotted key of a study."""
     value = study
     for part in key.split("."):
         value = getattr(value, part)
@@ -477,7 +477,7 @@ def test_slow_reader_is_announced_once(where, monkeypatch):
 
 @pytest.fixture(scope="module")
 def checked(where):
-    """Two profiles, pressed by both mechanics."""
+    """Result of two profiles with both contact models."""
     completed = check_stiction(
         "pair", *PROFILES, *MATERIAL, *LOAD, "--offsets", 4, "--check", cwd=where, without_figures=True
     )
@@ -486,7 +486,7 @@ def checked(where):
 
 @pytest.fixture(scope="module")
 def areas(where):
-    """Two maps, pressed as areas by asperities."""
+    """Result of two maps with the asperity model."""
     completed = check_stiction(
         "pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--mechanics", "asperities", "-o", "areas",
         cwd=where, without_figures=True,
@@ -538,7 +538,7 @@ def test_pair_with_other_friction_uses_stored_positions(where):
 
 @pytest.mark.usefixtures("undrawn")
 def test_pair_replaces_files_of_a_concurrent_writer(where, monkeypatch):
-    """Two equal commands in one folder: whoever comes second has its answer too."""
+    """Two equal commands in one directory: both give a result."""
     from stiction.studies import contact_picture, onset
 
     def beside(make, file):
@@ -614,7 +614,7 @@ def test_pair_of_afm_map_and_surrogate_is_computed(measured, tmp_path, lines):
 
 @pytest.fixture(scope="module")
 def beside(tmp_path_factory):
-    """Two maps by name of material, large enough for cut-offs."""
+    """Two maps with named materials, large enough for cutoffs."""
     folder = tmp_path_factory.mktemp("beside")
     for side in ("upper", "lower"):
         created = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(96, 96), spacing=0.1, side=side)

@@ -1,4 +1,4 @@
-"""`stiction pair` of what several scans of one surface say together, in place of a scan that is too coarse."""
+"""Tests of `stiction pair` with joined spectra instead of scans."""
 
 import json
 
@@ -42,7 +42,7 @@ def whole(side):
 
 
 def seen(surface):
-    """A microscope with large pixels, and a probe that sees four pieces."""
+    """Scans by a microscope with large pixels, and of four pieces by a probe."""
     pixels = surface.heights.reshape(POINTS // 4, 4, POINTS // 4, 4).mean((1, 3))
     half = POINTS // 2
     pieces = [surface.heights[row : row + half, column : column + half] for row in (0, half) for column in (0, half)]

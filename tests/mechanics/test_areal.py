@@ -1,4 +1,4 @@
-"""Two areas pressed together: exact answers, identities, a slow reference, and what is refused."""
+"""Tests of areal contact of two maps: exact solutions, identities, a slow reference, and rejected input."""
 
 import math
 
@@ -54,7 +54,7 @@ def surface_of(function, shape=(61, 81), spacing=(0.02, 0.02)):
 
 
 def assert_close(actual, expected, tolerance):
-    """Each within a tolerance relative to itself."""
+    """Assert that each value agrees within a relative tolerance."""
     assert np.all(np.abs(np.subtract(actual, expected)) <= tolerance * np.abs(expected)), (actual, expected)
 
 
@@ -602,7 +602,7 @@ def smooth(generator, shape, shortest):
 
 
 def level_body(generator, kind, shape):
-    """What has level floors, sides or lines, of a height about 1."""
+    """Return a surface with flat valleys, sides or lines, about 1 high."""
     y, x = np.meshgrid(*(np.arange(size) for size in shape), indexing="ij")
     match kind:
         case "flat":

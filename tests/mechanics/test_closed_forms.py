@@ -1,4 +1,4 @@
-"""The closed forms, held against other people's and against each other; and the model, held against them."""
+"""Tests of the closed forms against other packages and each other, and of the asperity model against them."""
 
 import math
 import warnings
@@ -56,7 +56,7 @@ def test_jackson_green_equals_published_fit(ratio, radius, modulus, strain, pois
 
 @pytest.fixture(scope="session")
 def reference():
-    """Reference solutions of the ContactMechanics package, where it is installed: Hertz, Westergaard."""
+    """Reference solutions of the ContactMechanics package, if installed: Hertz, Westergaard."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         names = ("Hertz", "Westergaard")

@@ -41,7 +41,7 @@ def all_sums(curve):
 
 
 def assert_close(actual, expected, tolerance):
-    """Each within a tolerance relative to itself."""
+    """Assert that each value agrees within a relative tolerance."""
     assert np.all(np.abs(actual - expected) <= tolerance * np.abs(expected)), (actual, expected)
 
 
@@ -232,7 +232,7 @@ def pairs(draw):
 
 
 def robust(upper, lower, approach, choices):
-    """Whether no contact is so near an edge of a rule that round-off may change the count or the opposing set."""
+    """Return whether round-off cannot change the contact count or the opposing set."""
     table = contacts(upper, lower, approach, **choices)
     if choices["detection"] == "cell":
         offset = table.centre[:, 0] - table.index * upper.spacing
@@ -332,7 +332,7 @@ class TestProfileIdentities:
 
 
 class TestGapMinimum:
-    """What the cell detection cannot do: results that are the surface's, not the grid's."""
+    """Results that are independent of the grid, unlike those of the cell detection."""
 
     POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
     # The first touch is that of grid points, within g'' Δx² / 8 of the bodies' own, of an approach of 10 nm: 3 digits

@@ -55,7 +55,7 @@ def solver_of(gap, spacing, *, periodic, bound=np.inf, tolerance):
 
 
 def bowl(n, extent, radii):
-    """The gap over a paraboloid, its lowest point off the grid."""
+    """Return the gap over a paraboloid whose lowest point is off the grid."""
     x = (np.arange(n) - n / 2 + 0.31) * extent / n
     return Surface(x[:, None] ** 2 / (2 * radii[0]) + x[None, :] ** 2 / (2 * radii[1]), spacing=extent / n)
 
@@ -311,7 +311,7 @@ def test_stiffness_is_derivative_of_load():
 @pytest.mark.parametrize("hardness", [None, 0.06 * MODULUS], ids=["elastic", "yielding"])
 @pytest.mark.parametrize(("shape", "boundary"), [((63,), "periodic"), ((12, 15), "periodic"), ((12, 15), "free")])
 def test_stiffness_agrees_with_dense_matrices(shape, boundary, hardness):
-    """That of unloading: points that have yielded unload elastically. Without a hardness loading is no other."""
+    """Unloading is elastic also at points that yielded; without a hardness it equals loading."""
     lower = rough(shape, longest=1, shortest=5)
     curve = half_space(flat_like(lower), lower, [0.02 * MODULUS], boundary=boundary, hardness=hardness)
     spacing = np.array([1 / n for n in shape])
@@ -790,7 +790,7 @@ def test_progress_reports_iterations_and_can_cancel():
 
 
 def test_solver_ends_soon_after_ctrl_c():
-    """A computation of many seconds, long before its end; the main thread is in the core when it comes."""
+    """The signal arrives long before the end, while the main thread runs in the core."""
     body = rough((512, 512), shortest=128)
     pressed = []
 

@@ -1,4 +1,4 @@
-"""True area over a range of hardness, against direct solutions and limits."""
+"""Tests of the contact area over a range of hardness, against direct solutions and limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Materials: whether their numbers can be, whether names are found, and what two of them make."""
+"""Tests of materials: plausible values, names, and pairs of materials."""
 
 import importlib.util
 import math

@@ -1,4 +1,4 @@
-"""Answers over cut-offs: the half-space beneath, what a hardness settles, limits and brackets, and names."""
+"""Tests of results over cutoffs: the underlying half-space, effect of a hardness, limits, brackets and names."""
 
 import math
 
@@ -30,7 +30,7 @@ def pair(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
 
 @pytest.fixture(scope="module")
 def seen():
-    """A pair under 20 MPa at its own resolution and coarser ones."""
+    """Result of a pair under 20 MPa at its own resolution and coarser ones."""
     upper, lower = pair()
     load = 0.02 * 128**2 * 0.04**2
     lengths = [0.16, 0.32, 0.64]

@@ -1,4 +1,4 @@
-"""The closed form over cut-offs: its parts, its limits, and the half-space of the same surfaces."""
+"""Tests of the closed form over cutoffs: its parts, its limits, and the half-space of the same surfaces."""
 
 import math
 

@@ -14,7 +14,7 @@ def pair_of(seed, shape=(48, 64)):
 
 
 def resultant(curve, index, missing=None):
-    """Distance from the middle of what is there, over the length."""
+    """Return the distance of the resultant from the middle of the measured area, over its length."""
     contact = curve.contact(index)
     present = np.ones(contact.pressure.shape) if missing is None else 1.0 * ~missing
     places = np.indices(contact.pressure.shape).reshape(contact.pressure.ndim, -1)

@@ -1,1 +1,1 @@
-"""Slow, obvious, independent code that the library is held to. It shares nothing with it but the model's text."""
+"""Slow, simple, independent implementations that the library is compared with."""

@@ -1,4 +1,4 @@
-"""Ten thousand inputs of each kind, to see whether anything but a reason for refusing them comes back."""
+"""Fuzz the interfaces with ten thousand inputs of each kind: only ValueErrors and messages are allowed."""
 
 import argparse
 import sys

@@ -1,4 +1,4 @@
-"""Random problems for the elastic half-space: each is solved to the tolerance, as checked anew here, or refused.
+"""Solve random problems of the elastic half-space: each is solved within the tolerance, or rejected.
 
     python tests/soak/half_space.py [PROBLEMS] [SEED] [HARD]
 

@@ -1,4 +1,4 @@
-"""Writers of one folder killed at random moments: commands, workers of a Dask scheduler, parts of four.
+"""Kill writers of one result at random moments: commands, Dask workers, and parts of a run.
 
 At each kill it is noted what is finished. From then on no new command computes that again, nothing that was finished
 is lost or has other bits, and no file of a block changes. A folder lives for some kills; then the bits of many

@@ -1,4 +1,4 @@
-"""What tests of stores and of parts share."""
+"""Fixtures for tests of stores and of parts."""
 
 import pytest
 from stiction import run
@@ -14,13 +14,13 @@ def blocks_of_four(monkeypatch):
 
 @pytest.fixture(scope="session")
 def undisturbed():
-    """The result of `TINY`; nothing may change it."""
+    """Result of `TINY`; tests must not change it."""
     return run(TINY).dataset
 
 
 @pytest.fixture
 def computed(monkeypatch):
-    """The repetitions that are computed."""
+    """List of the repetitions that are computed."""
     numbers, sums = [], runner.member_sums
 
     def record(study, number):

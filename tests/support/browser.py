@@ -1,4 +1,4 @@
-"""A browser that is driven like a person's: Debian's Chromium, which asks for nothing of its own."""
+"""Drive Debian's Chromium in tests, without requests of its own."""
 
 import importlib.util
 import json
@@ -22,7 +22,7 @@ READY = "return document.readyState === 'complete' && document.getElementById('m
 
 @contextmanager
 def browser(profile):
-    """A driver with a user-data directory of its own, whose logs have every request and every message."""
+    """Return a driver with its own user-data directory, which logs every request and every message."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 
@@ -40,7 +40,7 @@ def browser(profile):
 
 
 def open_page(driver, path, width=1280, height=900):
-    """Open a report, and wait until it is drawn."""
+    """Open a report and wait until it is drawn."""
     metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
     driver.get("about:blank")
@@ -50,7 +50,7 @@ def open_page(driver, path, width=1280, height=900):
 
 
 def open_more(driver):
-    """Open what is behind "More" of the page of a result."""
+    """Open the section "More" of a report."""
     driver.execute_async_script(
         "const more = document.getElementById('more'); if (!more || more.open) arguments[0]();"
         "else { more.addEventListener('toggle', () => arguments[0]()); more.open = true; }"
@@ -70,13 +70,13 @@ def wait(driver, until):
 
 
 def rest(driver):
-    """Wait until the page has done what it does when nothing changes any more."""
+    """Wait until the page is idle and has updated its address and details."""
     driver.execute_async_script("setTimeout(arguments[0], 2 * REST)")
     settle(driver)
 
 
 def axe():
-    """The script of axe-core, from a package of the tests."""
+    """Return the script of axe-core."""
     import pytest
 
     spec = importlib.util.find_spec("axe_playwright_python")
@@ -89,14 +89,14 @@ AXE = "axe.run({rules: {'label-content-name-mismatch': {enabled: true}}}).then(a
 
 
 def faults(driver, script):
-    """All that axe-core finds in a page and in those inside it, with the elements."""
+    """Return the accessibility violations in a page and its frames, with the elements."""
     driver.execute_script(script)
     result = driver.execute_async_script(AXE)
     return [(fault["id"], [node["html"][:120] for node in fault["nodes"]]) for fault in result["violations"]]
 
 
 def settle(driver):
-    """Let everything be drawn that is to be drawn."""
+    """Wait until pending drawing is complete."""
     driver.execute_async_script(
         "const done = arguments[0];"
         "const left = () => (typeof wanted === 'undefined' ? 0 : wanted.size);"
@@ -105,7 +105,7 @@ def settle(driver):
 
 
 def frame(driver, plot):
-    """Where a plot is drawn inside of its axes, in the window: left, top, width, height."""
+    """Return left, top, width and height of the axes of a plot in the window."""
     return driver.execute_script(
         "const place = document.getElementById(arguments[0]); place.scrollIntoView({block: 'center'});"
         "const {left, top} = place.getBoundingClientRect(); const {x, y, width, height} = place.axes.frame;"
@@ -114,13 +114,13 @@ def frame(driver, plot):
 
 
 def press(driver, name, keys):
-    """Press keys on an element, and let what they do be drawn."""
+    """Press keys on an element and wait until the page is redrawn."""
     driver.find_element("id", name).send_keys(keys)
     settle(driver)
 
 
 def foreign_requests(driver, path):
-    """Addresses of all requests since the page of a file was opened, but for its own."""
+    """Return the addresses of all requests since a file was opened, except for the file."""
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
     sent = [
         message["params"]["request"]["url"] for message in messages if message["method"] == "Network.requestWillBeSent"

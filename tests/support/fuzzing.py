@@ -1,4 +1,4 @@
-"""Inputs of any kind, to see what becomes of them: each is taken, or refused with a `ValueError` or exit status 2.
+"""Random inputs of many kinds: each must be accepted, or rejected with a `ValueError` or exit status 2.
 
 Whoever calls gives a NumPy generator, so that a seed repeats a run. A finding is an exception that escapes.
 """
@@ -39,7 +39,7 @@ _SMALL = {
 
 
 def study_text(random):
-    """The text of a study with some of its lines, values or bytes changed."""
+    """Return the text of a study with some lines, values or bytes changed."""
     lines = Study().with_changes({key: _toml(value) for key, value in _SMALL.items()}).to_toml().splitlines()
     for _ in range(random.integers(1, 4)):
         at = int(random.integers(len(lines)))
@@ -70,7 +70,7 @@ def _toml(text):
 
 
 def fuzz_study_file(random, folder):
-    """One file through `stiction run`; returns its status."""
+    """Run `stiction run` on a random study file, and return its exit status."""
     path = folder / "study.toml"
     text = study_text(random)
     path.write_bytes(text)
@@ -99,12 +99,12 @@ def fuzz_study_file(random, folder):
 
 
 def small_study():
-    """A study whose store is small."""
+    """Return a study with a small result."""
     return Study().with_changes({key: _toml(value) for key, value in _SMALL.items()})
 
 
 def fuzz_store(random, pristine, folder):
-    """A damaged copy of a result through `stiction info`, `export` and `plot`; returns the status of the last."""
+    """Run `stiction info`, `export` and `plot` on a damaged result, and return the last exit status."""
     copy = folder / "copy"
     shutil.rmtree(copy, ignore_errors=True)
     shutil.copytree(pristine, copy)
@@ -123,7 +123,7 @@ def fuzz_store(random, pristine, folder):
 
 
 def damage(random, path):
-    """Change a file as disks, copies and people do."""
+    """Damage a file as faulty disks, interrupted copies and edits do."""
     if not path.exists():
         return
     data = bytearray(path.read_bytes())
@@ -158,7 +158,7 @@ _COUNTS = [b"inf", b"nan", b"1e999", b"-1e999", b"1e-400", b"-3", b"0", b"2.5", 
 
 
 def fuzz_measured(random, name, pristine, folder):
-    """A damaged file of measured heights through both readers; whether one of them took it."""
+    """Read a damaged file of measured heights with both readers; return whether one accepted it."""
     data = bytearray(pristine)
     if name.endswith(("x3p", "xlsx")) and random.random() < 0.7:
         data = _damaged_inside(random, pristine)
@@ -204,7 +204,7 @@ def scramble(random, data):
 
 
 def _damaged_inside(random, pristine):
-    """An archive that is whole, of which a member is not."""
+    """Return a valid archive with a damaged member."""
     stream = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(pristine)) as old, zipfile.ZipFile(stream, "w") as new:
         names = old.namelist()
@@ -227,17 +227,17 @@ _CHOICES = ["cell", "gap-minimum", "convex", "signed", "+x", "-x", "hertz-sphere
 
 
 def any_number(random, usual):
-    """Mostly a usual value, sometimes anything."""
+    """Return a usual number, or sometimes any number."""
     return usual if random.random() < 0.9 else _NUMBERS[int(random.integers(len(_NUMBERS)))]
 
 
 def any_choice(random, usual):
-    """Mostly a usual string, sometimes anything."""
+    """Return a usual string, or sometimes any object."""
     return usual if random.random() < 0.95 else _CHOICES[int(random.integers(len(_CHOICES)))]
 
 
 def any_array(random, size):
-    """Heights of many kinds."""
+    """Return heights of a random kind."""
     values = random.normal(size=size) * 10.0 ** random.integers(-12, 4)
     match random.integers(30):
         case 0:
@@ -264,7 +264,7 @@ def any_array(random, size):
 
 
 def fuzz_arrays(random):
-    """One call of the numeric interface; returns the error it refused with, or None."""
+    """Make a random call of the numeric interface, and return its ValueError or None."""
     size = int(random.integers(0, 120))
     try:
         with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore"):

@@ -1,4 +1,4 @@
-"""Generated surfaces as machining leaves them, and what instruments add; profiles and maps in points, of unit rms."""
+"""Generated machined surfaces and instrument noise: profiles and maps of unit rms, lengths in points."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ POINTS = {1: (2048,), 2: (128, 128)}
 
 
 def filtered_noise(rng, shape, hurst, *, longest=None, shortest=None, stretch=1.0):
-    """Self-affine piece of a field twice as large; wavelengths in points, stretched along the first axis."""
+    """Return a self-affine piece of a larger field; wavelengths in points, stretched along the first axis."""
     frequencies = list(np.meshgrid(*(np.fft.fftfreq(2 * size) for size in shape), indexing="ij"))
     frequencies[0] = frequencies[0] * stretch
     radius = np.sqrt(sum(np.square(frequency) for frequency in frequencies))
@@ -24,7 +24,7 @@ def unit(heights):
 
 
 def across(rng, dimensions):
-    """Coordinate across straight grooves, at any angle of a map."""
+    """Return the coordinate across straight grooves, at a random angle on a map."""
     if dimensions == 1:
         return np.arange(POINTS[1][0]) * 1.0
     angle = rng.uniform(0, np.pi)
@@ -33,7 +33,7 @@ def across(rng, dimensions):
 
 
 def turned(rng, dimensions, *, feed=(14, 60), rough=0.05, wander=0.15):
-    """Round cusps of uneven depth."""
+    """Return round cusps of random depth."""
     place = across(rng, dimensions) / rng.uniform(*feed) + rng.random()
     cusp = np.floor(place).astype(int)
     cusp -= cusp.min()
@@ -43,13 +43,13 @@ def turned(rng, dimensions, *, feed=(14, 60), rough=0.05, wander=0.15):
 
 
 def milled(rng, dimensions):
-    """Sharp cusps, whose even harmonics vanish."""
+    """Return sharp cusps, whose even harmonics vanish."""
     place = across(rng, dimensions) / rng.uniform(14, 60) + rng.random()
     return unit(np.abs(place % 1 - 0.5)) + 0.05 * filtered_noise(rng, POINTS[dimensions], 0.7)
 
 
 def ground(rng, dimensions, *, stretch=30.0):
-    """Grooves so many times as long as they are wide; straight ones at infinity."""
+    """Return grooves whose length is `stretch` times their width; infinity gives straight grooves."""
     hurst, longest = rng.uniform(0.5, 0.9), rng.uniform(30, 120)
     if dimensions == 1:
         return filtered_noise(rng, POINTS[1], hurst, longest=longest)
@@ -59,7 +59,7 @@ def ground(rng, dimensions, *, stretch=30.0):
 
 
 def honed(rng, dimensions):
-    """Plateaus with a fine roughness of their own."""
+    """Return plateaus with fine roughness."""
     shape = POINTS[dimensions]
     rough = filtered_noise(rng, shape, rng.uniform(0.6, 0.95), longest=rng.uniform(40, 100))
     return np.minimum(rough, np.quantile(rough, 0.6)) + 0.03 * filtered_noise(rng, shape, 0.8)

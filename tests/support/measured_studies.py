@@ -1,4 +1,4 @@
-"""Studies of two measured files, made small, for the tests of everything that comes after the sums."""
+"""Small studies and results of two measured files."""
 
 import numpy as np
 from stiction import run, self_affine, self_affine_surface
@@ -8,7 +8,7 @@ SIDES = ("upper", "lower")
 
 
 def write(folder, make, kind="", seed=3, **options):
-    """Heights of two bodies as files in a folder."""
+    """Write the heights of two surfaces to files."""
     for side in SIDES:
         np.save(folder / f"{side}{kind}.npy", make(seed, hurst_exponent=0.8, side=side, **options).heights)
 
@@ -26,7 +26,7 @@ def write_profiles(folder, points=1200):
 def study_of(
     folder, press="areas", mechanics="half-space", *, spacing, members=6, load="2 mN", more="", contact="", kind=""
 ):
-    """A study of the files upper.npy and lower.npy, or others of a kind, in a folder."""
+    """Return a study of the files upper.npy and lower.npy in a directory; `kind` is a suffix of their names."""
     files = "\n".join(
         f'{side} = {{ file = "{folder}/{side}{kind}.npy", unit = "um", spacing = "{spacing}" }}' for side in SIDES
     )
@@ -59,7 +59,7 @@ OF_RESULTS = {"contact.effective_modulus": "10 GPa", "friction.mu0": [0.3, 0.5]}
 
 
 def maps_result(folder, cut_off='["0 um"]'):
-    """Areas of two maps at four shifts, in four directions, at three loads of which two are asked for."""
+    """Return the result of two maps at four shifts, four directions and three loads, two of them requested."""
     write(folder, self_affine_surface, "-maps", 4, rms=0.02, shape=(48, 48), spacing=0.1, shortest_wavelength=0.8)
     contact = 'load = ["0.05 mN", "0.1 mN", "0.5 mN"]\ndirection = [0, 90, 180, 270]'
     how = {"spacing": "0.1 um", "members": 4, "load": "0.1 mN", "contact": contact, "kind": "-maps"}
@@ -68,7 +68,7 @@ def maps_result(folder, cut_off='["0 um"]'):
 
 
 def lines_result(folder):
-    """Positions of one profile on another, by asperities."""
+    """Return the result of two profiles with the asperity model."""
     write(folder, self_affine, "-lines", 4, rms=0.02, points=600, spacing=0.1)
     contact = 'load = ["1 uN", "10 uN", "100 uN"]'
     how = {"spacing": "0.1 um", "members": 12, "load": "10 uN", "contact": contact, "kind": "-lines"}

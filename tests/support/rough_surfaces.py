@@ -1,4 +1,4 @@
-"""Profiles and surfaces that the tests of several topics share."""
+"""Rough profiles and surfaces for tests."""
 
 import math
 
@@ -10,7 +10,7 @@ AMPLITUDE, WAVELENGTH = 0.1, 4.0
 
 
 def wave(points_per_wavelength, waves=8):
-    """Whole waves, so that every mean over points is that of the sinusoid where the points are many enough."""
+    """Return a sinusoid with whole periods, so that means over points equal those of the sinusoid."""
     x = np.arange(waves * points_per_wavelength) * WAVELENGTH / points_per_wavelength
     return Profile(3.0 + AMPLITUDE * np.sin(2 * np.pi * x / WAVELENGTH), spacing=WAVELENGTH / points_per_wavelength)
 
@@ -20,7 +20,7 @@ def rough(seed=3, **changes):
 
 
 def self_affine_map(seed, hurst, shape=(128, 160), *, spacing=(0.5, 0.5), longest=math.inf, whole=1, stretch=1.0):
-    """Gaussian heights with C2D ∝ q^(-2-2H), flat above a wavelength; cut out of a map that is `whole` times larger."""
+    """Return Gaussian heights with C2D ∝ q^(-2-2H), constant above `longest`, cut from a map `whole` times larger."""
     rows, columns = whole * shape[0], whole * shape[1]
     white = np.random.default_rng(seed).normal(size=(rows, columns))
     q_y, q_x = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip((rows, columns), spacing, strict=True))
@@ -32,18 +32,18 @@ def self_affine_map(seed, hurst, shape=(128, 160), *, spacing=(0.5, 0.5), longes
 
 
 def rough_maps(seed=3, *, points=48, **changes):
-    """The upper and the lower of a pair of maps."""
+    """Return a pair of self-affine maps."""
     chosen = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (points, points), "spacing": 0.1} | changes
     return [self_affine_surface(seed, side=side, **chosen) for side in ("upper", "lower")]
 
 
 def flat_like(body):
-    """A flat on the grid of a body."""
+    """Return a flat on the grid of a profile or surface."""
     return type(body)(np.zeros(body.heights.shape), spacing=body.spacing)
 
 
 def periodic_body(shape, *, seed=1, hurst=0.8, longest=4, shortest=16, slope=0.1):
-    """A periodic self-affine body on a unit length or square: waves from `longest` to `shortest` per unit."""
+    """Return a periodic self-affine profile or surface of unit size with `longest` to `shortest` waves per unit."""
     random = np.random.default_rng(seed)
     waves = np.meshgrid(
         *[np.fft.fftfreq(n, 1 / n) for n in shape[:-1]], np.fft.rfftfreq(shape[-1], 1 / shape[-1]), indexing="ij"

@@ -1,4 +1,4 @@
-"""What `at_load` gives, invented: results of measured and of generated bodies, with any number changed."""
+"""Synthetic datasets of `at_load` for measured and generated surfaces, in which any number can be set."""
 
 import numpy as np
 import xarray
@@ -10,14 +10,14 @@ RULES = ("all", "opposing")
 
 
 def interval(mean, half=0.05):
-    """Mean, lower and upper end, at a part of the mean to either side."""
+    """Return mean, lower and upper end; `half` is the half-width as a fraction of the mean."""
     return [mean, mean - half * abs(mean), mean + half * abs(mean)]
 
 
 def measured_study(
     *, mechanics="half-space", press="areas", hardness=None, law="hertz-sphere", mu0=(0.2,), adhesion="0 mJ/m^2"
 ):
-    """A study of two files that are nowhere."""
+    """Return a study of two files that do not exist."""
     contact = {"mechanics": mechanics, "effective_modulus": "100 GPa"}
     if mechanics == "asperities":
         yielding = {"name": law, "yield_strength": "1 GPa", "poisson_ratio": 0.3}
@@ -33,7 +33,7 @@ def measured_study(
 
 
 def generated_study():
-    """A study of generated profiles at one mu0 and tau0."""
+    """Return a study of generated profiles at one mu0 and tau0."""
     return Study.model_validate({"friction": {"mu0": [0.4], "tau0": ["0 MPa"]}})
 
 
@@ -49,7 +49,7 @@ def measured(
     *, loads=(10.0,), mu0=(0.2,), tau0=(0.05,), directions=(0.0, 90.0, 180.0, 270.0), cut_offs=(0.0,), half=0.05,
     all_rub=0.21, opposing=0.11, by_axis=None, status="ok", members=16, ok=16, **changes,
 ):  # fmt: skip
-    """A result of measured bodies: every load, mu0 and tau0 has the same numbers, or those of `changes`."""
+    """Return a result of measured surfaces with the same numbers at every load, mu0 and tau0, except for `changes`."""
     axes = sorted({direction % 180 for direction in directions})
     sizes = {
         "cut_off": len(cut_offs), "sliding": 2, "direction": len(directions), "axis": len(axes), "load": len(loads),
@@ -58,7 +58,7 @@ def measured(
     friction = np.array([interval(all_rub, half), interval(opposing, half)])
 
     def filled(values, *dims):
-        """Values over the last of the dimensions, the same along the others."""
+        """Return values over the last dimensions, repeated along the others."""
         return dims, np.broadcast_to(values, [sizes[dim] for dim in dims]).copy()
 
     materials, last = ("load", "mu0", "tau0"), "statistic"
@@ -96,7 +96,7 @@ def measured(
 
 
 def generated(*, loads=(0.001, 0.01), dimensions=(1.1, 1.4), friction=0.25, status="ok", half=0.05, **changes):
-    """A result of generated profiles in one direction, by the paper's rule."""
+    """Return a result of generated profiles in one direction, with the sliding rule of the paper."""
     sizes = {"fractal_dimension": len(dimensions), "amplitude": 1, "load": len(loads), "mu0": 1, "tau0": 2}
     cells = ("fractal_dimension", "amplitude", "load", "mu0", "tau0")
 

@@ -1,4 +1,4 @@
-"""The Gaussian filter against its definition in slow code, its transmission, and what it must leave alone."""
+"""Tests of the Gaussian filter against its definition, its transmission, and its invariances."""
 
 import math
 

@@ -46,7 +46,7 @@ def file(tmp_path):
 
 
 def refusal(path, read=read_profile, **options):
-    """What a file is refused with: one sentence that begins with its name."""
+    """Return the error of a file: one sentence that begins with its name."""
     with pytest.raises(FormatError) as caught:
         read(path, **options)
     message = str(caught.value)

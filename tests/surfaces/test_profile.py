@@ -82,7 +82,7 @@ def test_with_amplitude_rejects_bad_amplitudes():
 
 
 def test_profile_accepts_heights_whose_sum_overflows():
-    """Without a warning of NumPy's; and among them what is not finite is still found."""
+    """NumPy must not warn, and non-finite heights must still be detected."""
     heights = np.array([1e308, 1e308, -1e308, -1e308, 0.0])
     assert Profile(heights, spacing=1.0).heights.tolist() == heights.tolist()
     with pytest.raises(ValueError, match=r"heights\[1\] is inf"):

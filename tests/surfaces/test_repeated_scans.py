@@ -82,7 +82,7 @@ def test_compare_repeated_scans_rejects_identical_and_unrelated_scans():
 
 
 def dilated(body, radius):
-    """What a ball records, by SciPy."""
+    """Return the dilation of a surface by a ball, by SciPy."""
     steps = np.atleast_1d(body.spacing)
     reach = [int(radius / step) for step in steps]
     at = np.meshgrid(*[np.arange(-n, n + 1) * step for n, step in zip(reach, steps, strict=True)], indexing="ij")

@@ -87,7 +87,7 @@ def test_scale_dependent_roughness_is_independent_of_tilt_and_window():
 @pytest.mark.parametrize("hurst", [0.3, 0.8])
 @pytest.mark.parametrize("areal", [True, False])
 def test_extrapolation_follows_power_law(hurst, areal):
-    """What a coarse scan says of waves that only a fine one sees."""
+    """Compare the extrapolation from a coarse scan with a fine scan."""
     if areal:
         rough_one = {"hurst_exponent": hurst, "rms": 0.1, "shape": (512, 512), "spacing": 0.01}
         fine = self_affine_surface(3, longest_wavelength=1.28, **rough_one)

@@ -1,4 +1,4 @@
-"""What is done to maps before they touch: levelling, turning, cropping, a common grid, surrogates."""
+"""Tests of the preparation of maps: levelling, flipping, cropping, common grid, surrogates."""
 
 import numpy as np
 import pytest

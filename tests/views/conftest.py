@@ -1,4 +1,4 @@
-"""Results that the tests of pages and figures read."""
+"""Results for the tests of reports and figures."""
 
 import pytest
 from support import browser

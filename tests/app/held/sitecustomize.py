@@ -1,4 +1,4 @@
-"""Commands of a server that is tested wait at the member whose number is in a file, as long as it is there."""
+"""Make the commands of a tested server wait at the member whose number is in a file, until the file is removed."""
 
 import os
 import time
@@ -11,7 +11,7 @@ if hold.exists():
     sums = runner.member_sums
 
     def member_sums(study, member):
-        """The sums of a member that is not, or no longer, held."""
+        """Return the sums of a member when the file no longer blocks it."""
         while hold.exists() and member >= int(hold.read_text(encoding="utf-8") or 0):
             time.sleep(0.02)
         return sums(study, member)
