@@ -43,8 +43,11 @@ WORDS = {
 def declared_types() -> dict[str, str]:
     """Return the type of each option as the model declares it, "Value | None"."""
     types = {}
+    groups = [group.__name__ for group in GROUPS]
     for node in ast.parse(inspect.getsource(pair_options)).body:
-        for entry in node.body if isinstance(node, ast.ClassDef) else ():
+        if not isinstance(node, ast.ClassDef) or node.name not in groups:
+            continue
+        for entry in node.body:
             if isinstance(entry, ast.AnnAssign) and isinstance(entry.target, ast.Name) and entry.target.id in OPTIONS:
                 declared = entry.annotation
                 assert isinstance(declared, ast.Subscript)

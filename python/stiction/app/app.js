@@ -44,11 +44,11 @@ function complain(place, text) {
 function complainOf(job) {
   for (const marked of document.querySelectorAll("[aria-invalid]")) marked.removeAttribute("aria-invalid");
   const text = job.error;
-  const side = sides.find((each) => scans[each] && (text.startsWith(`${scans[each].name}:`) || text.includes(`pair: ${each}`)));
+  const side = sides.find((each) => scans[each] && (text.startsWith(`${scans[each].name}:`) || text.endsWith(`, for ${each.toUpperCase()}`)));
   if (side) complain(byId(`${side}-drop`).querySelector(".wrong"), text);
   complain(byId(job.command.startsWith("stiction run") ? "run-wrong" : "pair-wrong"), side ? "" : text);
   complain(byId("job-wrong"), text);
-  const input = form.querySelector(`[name="${text.match(/^--([a-z0-9-]+)/)?.[1]}"]`);
+  const input = (side ? byId(`${side}-drop`) : form).querySelector(`[name="${job.option}"]`);
   input?.setAttribute("aria-invalid", "true");
   if (input?.closest("details")) input.closest("details").open = true;
   input?.focus();
@@ -117,8 +117,7 @@ async function demo() {
   form.requestSubmit();
 }
 
-const UNITS = {young: " GPa", hardness: " GPa", tau0: " MPa", adhesion: " mJ/m^2"};
-const TEXTS = ["spacing", "unit", "columns", "channel", "cutoff", "missing-value", "accept"]; // in which a comma separates
+const {units: UNITS, texts: TEXTS} = JSON.parse(document.body.dataset.numbers); // of bare numbers; a comma separates
 const number = (name) => form[name].value.trim().replace(",", ".");
 
 /** The options of `stiction pair` that the form stands for; its fields have their names, twice if of both bodies. */

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from stiction.app.form import first_option, with_labels
 from stiction.studies.store import open_stored
 
 LOOK = 0.4  # seconds between two looks at how far a command has come
@@ -70,7 +71,8 @@ class Job:
     def public(self) -> dict[str, Any]:
         """What the page knows of it."""
         names = ("number", "title", "state", "words", "by", "finished", "total", "error", "answer", "versions")
-        return {name: getattr(self, name) for name in names} | {"command": shlex.join(["stiction", *self.arguments])}
+        own = {"command": shlex.join(["stiction", *self.arguments]), "option": first_option(self.error)}
+        return {name: getattr(self, name) for name in names} | own | {"error": with_labels(self.error)}
 
     def stop(self) -> None:
         """End its command; it is stopped when what is finished of it is told."""

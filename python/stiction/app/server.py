@@ -26,6 +26,7 @@ from starlette.routing import Route
 from stiction._files import replaced_file
 from stiction._units import short_repr
 from stiction.app import made
+from stiction.app.form import FIELDS, READING, fields_html, numbers_json
 from stiction.app.jobs import Job, Jobs, RefusedError, without_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
@@ -41,15 +42,8 @@ REFUSED = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 KEY = "x-stiction-key"
 OPEN = ("/", "/app.js", "/app.css")  # paths that hold nothing private, for which the cookie will do
 
-OPTIONS = {
-    "pair": ("unit", "spacing", "missing", "channel", "columns", "missing-value", "accept", "upper", "lower", "young",
-             "poisson", "hardness", "mu0", "tau0", "load", "width", "adhesion", "mechanics", "lay", "cutoff", "tip",
-             "level", "rotate", "shifts"),
-    "run": ("set",),
-}  # fmt: skip
+OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
 """What the page may ask of each command."""
-
-READING = ("unit", "spacing", "missing", "channel", "columns", "missing-value", "accept")  # how a scan is read
 
 CHANGES = re.compile(
     r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"
@@ -179,7 +173,10 @@ class Server:
             for each in sorted(materials(), key=lambda each: each.name)
         )
         demo, menu = "demo" if self.has_demo else "", "" if sys.platform == "linux" else "hidden"
-        text = Template(_file("app.html")).substitute(materials=words, demo=demo, menu=menu, most=MOST_BYTES)
+        text = Template(_file("app.html")).substitute(
+            materials=words, demo=demo, menu=menu, most=MOST_BYTES, reading=fields_html("scan"),
+            more=fields_html("more"), numbers=numbers_json(),
+        )  # fmt: skip
         return Response(text, media_type="text/html")
 
     async def part(self, request: Request) -> Response:

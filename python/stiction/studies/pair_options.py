@@ -363,10 +363,14 @@ class FormField:
     """The field of an option in the form of the app."""
 
     label: str
+    place: Literal["scan", "body", "load", "more"] = "more"
     example: str = ""
     empty: str = ""  # first entry of a list of choices, for the default
     choices: tuple[tuple[str, str], ...] = ()  # values and their texts, of a field that is a list of choices
     size: int = 0  # width of the field in characters, 0 for any
+    unit: str = ""  # unit that is added to a bare number
+    has_commas: bool = False  # a comma separates values, and is no decimal mark
+    keyboard: Literal["", "numeric", "decimal"] = ""  # of a phone
 
 
 @dataclass(frozen=True)
@@ -438,11 +442,12 @@ class SurfaceOptions(Options):
     cutoff: Annotated[Values | None, Option(
         "LENGTHS", 'Cutoff wavelength of a Gaussian low-pass filter, "0.1 um"; several give a result each, and none '
         "accepts all wavelengths.", kind="length", usual="unfiltered; filtered as well where wavelengths are doubtful",
-        key="surfaces.cut_off", field=FormField(label="cutoff wavelength", example="0.5 um, or none"),
+        key="surfaces.cut_off", field=FormField(label="cutoff wavelength", has_commas=True, example="0.5 um, or none"),
     )] = None  # fmt: skip
     rotate: Annotated[Degrees | None, Option(
         "DEGREES", "Rotate the upper map in its plane.", usual="0", key="surfaces.rotate",
-        applies=(has_two_bodies, presses_areas), field=FormField(label="turn upper, °", example="0"),
+        applies=(has_two_bodies, presses_areas),
+        field=FormField(label="turn upper, °", keyboard="decimal", example="0"),
     )] = None  # fmt: skip
 
 
@@ -455,7 +460,7 @@ class ReadingOptions(Options):
         "UNIT", 'Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where the file '
         "has none.", is_repeatable=True, is_common=True,
         field=FormField(
-            label="unit", empty="its own", choices=(
+            label="unit", place="scan", has_commas=True, empty="its own", choices=(
                 ("nm", "nm"), ("um", "um"), ("mm", "mm"), ("m", "m"), ("mm,um", "mm, heights µm"),
                 ("mm,nm", "mm, heights nm"), ("um,nm", "µm, heights nm"),
             ),
@@ -464,16 +469,18 @@ class ReadingOptions(Options):
     spacing: Annotated[Values | None, Option(
         "LENGTH", 'Distance of neighboring points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where '
         "the file has none.", kind="length", is_repeatable=True, is_common=True,
-        field=FormField(label="spacing", example="0.5 um", size=7),
+        field=FormField(label="spacing", place="scan", has_commas=True, example="0.5 um", size=7),
     )] = None  # fmt: skip
     missing: Annotated[Missing | None, Option(
         "error|mask|interpolate", "Points without a height: reject the file, press what is there, or interpolate.",
         usual="error", is_common=True,
-        field=FormField(label="missing points", empty="are an error", choices=(("interpolate", "fill them"),)),
+        field=FormField(
+            label="missing points", place="scan", empty="are an error", choices=(("interpolate", "fill them"),)
+        ),
     )] = None  # fmt: skip
     missing_value: Annotated[Values | None, Option(
         "NUMBERS|WORDS", 'Numbers or words that mark points without a height, "-9999".', is_repeatable=True,
-        field=FormField(label="missing value", example="-9999", size=9),
+        field=FormField(label="missing value", place="scan", has_commas=True, example="-9999", size=9),
     )] = None  # fmt: skip
     outliers: Annotated[Outliers | None, Option(
         "keep|mask", "Treat up to 4 adjacent points beyond 6 robust deviations of their neighbors as missing.",
@@ -485,15 +492,17 @@ class ReadingOptions(Options):
     )] = None  # fmt: skip
     channel: Annotated[Values | None, Option(
         "NAME|NUMBER", "Channel or sheet to read, by its name or number from 0.", usual="the first of heights",
-        is_repeatable=True, field=FormField(label="channel", example="name or number", size=9),
+        is_repeatable=True,
+        field=FormField(label="channel", place="scan", has_commas=True, example="name or number", size=9),
     )] = None  # fmt: skip
     columns: Annotated[Values | None, Option(
         "Z|X,Z|X,Y,Z", "Columns of a table, names or numbers from 0: of heights, or of positions and heights.",
-        is_repeatable=True, field=FormField(label="columns", example="0,1 or names", size=9),
+        is_repeatable=True,
+        field=FormField(label="columns", place="scan", has_commas=True, example="0,1 or names", size=9),
     )] = None  # fmt: skip
     accept: Annotated[Values | None, Option(
         "NAMES", 'Caveats about a file that are settled, by their names, "whole-numbers".', is_repeatable=True,
-        field=FormField(label="settled caveats", example="whole-numbers", size=9),
+        field=FormField(label="settled caveats", place="scan", has_commas=True, example="whole-numbers", size=9),
     )] = None  # fmt: skip
     texture: Annotated[Values | None, Option(
         "PROCESS", "Machining process (turned, milled, ground, ...): lines and humps of the spectrum then belong to "
@@ -512,11 +521,11 @@ class MaterialOptions(Options):
 
     upper_material: Annotated[str | None, Option(
         "MATERIAL", "Material of the slider by name, as in steel; or give {young} and {poisson}.", flag="--upper",
-        argument="upper", is_common=True, key="contact.materials",
+        argument="upper", is_common=True, key="contact.materials", field=FormField(label="upper", place="body"),
     )] = None  # fmt: skip
     lower_material: Annotated[str | None, Option(
         "MATERIAL", "Material of the counterface; that of {upper_material} by default.", flag="--lower",
-        argument="lower", is_common=True,
+        argument="lower", is_common=True, field=FormField(label="lower", place="body"),
     )] = None  # fmt: skip
     effective_modulus: Annotated[Value | None, Option(
         "PRESSURE", 'Effective modulus E*, "10 GPa", instead of materials.', kind="pressure",
@@ -524,16 +533,16 @@ class MaterialOptions(Options):
     )] = None  # fmt: skip
     young: Annotated[Values | None, Option(
         "PRESSURES", 'Young\'s modulus of both bodies, or of one after the other, "200 GPa,70 GPa".', kind="pressure",
-        is_common=True, field=FormField(label="E", example=""),
+        is_common=True, field=FormField(label="E", place="body", unit="GPa"),
     )] = None  # fmt: skip
     poisson: Annotated[Values | None, Option(
         "NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', is_common=True, key="contact.poisson_ratio",
-        applies=(needs_poisson_ratio,),
+        applies=(needs_poisson_ratio,), field=FormField(label="ν", place="body"),
     )] = None  # fmt: skip
     hardness: Annotated[Value | None, Option(
         "PRESSURE", 'Hardness of the softer body, "2 GPa" or "150 HV": the largest contact pressure.',
         kind="pressure", usual="that of the material", is_common=True, key="contact.hardness",
-        applies=(has_plastic_contacts,), field=FormField(label="hardness, GPa", example="of the softer, 2 or 1.5..2.5"),
+        applies=(has_plastic_contacts,), field=FormField(label="hardness, GPa", place="body", unit="GPa"),
     )] = None  # fmt: skip
     yield_strength: Annotated[Value | None, Option(
         "PRESSURE", "Yield strength of the softer body, for {law} jackson-green.", kind="pressure",
@@ -556,7 +565,7 @@ class MaterialOptions(Options):
         "ENERGY", 'Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" declares that there is none.', kind="work of adhesion",
         usual="taken as 0", flag="--adhesion", key="contact.work_of_adhesion",
         applies=(has_whole_scans, presses_half_space_alone),
-        field=FormField(label="work of adhesion, mJ/m²", example="0, or 50"),
+        field=FormField(label="work of adhesion, mJ/m²", example="0, or 50", unit="mJ/m^2"),
     )] = None  # fmt: skip
     adhesion_range: Annotated[Value | None, Option(
         "LENGTH", "Gap over which the attraction falls off by 1/e.", kind="length", usual="0.5 nm",
@@ -572,7 +581,7 @@ class FrictionOptions(Options):
     load: Annotated[Values, Option(
         "PRESSURE", 'Normal load over the nominal area, "10 MPa", or a force, "0.1 mN".', kind="force",
         key="friction.load", is_common=True, is_repeatable=True,
-        field=FormField(label="load", example="10 MPa or 5 mN"),
+        field=FormField(label="load", place="load"),
     )]  # fmt: skip
     width: Annotated[Value | None, Option(
         "LENGTH", "Width across two profiles that a force acts on.", kind="length", usual="1 um",
@@ -580,11 +589,11 @@ class FrictionOptions(Options):
     )] = None  # fmt: skip
     mu0: Annotated[Values | None, Option(
         "NUMBERS", 'Molecular friction coefficients, "0.3" or "0.3,0.4".', key="friction.mu0", is_common=True,
-        applies=(has_no_interface,), field=FormField(label="μ0", example="0.2 or 0.15..0.25"),
+        applies=(has_no_interface,), field=FormField(label="μ0", place="load"),
     )] = None  # fmt: skip
     tau0: Annotated[Values | None, Option(
         "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', kind="pressure", usual="0 MPa", key="friction.tau0",
-        is_common=True, applies=(has_no_interface,), field=FormField(label="τ0, MPa", example="50 or 20..80"),
+        is_common=True, applies=(has_no_interface,), field=FormField(label="τ0, MPa", place="load", unit="MPa"),
     )] = None  # fmt: skip
     interface: Annotated[InterfaceName | None, Option(
         "NAME|FILE", "Both {mu0} and {tau0}: a file of stiction calibrate, or a name that stiction interfaces lists.",
@@ -639,7 +648,7 @@ class EnsembleOptions(Options):
 
     shifts: Annotated[Count | None, Option(
         "N", "Relative positions of two maps.", usual="16", key="ensemble.repetitions",
-        applies=(has_two_bodies, presses_areas), field=FormField(label="positions", example="16"),
+        applies=(has_two_bodies, presses_areas), field=FormField(label="positions", keyboard="numeric", example="16"),
     )] = None  # fmt: skip
     offsets: Annotated[Count | None, Option(
         "N", "Positions along the lower profile.", usual="64, or 1 for several lines", key="surfaces.offsets",

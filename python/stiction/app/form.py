@@ -1,0 +1,63 @@
+"""Fields of the page's form, and names of options in messages, from the options of a pair."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from typing import Literal
+
+from stiction.studies.pair_options import OPTIONS, FormField, name_on_command_line
+
+FIELDS: dict[str, FormField] = {
+    name_on_command_line(name).removeprefix("--"): option.field
+    for name, option in OPTIONS.items()
+    if option.field is not None
+}
+"""Fields by the name of their option, without dashes."""
+
+READING = tuple(flag for flag, field in FIELDS.items() if field.place == "scan")
+"""Options of how a scan is read, which the page has once for each scan."""
+
+
+def fields_html(place: Literal["scan", "more"]) -> str:
+    """Return the fields of a place of the form as HTML."""
+    return "\n".join(_field_html(flag, field) for flag, field in FIELDS.items() if field.place == place)
+
+
+def _field_html(flag: str, field: FormField) -> str:
+    if field.choices:
+        choices = [("", field.empty), *field.choices]
+        entries = "".join(
+            f'<option value="{html.escape(value)}">{html.escape(text)}</option>' for value, text in choices
+        )
+        return f'<label>{html.escape(field.label)} <select name="{flag}">{entries}</select></label>'
+    size = f' size="{field.size}"' if field.size else ""
+    mode = f' inputmode="{field.keyboard}"' if field.keyboard else ""
+    entry = f'<input name="{flag}"{mode} placeholder="{html.escape(field.example)}"{size}>'
+    return f"<label>{html.escape(field.label)} {entry}</label>"
+
+
+def numbers_json() -> str:
+    """Return how the page completes texts: units of bare numbers, and options in which a comma separates values."""
+    units = {flag: f" {field.unit}" for flag, field in FIELDS.items() if field.unit}
+    return json.dumps({"units": units, "texts": [flag for flag, field in FIELDS.items() if field.has_commas]})
+
+
+_FLAG = re.compile(r"--([a-z0-9-]+)")
+
+
+def first_option(message: str) -> str:
+    """Return the option of the form that a message of the command begins with, empty if there is none."""
+    match = _FLAG.match(message)
+    return match[1] if match and match[1] in FIELDS else ""
+
+
+def with_labels(message: str) -> str:
+    """Return a message of the command in which options of the form are called by the labels of their fields."""
+
+    def label(match: re.Match[str]) -> str:
+        field = FIELDS.get(match[1])
+        return f'"{field.label.partition(",")[0]}"' if field else match[0]
+
+    return _FLAG.sub(label, message)
