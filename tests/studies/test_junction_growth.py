@@ -69,6 +69,13 @@ def test_friction_without_adhesive_strength_is_unchanged(grown, unsheared):
     assert (at["contact_area_at_onset"].sel(statistic="mean") > 1.1 * at["contact_area"].sel(statistic="mean")).all()
 
 
+def test_interval_without_adhesive_strength_ignores_an_area_that_seizes(grown, unsheared):
+    strong = {"mu0": [5.0], "tau0": [0.0]}  # H' is below the nominal pressure
+    ends, wanted = (each.at(**strong)["friction_combined"].values for each in (grown, unsheared))
+    assert np.isfinite(ends).all()
+    assert ends == pytest.approx(wanted, rel=1e-12)
+
+
 def test_other_strengths_need_no_new_solution(grown):
     other = pair(*bodies(), **PLASTIC | {"mu0": 0.1, "tau0": 0.03}, junction_growth=27)
     assert coefficient(grown, mu0=[0.1], tau0=[0.03]) == pytest.approx(coefficient(other), rel=5e-3)

@@ -251,8 +251,11 @@ class _Point:
         return float(found) if found.ndim == 0 else found
 
     def _grown(self, hardness: Floats, mu0: Any, tau0: Any, alpha: Any = None, modulus: Any = 1.0) -> Any:
-        """Return the true area at the onset of sliding over that before shear; infinite where interfaces seize."""
-        if self.growth is None:
+        """Return the true area at the onset of sliding over that before shear; infinite where interfaces seize.
+
+        An interface without an adhesive strength does not feel its area: 1 at tau0 = 0.
+        """
+        if self.growth is None or (np.ndim(tau0) == 0 and tau0 == 0):
             return 1.0
         pressure = np.broadcast_to(self._under_shear(hardness, mu0, tau0, alpha), hardness.shape)
         return self.areas.grown(self.load, self.rule, hardness, pressure, modulus)
