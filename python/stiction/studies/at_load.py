@@ -353,6 +353,9 @@ class OverMembers:
             return np.stack(intervals.of_sample(values), axis=-1)
         flat = values[self.order].reshape(values.shape[0], -1)
         known = np.isfinite(flat)
+        if known.all():
+            whole = np.stack(intervals.of_positions(flat, self.lines), axis=-1)
+            return whole.reshape(*values.shape[1:], 3)
         found = [
             intervals.of_positions(column[there], self.lines[there])
             for column, there in zip(flat.T, known.T, strict=True)

@@ -285,65 +285,81 @@ def _of_count(count: int) -> tuple[Floats, Floats, float, float]:
     return ones, inflation, float(student_quantile(count - 1)), density
 
 
-def of_neighbours(values: Floats) -> tuple[float, float, float]:
-    """Mean of values (r,) in the order in which they are neighbours, and its interval: docs/explanation/intervals.md.
+def of_neighbours(values: Floats) -> tuple[Floats, Floats, Floats]:
+    """Mean of values (r, ...) over the first axis, in whose order they are neighbours, and its interval.
 
-    That of the mixture of autoregressive processes over all correlations from 0 to 0.95, each weighted by the
-    likelihood that the values give it and by sqrt(1 - ρ), on a scale that takes their skewness off, and not beyond
-    them. NaN for fewer than `FEWEST_NEIGHBOURS` values, and where all are equal.
+    The interval (docs: intervals) is that of the mixture of autoregressive processes over all correlations from 0 to
+    0.95, each weighted by the likelihood that the values give it and by sqrt(1 - ρ), on a scale that takes their
+    skewness off, and not beyond them. NaN for fewer than `FEWEST_NEIGHBOURS` values, and where all are equal.
     """
+    count = values.shape[0]
+    columns = values.reshape(count, math.prod(values.shape[1:]))
+    mean = columns.mean(axis=0) if count else np.full(columns.shape[1], np.nan)
+    lower, upper = np.full((2, mean.size), np.nan)
+    if count >= FEWEST_NEIGHBOURS:
+        at_a_time = max(1, IN_CACHE // (4 * count))
+        for first in range(0, mean.size, at_a_time):
+            some = slice(first, first + at_a_time)
+            lower[some], upper[some] = _ends_of_neighbours(columns[:, some], mean[some])
+    return tuple(each.reshape(values.shape[1:]) for each in (mean, lower, upper))  # type: ignore[return-value]
+
+
+def _ends_of_neighbours(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
+    """Return the ends of the intervals of columns of values (r, c), NaN where all values are equal."""
     from scipy.special import stdtr
 
-    count = values.size
-    mean = float(values.mean()) if count else math.nan
-    if count < FEWEST_NEIGHBOURS or (values == values[0]).all():
-        return mean, math.nan, math.nan
     # In units of their spread, so that no scale overflows.
-    deviations = values - mean
-    spread = float(np.sqrt(deviations @ deviations / (count - 1)))
-    if not spread > 0:
-        return mean, math.nan, math.nan
-    y, rho = deviations / spread, _CORRELATIONS
+    count, deviations = values.shape[0], values - mean
+    spread = np.sqrt(np.square(deviations).sum(axis=0) / (count - 1))
+    differ = (spread > 0) & (values != values[0]).any(axis=0)
+    y, rho = deviations / np.where(differ, spread, 1.0), _CORRELATIONS[:, np.newaxis]
+    y = np.where(differ, y, np.linspace(-1.0, 1.0, count)[:, np.newaxis])
     # Of the autoregressive process in closed form: 1' R^-1 1, the weighted mean, and the weighted sum of squares.
     ones, inflation, quantile, density = _of_count(count)
-    centre = (y[0] + y[-1] + (1 - rho) * y[1:-1].sum()) / (1 + rho) / ones
-    about = y - centre[:, np.newaxis]
-    innovations = about[:, 1:] - rho[:, np.newaxis] * about[:, :-1]
-    squares = about[:, 0] ** 2 + np.square(innovations).sum(axis=1) / (1 - rho**2)
-    weights = (count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(ones) - np.log(1 - rho)
-    weights = np.exp(-0.5 * (weights - weights.min()))
-    weights /= weights.sum()
-    errors = np.sqrt(squares / (count - 1) * inflation)
+    centre = (y[0] + y[-1] + (1 - rho) * y[1:-1].sum(axis=0)) / (1 + rho) / ones[:, np.newaxis]
+    squares = np.empty_like(centre)
+    for index, correlation in enumerate(_CORRELATIONS):
+        about = y - centre[index]
+        innovations = about[1:] - correlation * about[:-1]
+        squares[index] = about[0] ** 2 + np.square(innovations).sum(axis=0) / (1 - correlation**2)
+    weights = (count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(ones)[:, np.newaxis] - np.log(1 - rho)
+    weights = np.exp(-0.5 * (weights - weights.min(axis=0)))
+    weights /= weights.sum(axis=0)
+    errors = np.sqrt(squares / (count - 1) * inflation[:, np.newaxis])
 
     # The mixture's distribution is concave above 0, so that Newton's steps from below its quantile stay below it.
-    high = quantile * float(errors.min())
+    high = quantile * errors.min(axis=0)
     for _ in range(_MOST_STEPS):
         t = high / errors
-        slope = density * float(weights @ ((1 + t * t / (count - 1)) ** (-count / 2) / errors))
-        step = (0.5 + CONFIDENCE / 2 - float(weights @ stdtr(count - 1, t))) / slope
-        high += step
-        if step <= 1e-15 * high:
+        slope = density * (weights * (1 + t * t / (count - 1)) ** (-count / 2) / errors).sum(axis=0)
+        step = (0.5 + CONFIDENCE / 2 - (weights * stdtr(count - 1, t)).sum(axis=0)) / slope
+        high = high + step
+        if (step <= 1e-15 * high).all():
             break
-    bend = float((y**3).mean() / (y**2).mean() ** 1.5) / 3
-    below = above = high
-    if abs(bend) > _STRAIGHT:
-        below, above = -math.expm1(-bend * high) / bend, math.expm1(bend * high) / bend
-    return mean, max(mean - spread * below, float(values.min())), min(mean + spread * above, float(values.max()))
+    bend = (y**3).mean(axis=0) / (y**2).mean(axis=0) ** 1.5 / 3
+    is_straight = np.abs(bend) <= _STRAIGHT
+    bend = np.where(is_straight, 1.0, bend)
+    below = np.where(is_straight, high, -np.expm1(-bend * high) / bend)
+    above = np.where(is_straight, high, np.expm1(bend * high) / bend)
+    lower = np.maximum(mean - spread * below, values.min(axis=0))
+    upper = np.minimum(mean + spread * above, values.max(axis=0))
+    return np.where(differ, lower, np.nan), np.where(differ, upper, np.nan)
 
 
-def of_positions(values: Floats, lines: NDArray[np.intp]) -> tuple[float, float, float]:
-    """Mean and interval of values at positions on lines, in the order of neighbours, or of the means of several."""
-    if not values.size:
-        return math.nan, math.nan, math.nan
+def of_positions(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
+    """Mean and interval of values (r, ...) at positions on lines, in the order of neighbours, or of means of lines."""
+    if not values.shape[0]:
+        return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first, index = np.unique(lines, return_index=True, return_inverse=True)
     each = values
     if first.size > 1:  # one value for each line, in the order of the lines, whose mean is that of all
-        sums, counts = np.bincount(index, weights=values), np.bincount(index)
-        whole = sums.sum() / counts.sum()
+        counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
+        sums = np.zeros((first.size, *values.shape[1:]))
+        np.add.at(sums, index, values)
+        whole = sums.sum(axis=0) / counts.sum()
         each = (whole + (sums - counts * whole) / counts.mean())[np.argsort(first)]
     mean, lower, upper = of_neighbours(each)
-    least, most = float(values.min()), float(values.max())
-    return mean, lower if math.isnan(lower) else max(lower, least), upper if math.isnan(upper) else min(upper, most)
+    return mean, np.maximum(lower, values.min(axis=0)), np.minimum(upper, values.max(axis=0))
 
 
 # ---- Over scans of parts ---------------------------------------------------------------------------------------------
