@@ -38,6 +38,7 @@ PLACES = (UPPER_PIECE, LOWER_PIECE, POSITIONS)
 INTERFACE = "interface"  # input that is mu0 and tau0 jointly
 KNOWN_QUANTILES = (0.1, 0.5, 0.9)  # quantiles of an input over which the width left, if it were known, is a mean
 MOST_BUDGETS = 100  # coefficients up to which each has a budget; of more, each has its intervals
+SAME_INPUT = 1e-3  # relative difference from the study's mu0 or tau0 up to which its range applies
 MAX_EXPONENT = 50.0  # largest exponent of a factor between tests
 DECILES = 2.563103131089201  # standard deviations of a normal distribution from its tenth to its ninetieth percentile
 
@@ -47,7 +48,9 @@ _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "co
 Strength = tuple[Floats, Floats, Floats | None]
 
 
-def with_uncertainty(at: xarray.Dataset, result: Result | xarray.Dataset, *, budget: bool = True) -> xarray.Dataset:
+def with_uncertainty(
+    at: xarray.Dataset, result: Result | xarray.Dataset, *, budget: bool = True, tests: bool = True
+) -> xarray.Dataset:
     """Return what `at_load` gives of measured bodies, with combined intervals, predictions and the uncertainty budget.
 
     Added are `friction_known`, with the 95 % interval of all that is known; `friction_combined`, with the interval to
@@ -55,7 +58,8 @@ def with_uncertainty(at: xarray.Dataset, result: Result | xarray.Dataset, *, bud
     two readings of a scan an interval that contains those of both; `friction_next_test`, of one position in one
     direction; and where the study waits `friction_waited`. The `budget`, which takes most of the time, adds over input
     (those of `inputs_of`, positions and finer waves) `friction_if_known` and `width_if_known`, the interval that would
-    remain if the input were known. Results of generated bodies are returned unchanged.
+    remain if the input were known. Without `tests` only `friction_combined` is added. Results of generated bodies are
+    returned unchanged.
     """
     result = Result.of(result)
     study = result.study
@@ -65,7 +69,8 @@ def with_uncertainty(at: xarray.Dataset, result: Result | xarray.Dataset, *, bud
     is_own = np.isin(at["load"].values, [float(load) for load in study.friction.load])
     if is_own.any() and not is_own.all():
         parts = [
-            with_uncertainty(at.isel(load=np.flatnonzero(each)), result, budget=budget) for each in (is_own, ~is_own)
+            with_uncertainty(at.isel(load=np.flatnonzero(each)), result, budget=budget, tests=tests)
+            for each in (is_own, ~is_own)
         ]
         return _merged(parts)
     inputs, strengths = inputs_of(study), []
@@ -93,10 +98,14 @@ def with_uncertainty(at: xarray.Dataset, result: Result | xarray.Dataset, *, bud
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))
         sums = {str(name): each.values[tuple(where[str(dim)] for dim in each.dims)] for name, each in six.items()}
-        one = _Point(read.isel(where), where, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(place))
+        one = _Point(
+            _numbers_at(read, where), where, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(place)
+        )
         if not one.names:
             continue
         whole[place] = one.value, *one.interval()
+        if not tests:
+            continue
         seizing[place] = one.fraction_seizing
         test[place] = one.value, *one.next_test()
         for index, wait in enumerate(study.friction.wait):
@@ -107,8 +116,11 @@ def with_uncertainty(at: xarray.Dataset, result: Result | xarray.Dataset, *, bud
                 left[(index, *place)] = one.value, *one.interval({name: 0.5})
                 width[(index, *place)] = one.width_left(name)
     over = (*dims, "statistic")
+    combined = _combined(at, study, dims, whole)
+    if not tests:
+        return at.assign(friction_combined=(over, combined, attributes_of("friction_combined")))
     tables: dict[str, tuple[tuple[str, ...], Floats]] = {
-        "friction_combined": (over, _combined(at, study, dims, whole)),
+        "friction_combined": (over, combined),
         "friction_known": (over, whole),
         "friction_next_test": (over, test),
     }
@@ -123,6 +135,15 @@ def with_uncertainty(at: xarray.Dataset, result: Result | xarray.Dataset, *, bud
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
     variables = {name: (own, values, attributes_of(name)) for name, (own, values) in tables.items()}
     return at.assign(variables).assign_coords(coordinates)
+
+
+def _numbers_at(table: xarray.Dataset, where: Mapping[str, int]) -> dict[str, Any]:
+    """Return the values of all variables at one place, which takes less time than a dataset."""
+    variables = {str(name): each.variable for name, each in {**table.data_vars, **table.coords}.items()}
+    return {
+        name: each.values[tuple(where.get(str(dim), slice(None)) for dim in each.dims)]
+        for name, each in variables.items()
+    }
 
 
 def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
@@ -161,7 +182,7 @@ class _Point:
         self.study, self.friction, self.areas, self.load = study, friction, areas, where.get("load", 0)
         self.mu0, self.tau0 = float(point["mu0"]), float(point["tau0"])
         self.names: tuple[str, ...] = ()
-        value, lower, upper = point["friction_all_round"].values.tolist()
+        value, lower, upper = point["friction_all_round"].tolist()
         if study.is_gap:  # at its one position
             lower = upper = value
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
@@ -173,18 +194,18 @@ class _Point:
         for name, own in (("mu0", self.mu0), ("tau0", self.tau0)):
             of_interface = float(getattr(study.friction, name)[0]) if study.known.interface else None
             middle = self.inputs[name].value if name in self.inputs and of_interface is None else of_interface
-            if middle is not None and abs(middle - own) > 1e-3 * own:
+            if middle is not None and abs(middle - own) > SAME_INPUT * own:
                 self.inputs.pop(name, None)
                 strengths = ()
         # Draws of mu0 and tau0 jointly, and of the hardness where they have it; then those with either at its bound.
         self.strengths = strengths
-        self.rule = str(point["sliding"].values)
+        self.rule = str(point["sliding"])
         self.growth = growth_of(study)  # α of junction growth
         hardness = study.contact.hardness
         self.finest: tuple[float, float] | None = None  # between which ends finer scans lie
         free = study.by_half_space and not study.contact.adheres
-        if hardness is not None and free and str(point["sliding"].values) == "all":
-            contacts = float(point["contact_count"].sel(statistic="mean")) * float(point["members"])
+        if hardness is not None and free and self.rule == "all":
+            contacts = float(point["contact_count"][0]) * float(point["members"])
             limits = self.mu0, self.tau0 / self._under_shear(float(hardness), self.mu0, self.tau0), contacts
             self.finest = friction_bracket(value, *limits)
             self.bracket = friction_bracket(value, *limits, upper)
@@ -297,7 +318,7 @@ class _Point:
         key = self.names, tuple(fixed.items()), self.load, wait
         if key not in self.areas.kept:  # the same for every mu0 and tau0 of a load
             self.areas.kept[key] = self._drawn(fixed, wait)
-        columns, drawn, hardness, area = self.areas.kept[key]
+        columns, drawn, hardness, area, modulus = self.areas.kept[key]
         mu0, tau0 = drawn.get("mu0", self.mu0), drawn.get("tau0", self.tau0)
         if strength is not None:  # in the order of what they give here, so that their quantiles are its
             own = strength[2]
@@ -307,11 +328,11 @@ class _Point:
             mu0, tau0 = strength[0][place], strength[1][place]
             if own is not None:
                 hardness = own[place] * hardness / float(self.areas.hardness or 1.0)
-                area = self.areas.factor(self.load, hardness, relative_modulus(self.study, drawn))
+                area = self.areas.factor(self.load, hardness, modulus)
         own_grown: Any = 1.0
         if self.growth is not None:
             alpha = drawn.get("junction_growth", self.growth.value)
-            area = area * self._grown(hardness, mu0, tau0, alpha, relative_modulus(self.study, drawn))
+            area = area * self._grown(hardness, mu0, tau0, alpha, modulus)
             hardness = self._under_shear(hardness, mu0, tau0, alpha)
             own_grown = self._grown(np.array([self.areas.hardness], float), self.mu0, self.tau0)
         middle = self.friction.coefficient(self.mu0, self.tau0, own_grown)
@@ -329,8 +350,8 @@ class _Point:
 
     def _drawn(
         self, fixed: Mapping[str, float], wait: float
-    ) -> tuple[dict[str, Floats], dict[str, Floats], Floats, Floats]:
-        """Columns of the cube by what they are of, inputs, hardness and true area over that of the study."""
+    ) -> tuple[dict[str, Floats], dict[str, Floats], Floats, Floats, Floats | float]:
+        """Columns of the cube by what they are of, inputs, hardness, and true area and E* over those of the study."""
         cube = strata(len(self.names) + 1)
         columns = dict(zip(self.names, cube.T, strict=False))
         columns |= {name: np.full(DRAWS, part) for name, part in fixed.items() if name in columns}
@@ -339,7 +360,8 @@ class _Point:
         if (creep := creep_of(self.study)) is not None:
             hardness = hardness * wait ** -creep.quantile(cube[:, -1])
         softest = None if self.areas.hardness is None else hardness
-        return columns, drawn, hardness, self.areas.factor(self.load, softest, relative_modulus(self.study, drawn))
+        modulus = relative_modulus(self.study, drawn)
+        return columns, drawn, hardness, self.areas.factor(self.load, softest, modulus), modulus
 
 
 def containing(ends: tuple[float, float], *values: float) -> tuple[float, float]:

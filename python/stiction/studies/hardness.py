@@ -362,12 +362,24 @@ class Areas:
         """
         known = under_shear > self.pressures[load]
         pressure = np.where(known, under_shear, hardness)
-        if rule == "all" or self.opposing is None:
-            ratio = self.factor(load, pressure, modulus) / self.factor(load, hardness, modulus)
-        else:
-            table = self.nodes, *self.sheared(load, rule)
-            ratio = area_per_load(pressure / modulus, *table) / area_per_load(hardness / modulus, *table)
+        ratio = self._area_of(load, rule, pressure, modulus) / self._area_before(load, rule, hardness, modulus)
         return np.where(known, np.where(pressure == hardness, 1.0, ratio), np.inf)
+
+    def _area_of(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
+        """Return the true area of the contacts that are sheared, up to a factor."""
+        if rule == "all" or self.opposing is None:
+            return self.factor(load, hardness, modulus)
+        return area_per_load(hardness / modulus, self.nodes, *self.sheared(load, rule))
+
+    def _area_before(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
+        """Return `_area_of` for hardnesses that many mu0 and tau0 share, which are kept."""
+        key = "before", load, rule
+        kept = self.kept.get(key)
+        if kept is None or kept[0] is not hardness or kept[1] is not modulus:
+            kept = hardness, modulus, self._area_of(load, rule, hardness, modulus)
+            if hardness.size > 1:  # of samples
+                self.kept[key] = kept
+        return np.asarray(kept[2])
 
     def sheared(self, load: int, rule: str) -> tuple[Floats, float]:
         """Return A/F (1/GPa) of the sheared contacts at the nodes and of elastic bodies, at the study's own E*."""
