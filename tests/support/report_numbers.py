@@ -1,4 +1,4 @@
-"""The numbers of an interactive page without a browser: its script `numbers.js` in V8, on what a page carries."""
+"""Numbers of an interactive report without a browser: its script `nodes.js` in V8, on the tables of the report."""
 
 import base64
 import json
@@ -9,50 +9,64 @@ from importlib import resources
 import numpy as np
 
 
-class PageNumbers:
-    """The functions of `numbers.js`, with the facts and numbers of one page as they stand in it.
-
-    `result` is the page's by its first motion; `results` has all motions.
-    """
+class ReportNumbers:
+    """Facts and tables of one report, with the functions of `nodes.js`."""
 
     def __init__(self, page):
         from py_mini_racer import MiniRacer
 
         self._engine = MiniRacer()
-        self._engine.eval((resources.files("stiction.views.report") / "numbers.js").read_text("utf-8"))
+        self._engine.eval((resources.files("stiction.views.report") / "nodes.js").read_text("utf-8"))
         self._engine.eval(f"const facts = {_element(page, 'facts')}; null")
-        for name in self("() => Object.keys(facts.bytes)"):
-            planes = list(zlib.decompress(base64.b64decode(_element(page, f"packed-{name}") or "eJwDAAAAAAE=")))
-            self._engine.eval(f"const {name} = doubles(Uint8Array.from({planes}), facts.bytes.{name}); null")
+        self.facts = json.loads(_element(page, "facts"))
+        floats, small = (
+            zlib.decompress(base64.b64decode(_element(page, f"packed-{name}"))) for name in ("floats", "small")
+        )
         self._engine.eval(
-            "const count = facts.rules.length * facts.directions.length;"
-            "const sumsOf = parts(facts.perRepetition, count, sums);"
-            "const motions = parts(facts.variables, count, means).map((means, m) => ({means, sums: sumsOf[m]}));"
-            "const results = motions.map((motion, m) => ({facts, ...motion, motions, chosen: [m], kind: 0,"
-            " members: facts.kinds[0].members}));"
-            "const result = results[0]; null"
+            f"const numbers = {{offsets: facts.tables, floats: doubles(Uint8Array.from({list(floats)}), facts.leading),"
+            f" small: Int8Array.from({np.frombuffer(small, np.int8).tolist()})}}; null"
         )
 
     def __call__(self, function, *arguments):
-        """What an expression in JavaScript, a function, returns for arguments; numbers keep every bit, NaN too."""
+        """Return the value of a JavaScript function for arguments; numbers keep every bit, NaN and infinities too."""
         values = ", ".join(json.dumps(argument) for argument in arguments)
         # JSON has no NaN and no infinity.
         written = "(_, value) => typeof value === 'number' && !Number.isFinite(value) ? `number ${value}` : value"
         text = self._engine.eval(f"JSON.stringify(({function})({values}), {written})")
         return json.loads(re.sub(r'"number (-?)(\w+)"', r"\1\2", text))
 
-    def arrays(self, quantity, *arguments, motion=0):
-        """The points that `readOff` returns, as arrays by name."""
-        points = self(f"(...rest) => readOff(results[{motion}], ...rest)", quantity, *arguments)
-        names = ("value", "lower", "upper")
-        result = {name: np.array([point[name] for point in points]) for name in names}
-        result["status"] = np.array([point["status"] for point in points])
-        for name in self("() => Object.keys(facts.validity)"):
-            result[name] = np.array([(point["validity"] or {}).get(name, np.nan) for point in points])
-        return result
+    def index(self, *, kind=0, cell=0, amplitude=0, rule=0, way=0, load=0):
+        """Return the number of a coefficient in the tables."""
+        facts = self.facts
+        lead = (kind * len(facts["cells"]["values"]) + cell) * max(1, len(facts["amplitudes"])) + amplitude
+        return ((lead * len(facts["rules"]) + rule) * len(facts["ways"]) + way) * len(facts["loads"]["values"]) + load
+
+    def point(self, name, mu0, tau0, **place):
+        """Return value, ends, decimals, text and status of a quantity at mu0 and tau0 (GPa)."""
+        return self(
+            "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0);"
+            " const point = pointAt(numbers, name, index, place); const first = index * place.size;"
+            " const code = statusAt(numbers.small, facts.tables.status + first, place, facts.statuses);"
+            " const isFine = place.isNode || numbers.small[facts.tables.fine + first + place.panel];"
+            " return {...point, text: quoted(point), status: facts.statuses[code].name, isFine: Boolean(isFine)}; }",
+            name, self.index(**place), mu0, 1000 * tau0,
+        )  # fmt: skip
+
+    def judgement(self, mu0, tau0, *, cell, amplitude, way, load):
+        """Return the verdict and the reasons at mu0 and tau0 (GPa)."""
+        facts = self.facts
+        lead = cell * max(1, len(facts["amplitudes"])) + amplitude
+        index = (lead * len(facts["ways"]) + way) * len(facts["loads"]["values"]) + load
+        return facts["judgements"][
+            self(
+                "(index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0);"
+                " return atNearest(numbers.floats, facts.tables.judgement + index * place.size, place); }",
+                index, mu0, 1000 * tau0,
+            )
+        ]  # fmt: skip
 
 
 def _element(page, name):
-    """The text of a script element of a page, if there is one."""
-    result = re.search(rf'<script type="[\w/-]+" id="{name}">(.*?)</script>', page, re.DOTALL)
-    return result[1] if result else ""
+    """Return the text of a script element of a page, if there is one."""
+    found = re.search(rf'<script type="[\w/-]+" id="{name}">(.*?)</script>', page, re.DOTALL)
+    return found[1] if found else ""

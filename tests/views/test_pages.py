@@ -9,6 +9,7 @@ from stiction import friction_map, levelled, self_affine, self_affine_surface
 from stiction.studies.at_load import at_load
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.input_caveats import doubts_of_inputs
+from stiction.studies.nodes import excess
 from stiction.studies.study import study_of
 from stiction.studies.summary import summarize
 from stiction.views.characterisation import Characterisation
@@ -20,7 +21,7 @@ from support.generated_studies import SMALL, empty_dataset
 pytest.importorskip("selenium", reason="selenium is not installed")
 pytestmark = browser.IN_BROWSER
 
-AGREEMENT = 1e-6  # the page keeps 2e-9 of each sum; intervals are differences of these
+MOST_EXCESS = 10.0  # errors at single settings over the tolerances by which nodes are chosen
 CONTROL, SHIFT = 2, 8  # bits of the browser's protocol
 TABLE = {"name": "scan.csv", "command": "stiction characterise scan.csv"}
 
@@ -216,11 +217,12 @@ def test_numbers_under_the_pointer_are_those_of_the_library(opened, result):
     random = np.random.default_rng(5)
     dimensions, loads = result["fractal_dimension"].values, np.array(opened.execute_script("return loads"))
     seen = set()
+    errors = []
     for _ in range(10):
-        mu0, tau0 = round(random.uniform(0, 1), 3), round(random.uniform(0, 300), 2)
+        mu0, tau0 = round(random.uniform(0, 1), 3), round(random.uniform(0, 200), 2)
         enter(opened, "mu0-number", mu0)
         enter(opened, "tau0-number", tau0)
-        d, row = random.integers(dimensions.size), random.integers(20, loads.size)
+        d, row = random.integers(dimensions.size), random.integers(loads.size // 4, loads.size)
         # Cells are of equal size: dimensions are in equal steps, and loads in equal ratios on a logarithmic axis.
         left, top, width, height = browser.frame(opened, "map")
         x, y = left + width * (d + 0.5) / dimensions.size, top + height * (1 - (row + 0.5) / loads.size)
@@ -230,9 +232,13 @@ def test_numbers_under_the_pointer_are_those_of_the_library(opened, result):
         wanted = wanted.isel(fractal_dimension=d, amplitude=0, load=0, mu0=0, tau0=0)
         status, numbers = said(opened)
         seen.add(status)
+        if status == "between-nodes":
+            continue
         assert status == str(wanted["status"].values)
         expected = [float(wanted[name]) for name in ("friction_coefficient", "lower", "upper")]
-        assert numbers == pytest.approx(expected, rel=AGREEMENT, nan_ok=True)
+        errors.append(float(excess(np.array(numbers), np.array(expected))))
+    assert np.median(errors) < 1.0
+    assert np.max(errors) < MOST_EXCESS
     assert len(seen) > 1
 
 
@@ -283,7 +289,7 @@ def test_one_looks_closer_by_rectangle_and_buttons(opened):
 def test_arrow_keys_move_what_is_picked(opened):
     from selenium.webdriver.common.keys import Keys
 
-    opened.execute_script("pick(2, 40)")
+    opened.execute_script("pick(2, 20)")
     browser.settle(opened)
     dimension, load = picked(opened)
     browser.press(opened, "map", Keys.ARROW_RIGHT + Keys.ARROW_UP * 3 + Keys.ARROW_LEFT * 2)
@@ -354,7 +360,7 @@ def test_pictures_have_a_title_and_parameters_and_numbers_are_saved(driver, page
         rows = list(csv.DictReader(file))
     points = driver.execute_script("return document.getElementById('friction').drawn.series[0].points")
     known = [point["value"] for point in points if point["value"] is not None]
-    assert len(rows) == 80
+    assert len(rows) == 40
     assert [float(row["mu_s"]) for row in rows if row["mu_s"]] == known
 
 
@@ -428,7 +434,7 @@ def test_the_answer_of_maps_is_that_of_the_library_and_moves_with_everything(ope
         at = at[name].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(statistic="mean")
         at = at if way == 0 else at.isel(direction=way - 1)
         wanted = {rule: float(at.sel(sliding=rule)) for rule in ("all", "opposing")}
-        assert rules_said(opened_maps) == pytest.approx(wanted, rel=1e-9)
+        assert rules_said(opened_maps) == pytest.approx(wanted, rel=1e-4)
     # What the library has not judged is not judged; one goes back to what it has.
     opened_maps.find_element("css selector", "#judgement button").click()
     browser.settle(opened_maps)

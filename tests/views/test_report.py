@@ -6,12 +6,16 @@ import re
 
 import numpy as np
 import pytest
-from stiction import Profile, Study, levelled, pair, self_affine
+from stiction import Profile, Study, levelled, pair, run, self_affine
+from stiction.studies.nodes import MAX_NODES
 from stiction.studies.study import study_of
 from stiction.views.report import ReportError, report_page, save_report
+from stiction.views.report.generated import LOAD_STEPS
 from stiction.views.report.page import MARK
 from stiction.views.report.surface import surface_page
 from support.generated_studies import SMALL, empty_dataset
+from support.measured_studies import study_of as study_of_files
+from support.measured_studies import write_maps
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -29,21 +33,17 @@ def test_a_page_is_little_more_than_its_numbers_and_its_licence(result):
     assert text.startswith(MARK)
     for words in ("GNU GENERAL PUBLIC LICENSE", "How to Apply These Terms to Your New Programs"):
         assert words in text
-    assert len(text.encode()) < 250_000 + 10 * len(SMALL.surfaces.amplitudes()) * result["contact_area"].size * 7
+    cells = result.sizes["fractal_dimension"] * len(SMALL.surfaces.amplitudes())
+    assert len(text.encode()) < 250_000 + 6 * 20 * cells * LOAD_STEPS * MAX_NODES**2
 
 
 def test_what_is_too_large_for_a_page_is_said(monkeypatch, result, maps):
-    monkeypatch.setattr("stiction.views.report.generated.MOST_MEANS", 79)
+    monkeypatch.setattr("stiction.views.report.generated.MAX_POINTS", 79)
     with pytest.raises(ReportError, match="more than the 79"):
         report_page(result)
-    monkeypatch.setattr("stiction.views.report.measured.MOST_VALUES", 100)
+    monkeypatch.setattr("stiction.views.report.measured.MAX_POINTS", 100)
     with pytest.raises(ReportError, match="more than the 100"):
         report_page(maps)
-
-
-def test_many_repetitions_leave_out_their_intervals(monkeypatch, result):
-    monkeypatch.setattr("stiction.views.report.generated.MOST_SUMS", 100)
-    assert '"hasIntervals": false' in report_page(result)
 
 
 def test_nothing_makes_no_page(result):
@@ -113,3 +113,11 @@ def test_page_lists_how_each_file_was_read(tmp_path):
     assert cells["given, not read from the file"] == "accept = tall"
     (tmp_path / "a.csv").unlink()
     assert "How a.csv was read" not in html.unescape(report_page(result.source))
+
+
+def test_report_of_growing_contacts_names_alpha(tmp_path):
+    spacing = write_maps(tmp_path)
+    contact = 'load = ["1 mN", "2 mN"]\nhardness = "2 GPa"\njunction_growth = 9'
+    study = study_of_files(tmp_path, spacing=spacing, members=3, contact=contact)
+    page = html.unescape(report_page(run(study)))
+    assert "hardness 2 GPa, junction growth α = 9." in page

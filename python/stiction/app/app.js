@@ -1,4 +1,6 @@
-// The page of the server: what is asked for, and what is told. What is told of numbers, `numbers.js` before this writes.
+"use strict";
+
+// The page of the server: what is asked for, and what is told. Numbers come as text.
 
 const byId = (id) => document.getElementById(id);
 const AT_REST = 400; // ms without a change, after which the words follow
@@ -213,6 +215,7 @@ function render() {
   frame.contentWindow.location.replace(page + (before || (job.command.startsWith("stiction run") ? `#d=${dimension()}` : "")));
 }
 
+const KIND = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"}; // how the style calls each verdict
 const WORDS = {all: "all contacts rub", opposing: "only climbing contacts rub (the paper's rule)"};
 
 /** Values, verdict and reasons; what is not the last is grey, and has no verdict. */
@@ -223,9 +226,9 @@ function say(answer, by, isLast) {
   place.dataset.text = text;
   place.replaceChildren(...(by ? [node("p", {className: "hint"}, by)] : []));
   if (!answer) return;
-  for (const {rule, value: mean, lower, upper} of answer.rules.filter(({value: mean}) => mean !== null)) {
+  for (const {rule, text: words, value: mean, lower, upper} of answer.rules.filter(({value: mean}) => mean !== null)) {
     const line = node("p", {className: `value ${isLast ? "" : "hint"}`}, node("i", {}, "μ"), node("sub", {}, "s"),
-      ` = ${quoted(mean, lower ?? NaN, upper ?? NaN)} `, node("small", {className: "hint"}, WORDS[rule]));
+      ` = ${words} `, node("small", {className: "hint"}, WORDS[rule]));
     Object.assign(line.dataset, {rule, value: mean, lower, upper});
     place.append(line);
   }

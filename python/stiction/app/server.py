@@ -180,10 +180,13 @@ class Server:
         return Response(text, media_type="text/html")
 
     async def part(self, request: Request) -> Response:
-        """Its script and its style, behind those of the report that it shares."""
-        kinds = {"js": ("text/javascript", "numbers.js"), "css": ("text/css", "page.css")}
-        media, shared = kinds.get(kind := request.path_params["kind"]) or _missing()
-        return Response(_file(shared, "stiction.views.report") + _file(f"app.{kind}"), media_type=media)
+        """Return the script, or the style, behind that of the report that it shares."""
+        kind = request.path_params["kind"]
+        if kind == "js":
+            return Response(_file("app.js"), media_type="text/javascript")
+        if kind != "css":
+            _missing()
+        return Response(_file("page.css", "stiction.views.report") + _file("app.css"), media_type="text/css")
 
     async def menu(self, _: Request) -> Response:
         """Put the server into the applications menu of this person's desktop, to be begun without a terminal."""

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._core import __version__
-from stiction._number_format import duration, finite
+from stiction._number_format import duration, finite, quoted
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_of, shown_in
 from stiction.studies.point import CELLS, rules_of
@@ -260,7 +260,8 @@ def answer_record(one: PointSummary) -> dict[str, Any]:
         "status": one.status,
         "rules": [
             {
-                "rule": rule.rule, "value": finite(rule.value), "lower": finite(rule.lower),
+                "rule": rule.rule, "text": quoted(rule.value, rule.lower, rule.upper),
+                "value": finite(rule.value), "lower": finite(rule.lower),
                 "upper": finite(rule.upper), "members_from": finite(rule.low), "members_to": finite(rule.high),
                 "by_slopes_alone": finite(rule.slopes),
                 **{name: {"lower": finite(low), "upper": finite(high)}

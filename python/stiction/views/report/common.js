@@ -2,7 +2,7 @@
 
 const facts = JSON.parse(document.getElementById("facts").textContent);
 const byId = (id) => document.getElementById(id);
-const PERCENT = `${shown(100 * facts.confidence, 2)} %`;
+const PERCENT = facts.percent;
 
 // A number that people see shortened, and programs in full.
 const data = (value, text) => element("data", {value: String(value)}, text);
@@ -44,10 +44,12 @@ function drawSome(isChosen) {
 
 // ---- Controls -------------------------------------------------------------------------------------------------------
 
-/** A slider and a number that mean the same; the number takes any value from 0 on. */
+/** A slider and a number that mean the same, between 0 and the most that was evaluated. */
 function amount(id, {value, most, step, unit, changed}) {
   const [slider, number] = [byId(id), byId(`${id}-number`)];
   Object.assign(slider, {min: 0, max: most, step});
+  number.max = most;
+  byId(`${id}-wrong`).textContent = `Only numbers from 0 to ${tickText(Number(most.toPrecision(4)))}; the last one stands.`;
   const show = (given) => {
     slider.value = given;
     slider.setAttribute("aria-valuetext", `${given}${unit}`);
@@ -164,7 +166,7 @@ async function unpacked(id) {
   place.remove();
   const bytes = Uint8Array.from(text, (character) => character.charCodeAt(0));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return doubles(new Uint8Array(await new Response(stream).arrayBuffer()), facts.bytes[id]);
+  return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
 function start(begin) {

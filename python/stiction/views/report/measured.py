@@ -1,10 +1,9 @@
-"""What a page knows of a result of measured bodies: their members' sums at every load, and the answers."""
+"""Report of measured bodies: friction at nodes of mu0 and tau0, other quantities at every load, and the answers."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
-from inspect import signature
+import math
 from typing import Any
 
 import numpy as np
@@ -13,17 +12,16 @@ import xarray
 from stiction._checks import Floats
 from stiction._number_format import with_unit
 from stiction._text import printable
-from stiction.mechanics.closed_forms import gentle_friction
-from stiction.mechanics.friction import SIX
-from stiction.mechanics.hardness import EXPONENT, POWER
-from stiction.mechanics.quantities import DIRECTED, QUANTITIES, shown_in
+from stiction.mechanics import friction
+from stiction.mechanics.quantities import QUANTITIES, shown_in
 from stiction.studies.assessment import limit_of
-from stiction.studies.at_load import areas_of, at_load
-from stiction.studies.maps import MOTIONS
+from stiction.studies.at_load import Kind, at_load
 from stiction.studies.measured_surfaces import MeasuredFile
+from stiction.studies.nodes import Axis, at_nodes, axes_of, is_interpolated, largest_errors, refined
 from stiction.studies.resolution import seen
 from stiction.studies.result import Result
 from stiction.studies.study import Study
+from stiction.studies.summary import PointSummary
 from stiction.views.figures.standard import title_of, words_of
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import materials_text, over_text, way_text
@@ -32,11 +30,11 @@ from stiction.views.report.page import (
     MOST_TEXT,
     PageResult,
     ReportError,
+    axes_facts,
     counted,
     escaped,
     listed,
     motions_of,
-    packed,
 )
 from stiction.views.report.pictures import (
     adhesion_panel,
@@ -46,13 +44,14 @@ from stiction.views.report.pictures import (
     touching_panel,
 )
 from stiction.views.report.reading import GIVEN, reading_table
+from stiction.views.report.tables import Tables, decimals_of, text_with_unit
 from stiction.views.resolution import waves_text
 from stiction.views.sentence import sentence_text, slopes_text
 from stiction.views.sticking import sticking_text
 from stiction.views.text import budget_text, waited_text
 
-MOST_VALUES = 4_000_000  # numbers of measured bodies in a page
-EVERY_BYTE = 8  # of a double
+MAX_POINTS = 400_000  # coefficients of measured bodies in a page: nodes times loads, cutoffs, rules and directions
+CHECKED_LOADS = 2  # loads along which the nodes are chosen
 
 _UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # names of units that have no prefixes
 
@@ -64,19 +63,12 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     result is too large.
     """
     dataset = result.dataset
-    step = study.step
-    sums = _sums(dataset, step)
-    if sums.size > MOST_VALUES:
-        raise ReportError(f"the result has {sums.size} numbers, more than the {MOST_VALUES} that a page can hold")
     files = title_of(study)
     name = f"{files} ({name})" if name else files
+    tables = Tables()
     facts = _facts_of(dataset, result, study)
-    facts |= {
-        "quantities": _quantities(result, facts), "bytes": dict.fromkeys(("means", "sums"), EVERY_BYTE),
-        "name": name, "variables": {"plain": [], "directed": []},
-        "perRepetition": {"plain": ["normal_elastic"], "directed": _DIRECTED},
-    }  # fmt: skip
-    numbers = {"means": packed([], EVERY_BYTE), "sums": packed(sums, EVERY_BYTE)}
+    facts |= _friction_at_nodes(result, study, dataset, tables) | {"name": name}
+    facts["quantities"] = _quantities(result, study, len(facts["kinds"]))
     picture = result.contact_picture if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.onset
@@ -87,7 +79,7 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     return PageResult(
         study=study, name=name, head=_head(study, facts),
         pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
-        facts=facts, numbers=numbers, there=members, details=details,
+        facts=facts, tables=tables, there=members, details=details,
         touching="" if picture is None else touching_panel(picture, facts["directions"][0]),
         pictures=(positions_panel(result, facts["asked"][0], words_of(study)) if members > 1 else "")
         + ("" if onset is None else onset_panels(onset, words_of(study)))
@@ -96,57 +88,137 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     )  # fmt: skip
 
 
-_DIRECTED = [name for name in SIX if name in DIRECTED]
+def _kinds_of(dataset: xarray.Dataset) -> list[Kind | None]:
+    """Return the kinds of members of a result, that to quote first; None of all of them."""
+    surrogate = dataset["surrogate"].values.astype(bool) if "surrogate" in dataset.coords else np.zeros(1, bool)
+    if surrogate.any() and not surrogate.all():
+        return ["shifts", "surrogates"]
+    return [None]
 
 
-def _sums(dataset: xarray.Dataset, step: str) -> Floats:
-    """Sums of every member (variable, cut-off, member, step): the elastic load, and those of each motion one by one."""
-    motions = [dim for dim in MOTIONS if dim in dataset.dims]
-    dims = ("cut_off", "repetition", step)
-    columns = [dataset["normal_elastic"].transpose(*dims).values]
-    by_motion = [dataset[name].transpose(*motions, *dims).values for name in _DIRECTED]
-    for place in np.ndindex(*(dataset.sizes[dim] for dim in motions)):
-        columns += [values[place] for values in by_motion]
-    return np.stack(columns).astype(np.float64)
+_KIND_WORDS = {None: "pairs", "shifts": "positions of the two surfaces", "surrogates": "pairs of surrogates"}
 
 
 def _facts_of(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str, Any]:
-    surfaces: Any = study.surfaces
-    of_friction: Any = study.friction
-    loads = dataset[study.step].values.tolist()
-    asked = [float(load) for load in of_friction.load]
-    rules, angles = motions_of(study)
-    ways = [{"words": way_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
+    area, loads = float(dataset["nominal_area"]), study.contact.steps().tolist()
+    cut_offs = dataset["cut_off"].values.tolist()
+    found = _answers(result)
+    quoted_cell = next((each["at"].get("cut_off", cut_offs[0]) for each in found if not each["covered"]), cut_offs[0])
+    asked = [float(load) for load in study.friction.load]
+    return {
+        "isMeasured": True, "cell": AXES["cut_off"],
+        "cells": {
+            "values": cut_offs,
+            "texts": [f"cut-off {with_unit(each, 'um')}" if each > 0 else "no cut-off" for each in cut_offs],
+        },
+        "amplitudes": [], "repetitions": int(dataset.sizes["repetition"]), "asked": asked,
+        "kinds": [_KIND_WORDS[kind] for kind in _kinds_of(dataset)],
+        "loads": {
+            "values": loads,
+            "texts": [f"{with_unit(load, 'mN')} ({with_unit(load / area, 'GPa')})" for load in loads],
+            "unit": f"; 1 mN is {1000 / area:.4g} MPa",
+        },
+        "start": {"cell": cut_offs.index(quoted_cell), "load": int(np.argmin(np.abs(np.array(loads) - asked[0])))},
+        "answers": found, "validity": [], "curves": _CURVES,
+        "modulus": float(dataset["effective_modulus"]), "area": area,
+    }  # fmt: skip
+
+
+_CURVES = {
+    "area": {"of": "contact_area_fraction", "title": "true contact area _A_/_A_~0~ (%)", "factor": 100},
+    "stiffness": {"of": "stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
+    "unloading": {"of": "unloading_stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
+}
+"""Quantity of each plot over load beside friction, its axis, and its factor to the unit there."""
+
+
+def _friction_at_nodes(result: Result, study: Study, dataset: xarray.Dataset, tables: Tables) -> dict[str, Any]:
+    """Put friction at nodes of mu0 and tau0 into tables, over kind, cutoff, rule, motion, load, mu0 and tau0."""
+    loads, (rules, angles) = study.contact.steps(), motions_of(study)
+    axes = nodes_of(result, study)
+    ways: list[dict[str, Any]] = [{"words": way_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
     if len(angles) > 1:
         ways.insert(0, {"words": over_text(angles), "directions": list(range(len(angles)))})
+    kinds = _kinds_of(dataset)
+    size = len(kinds) * dataset.sizes["cut_off"] * loads.size * len(rules) * len(ways)
+    size *= axes[0].values.size * axes[1].values.size
+    if size > MAX_POINTS:
+        raise ReportError(f"the result has {size} coefficients, more than the {MAX_POINTS} that a page can hold")
+    members: list[int] = []
+    found: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
+    for kind in kinds:
+        at = at_nodes(result, loads, axes, of=kind)
+        members.append(int(at["members"]))
+        lead = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
+        single = at["friction_coefficient"].transpose(*lead, "statistic").values
+        whole = at["friction_all_round"].transpose(*(dim for dim in lead if dim != "direction"), "statistic").values
+        combined = whole.copy()
+        if "friction_combined" in at:
+            combined = at["friction_combined"].transpose(*(d for d in lead if d != "direction"), "statistic").values
+        status, answered = (at[name].transpose(*lead).values for name in ("status", "ok"))
+        slopes = at["gentle_friction"].transpose("cut_off", "sliding", "direction", "mu0", "tau0").values
+        of_ways = []
+        for way in ways:
+            is_whole = len(way["directions"]) == len(angles)
+            sampling = whole if is_whole else single[:, :, way["directions"][0]]
+            chosen = sorted(way["directions"])
+            of_ways.append((
+                combined if is_whole else sampling, sampling,
+                _status_codes(status[:, :, chosen], sampling[..., 0]), answered[:, :, chosen].min(axis=2),
+                slopes[:, :, chosen].mean(axis=2),
+            ))  # fmt: skip
+        for name, each in zip(found, zip(*of_ways, strict=True), strict=True):
+            found[name].append(np.stack(each, axis=2))
+    every = {name: np.stack(each) for name, each in found.items()}
+    shown, is_combined = every["shown"], np.zeros((len(kinds), len(ways)), bool)
+    for index, way in enumerate(ways):
+        way["isWhole"] = len(way["directions"]) == len(angles)
+        way["angle"] = None if len(way["directions"]) > 1 else angles[way["directions"][0]]
+        is_combined[0, index] = way["isWhole"]
+    error = largest_errors(
+        axes, shown[0, :, :, is_combined[0].argmax()], lambda mu0, tau0: _whole(result, loads, mu0, tau0)
+    )
+    # A value without a combined interval is printed by the digits of that over all directions.
+    whole = shown[0, :, :, [is_combined[0].argmax()]]
+    over_all = np.moveaxis(decimals_of(*np.moveaxis(whole, -1, 0))[0], 0, 2)
+    shown[np.broadcast_to(~is_combined[:, np.newaxis, np.newaxis, :, None, None, None], shown.shape[:-1]), 1:] = np.nan
+    tables.add_points("friction", shown, decimals=np.broadcast_to(over_all, shown.shape[:-1]))
+    tables.add_points("sampling", every["sampling"])
+    tables.add("status", every["status"].astype(np.int8))
+    tables.add("fine", is_interpolated(axes, every["shown"][..., 0]).astype(np.int8))
+    tables.add("answered", every["answered"].astype(float))
+    slopes = every["slopes"]
+    tables.add_points("slopes", np.stack([slopes, *(np.full(slopes.shape, np.nan),) * 2], axis=-1))
     return {
-        "reading": "elastic", "interval": "sample" if surfaces.is_areal else "neighbours", "hasIntervals": True,
-        "cell": AXES["cut_off"], "dimensions": dataset["cut_off"].values.tolist(), "convention": "",
-        "amplitudes": [1.0], "measure": "", "repetitions": int(dataset.sizes["repetition"]), "steps": loads,
-        "loads": [loads[0], loads[-1]], "rules": rules, "directions": angles, "ways": ways, "validity": {},
-        "modulus": float(dataset["effective_modulus"]), "area": float(dataset["nominal_area"]),
-        "kinds": _kinds(dataset), "lines": dataset["line"].values.tolist() if "line" in dataset.coords else None,
-        "offsets": [listed(dataset[axis].values) for axis in ("x", "y")] if "x" in dataset.coords else None,
-        "asked": asked, "answers": _answers(result), "combined": _combined(result, loads), "gap": _gap(dataset),
-        "growth": _growth(result, study),
+        "ways": ways, "rules": rules, "directions": angles, "axes": axes_facts(axes, study), "error": error,
+        "statuses": [{"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": True} for name in STATUS_NAMES],
+        "combined": [kind != "surrogates" for kind in kinds], "memberCounts": members,
+        "ranged": bool(axes[0].ranged.size or axes[1].ranged.size),
     }  # fmt: skip
 
 
-def _growth(result: Result, study: Study) -> dict[str, Any] | None:
-    """Return A/F over hardness for each rule and load, from which a page has junction growth; None without growth."""
-    alpha = study.contact.junction_growth
-    if not alpha:
-        return None
-    at = at_load(result, study.contact.steps(), mu0=[0.0], tau0=[0.0])
-    areas = areas_of(at, result)
-    pages: list[list[dict[str, Any]]] = []
-    for rule in at["sliding"].values.tolist():
-        tables = [areas.sheared(load, rule) for load in range(at.sizes["load"])]
-        pages.append([{"areas": listed(values), "elastic": elastic} for values, elastic in tables])
-    return {
-        "hardness": areas.hardness, "alpha": float(alpha), "mixing": [EXPONENT, POWER], "nodes": areas.nodes.tolist(),
-        "tables": pages,
-    }  # fmt: skip
+STATUS_NAMES = (friction.STATUS_OK, *sorted(each for each in friction.STATUSES if each != friction.STATUS_OK))
+"""Statuses in the order of their codes: of several directions without a value, the first one is reported."""
+
+
+def _status_codes(statuses: Any, values: Floats) -> Any:
+    """Return the codes of the statuses of means (cut_off, sliding, load, mu0, tau0) over directions (axis 2)."""
+    codes = np.select([statuses == name for name in STATUS_NAMES], range(len(STATUS_NAMES)))
+    bad = np.where(codes == 0, len(STATUS_NAMES), codes).min(axis=2)
+    not_solved = STATUS_NAMES.index(friction.STATUS_NOT_SOLVED)
+    return np.where(np.isfinite(values), 0, np.where(bad == len(STATUS_NAMES), not_solved, bad))
+
+
+def nodes_of(result: Result, study: Study) -> tuple[Axis, Axis]:
+    """Return the axes of the nodes of a result, chosen at a few loads."""
+    loads = np.unique([*study.contact.steps()[[-1]], float(study.friction.load[0])])[:CHECKED_LOADS]
+    return refined(axes_of(study), lambda mu0, tau0: _whole(result, loads, mu0, tau0))
+
+
+def _whole(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
+    """Return friction over all directions with combined intervals, over cutoff, rule, load, mu0, tau0 and statistic."""
+    at = at_nodes(result, loads, (Axis(mu0), Axis(tau0)))["friction_combined"]
+    return np.asarray(at.transpose("cut_off", "sliding", "load", "mu0", "tau0", "statistic").values)
 
 
 def _held(result: Result, study: Study) -> list[str]:
@@ -162,6 +234,8 @@ def _head(study: Study, facts: dict[str, Any]) -> list[str]:
     hardness = study.contact.hardness
     how = "the elastic half-space" if study.by_half_space else "asperities"
     limited = "" if hardness is None else f", hardness {with_unit(hardness, 'GPa')}"
+    if study.contact.junction_growth:
+        limited += f", junction growth α = {study.known.junction_growth or format(study.contact.junction_growth, 'g')}"
     modulus = with_unit(facts["modulus"], "GPa")
     made_of = f"{materials_text(study).capitalize()}. " if materials_text(study) else ""
     size = f"{facts['area']:.4g} µm²" if study.is_areal else f"{facts['area']:.4g} µm, 1 µm wide"
@@ -189,71 +263,58 @@ def _reading_table(scan: MeasuredFile) -> str:
     return ""
 
 
-def _kinds(dataset: xarray.Dataset) -> list[dict[str, Any]]:
-    surrogate = np.zeros(dataset.sizes["repetition"], np.bool_)
-    if "surrogate" in dataset.coords:
-        surrogate = dataset["surrogate"].values.astype(bool)
-    words = {False: "positions of the two surfaces", True: "pairs of surrogates"}
-    kinds = [{"words": text, "members": np.flatnonzero(surrogate == which).tolist()} for which, text in words.items()]
-    return [kind for kind in kinds if kind["members"]]
-
-
-def _quantities(result: Result, facts: dict[str, Any]) -> list[dict[str, Any]]:
-    kinds: list[Any] = ["shifts", "surrogates"] if len(facts["kinds"]) > 1 else [None]
-    tables = [at_load(result, facts["steps"], mu0=[0.0], tau0=[0.0], of=kind) for kind in kinds]
+def _quantities(result: Result, study: Study, num_kinds: int) -> list[dict[str, Any]]:
+    """Return quantities beside friction over kind, cutoff and load: values, ends, decimals and texts."""
+    kinds: list[Any] = ["shifts", "surrogates"] if num_kinds > 1 else [None]
+    at = [at_load(result, study.contact.steps(), mu0=[0.0], tau0=[0.0], of=kind) for kind in kinds]
     found = []
-    for name in (name for name in shown_in("report") if name in tables[0]):
-        means = [table[name].transpose("cut_off", "load", "statistic").values for table in tables]
+    for name in (name for name in shown_in("report") if name in at[0]):
+        means = np.stack([each[name].transpose("cut_off", "load", "statistic").values for each in at])
         if not np.isfinite(means[0]).any() or (name == "load_share_at_hardness" and not np.nan_to_num(means[0]).any()):
             continue
         quantity = QUANTITIES[name]
         unit = "%" if quantity.percent else _UNITS.get(quantity.unit, quantity.unit)
-        words = quantity.short[0].upper() + quantity.short[1:]
-        limit, values = limit_of(name), [listed(each) for each in means]
-        found.append({"name": name, "words": words, "unit": unit, "limit": limit, "means": values})
+        factor = next((each["factor"] for each in _CURVES.values() if each["of"] == name), 1)
+        texts = [[[text_with_unit(point, unit) for point in row] for row in table] for table in means.tolist()]
+        limit = limit_of(name)
+        points = factor * means
+        decimals, of_upper = decimals_of(*np.moveaxis(points, -1, 0))
+        found.append({
+            "name": name, "words": quantity.short[0].upper() + quantity.short[1:], "points": listed(points),
+            "decimals": decimals.tolist(), "upperDecimals": of_upper.tolist(), "texts": texts,
+            "isBeyond": (means[..., 0] > (np.inf if limit is None else limit)).tolist(),
+        })  # fmt: skip
     return found
 
 
 def _answers(result: Result) -> list[dict[str, Any]]:
     return [
         {
-            "at": answer.at, "verdict": answer.verdict, "covered": answer.covered,
+            "at": answer.at, "loadText": with_unit(answer.at["load"], "mN"), "verdict": answer.verdict,
+            "covered": answer.covered,
             "sentence": printable(sentence_text(answer), MOST_TEXT * 4),
             "doubts": [
                 {name: printable(getattr(each, name), MOST_TEXT) for name in ("text", "cure", "severity")}
                 for each in answer.doubts
             ],
             "slopes": slopes_text(answer),
-            "intervals": {rule.rule: listed([rule.lower, rule.upper]) for rule in answer.rules},
-            "parts": None if answer.parts is None else listed(answer.parts),
+            "bar": _bar(answer),
             "most": " ".join(filter(None, (budget_text(answer), waited_text(answer)))) or None,
         }
         for answer in result.summary().points
     ]  # fmt: skip
 
 
-def _combined(result: Result, loads: Sequence[float]) -> list[dict[str, Any]]:
-    """Return the ends of the combined intervals over cut-off and load, at each mu0 and tau0 by each sliding rule."""
-    table = result.at(loads)["friction_combined"]
-    table = table.sel(statistic=["lower", "upper"]).transpose("sliding", "mu0", "tau0", "cut_off", "load", "statistic")
-    return [
-        {
-            "rule": str(own["sliding"].values), "mu0": float(own["mu0"]), "tau0": float(own["tau0"]),
-            "ends": listed(own.values),
-        }
-        for own in (table[place] for place in np.ndindex(table.shape[:3]))
-    ]  # fmt: skip
+_PARTS = ("μ0", "τ0 on the true area", "slopes")
 
 
-def _gap(dataset: xarray.Dataset) -> dict[str, Any] | None:
-    """What friction by the slope alone is made of, over cut-off and member."""
-    if not {"rms_gradient", "rms_slope"} <= set(dataset.data_vars):
+def _bar(answer: PointSummary) -> dict[str, Any] | None:
+    """Return the parts of a coefficient by the rule that all contacts rub, its interval, and texts of both."""
+    own = next((each for each in answer.rules if each.rule == "all"), None)
+    if answer.parts is None or own is None or not math.isfinite(own.value):
         return None
-    gradient = dataset["rms_gradient"].transpose("cut_off", "repetition").values
-    slope = dataset["rms_slope"]
-    slope = slope if "direction" in slope.dims else slope.expand_dims("direction")
-    return {
-        "gradient": listed(gradient),
-        "slope": listed(slope.transpose("direction", "cut_off", "repetition").values),
-        "kappa": float(signature(gentle_friction).parameters["kappa"].default),
-    }
+    texts = []
+    for index, (part, words) in enumerate(zip(answer.parts, _PARTS, strict=True)):
+        sign = (" \N{MINUS SIGN} " if part <= -0.0005 else " + ") if index else ""
+        texts.append(f"{sign}{abs(part):.3f} ({words})")
+    return {"parts": listed(answer.parts), "ends": listed([own.lower, own.upper]), "value": own.value, "texts": texts}

@@ -1,18 +1,16 @@
 """One page for a browser, whole in itself: its frame, and how numbers are packed into it.
 
-`result.py` and `surface.py` say what a page is of. Markup, style and scripts stand beside this file: `numbers.js`
-computes and knows nothing of a page, `plots.js` draws, `common.js` has controls and files, and `result.js` the state
+`result.py` and `surface.py` say what a page is of. Markup, style and scripts stand beside this file: `nodes.js`
+unpacks and interpolates, `plots.js` draws, `common.js` has controls and files, and `result.js` the state
 and the words of a result. Every constant that they share with the library is handed to them in the facts. Text of files
 is escaped in one place each: markup here by `escaped`, in the scripts because they make text nodes alone.
 """
 
 from __future__ import annotations
 
-import base64
 import datetime
 import html
 import json
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import metadata, resources
@@ -26,11 +24,13 @@ from numpy.typing import ArrayLike
 from stiction._core import __version__
 from stiction._files import replaced_file
 from stiction._text import printable
+from stiction.studies.nodes import Axis
 from stiction.studies.study import Study, differences
+from stiction.views.report.tables import Tables
 
 MARK = "<!doctype html>\n<!-- A report of stiction -->\n"  # every report begins so; no other file is written over
 _LICENCE = "https://www.gnu.org/licenses/gpl-3.0.txt"
-SCRIPTS = ("numbers.js", "plots.js", "common.js", "result.js")
+SCRIPTS = ("nodes.js", "plots.js", "common.js", "result.js")
 
 
 class ReportError(ValueError):
@@ -88,22 +88,6 @@ def escaped(text: object) -> str:
     return html.escape(printable(str(text), MOST_TEXT))
 
 
-_COMPRESSION = 7  # a sixth of the time of 9 for half a per cent more bytes
-
-
-def packed(values: ArrayLike, leading: int) -> str:
-    """Doubles as text, rounded to some of their leading bytes: all first bytes, then all second ones, and so on.
-
-    Bytes of the same place are alike, signs and exponents most, so this order takes the least room.
-    """
-    bits = np.ascontiguousarray(values, np.float64).ravel().view(np.uint64)
-    dropped = 8 * (8 - leading)
-    if dropped:
-        bits = bits + np.uint64(1 << (dropped - 1))
-    planes = bits.astype(">u8").view(np.uint8).reshape(-1, 8)[:, :leading].T
-    return base64.b64encode(zlib.compress(planes.tobytes(), _COMPRESSION)).decode("ascii")
-
-
 def counted(count: int, one: str, many: str | None = None) -> str:
     """A number of things."""
     return f"{count} {one if count == 1 else many or f'{one}s'}"
@@ -127,8 +111,6 @@ def panel(name: str, title: str, seen: str, *, more: str, kind: str = "plot") ->
 # ---- A result of a page ---------------------------------------------------------------------------------------------
 
 
-BYTES = {"means": 8, "sums": 5}  # leading bytes of a double that are kept: all of them, and 2e-9 of a sum
-
 AXES = {
     "fractal_dimension": {"title": "fractal dimension _D_", "name": "D"},
     "cut_off": {"title": "cut-off wavelength (µm)", "name": "cut-off"},
@@ -145,7 +127,7 @@ class PageResult:
     head: list[str]
     pairs: str
     facts: dict[str, Any]
-    numbers: dict[str, str]
+    tables: Tables
     there: int
     details: str = ""
     touching: str = ""
@@ -187,3 +169,17 @@ def _without_folders(study: Study) -> Study:
 def motions_of(study: Study) -> tuple[list[str], list[float]]:
     """Sliding rules and directions (degrees) of a study, in the order of the sums."""
     return list(study.contact.rules()), [float(angle) for angle in study.contact.degrees()]
+
+
+def axes_facts(axes: tuple[Axis, Axis], study: Study) -> dict[str, Any]:
+    """Return the nodes of mu0 and of tau0 (MPa) as a page has them, with the step of a slider and where it starts."""
+    own = study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2], float(study.friction.tau0[0])
+    found = {}
+    for name, axis, start, unit in zip(("mu0", "tau0"), axes, own, (1.0, 1e3), strict=True):
+        most = unit * float(axis.rising[-1])
+        found[name] = {
+            "rising": (unit * axis.rising).tolist(), "bounds": (unit * np.array(axis.bounds)).reshape(-1, 2).tolist(),
+            "most": most, "step": 0.01 if name == "mu0" else float(f"{most / 200:.0e}"),
+            "start": float(f"{unit * float(start):.12g}"),
+        }  # fmt: skip
+    return found

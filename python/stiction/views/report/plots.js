@@ -48,6 +48,70 @@ function runs(points, isKnown) {
   return found.filter((run) => run.length);
 }
 
+// ---- Ticks and cells ----------------------------------------------------------------------------------------------
+
+const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+function superscript(exponent) {
+  const digits = [...String(Math.abs(exponent))].map((digit) => SUPERSCRIPTS[digit]).join("");
+  return (exponent < 0 ? "⁻" : "") + digits;
+}
+
+
+/** Round numbers of an axis, with texts; on a logarithmic one also those without. */
+function ticksOf(low, high, isLog, most) {
+  if (!(high > low)) return [{value: low, text: tickText(low)}];
+  if (isLog && high / low > 4) {
+    const first = Math.ceil(Math.log10(low) - 1e-9); // and the digits of the decade before it
+    const decades = Array.from({length: Math.ceil(Math.log10(high)) - first + 2}, (_, i) => first - 1 + i);
+    const named = high / low > 200 ? [1] : high / low > 20 ? [1, 3] : [1, 2, 3, 5];
+    const every = Math.max(1, Math.ceil((Math.log10(high / low) * named.length) / most));
+    return decades.flatMap((decade) => [1, 2, 3, 4, 5, 6, 7, 8, 9].map((digit) => {
+      const value = Number(`${digit}e${decade}`);
+      const isNamed = named.includes(digit) && (decade - first) % every === 0;
+      return {value, text: isNamed ? tickText(value) : ""};
+    })).filter(({value}) => value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9));
+  }
+  const rough = (high - low) / most;
+  const unit = 10 ** Math.floor(Math.log10(rough));
+  const step = unit * [1, 2, 5, 10].find((factor) => factor * unit >= rough * (1 - 1e-9));
+  const start = Math.ceil(low / step - 1e-9);
+  return Array.from({length: Math.floor(high / step + 1e-9) - start + 1}, (_, i) => {
+    const value = Number(((start + i) * step).toPrecision(12));
+    return {value, text: tickText(value)};
+  });
+}
+
+function tickText(value) {
+  const size = Math.abs(value);
+  if (value === 0 || (size >= 1e-3 && size < 1e5)) return String(value).replace("-", "−");
+  const [mantissa, exponent] = value.toExponential().split("e");
+  return `${mantissa === "1" ? "" : `${mantissa.replace("-", "−")} × `}10${superscript(Number(exponent))}`;
+}
+
+function edges(centres) {
+  if (centres.length === 1) return [centres[0] - 0.05, centres[0] + 0.05];
+  const middles = centres.slice(1).map((centre, i) => (centre + centres[i]) / 2);
+  return [2 * centres[0] - middles[0], ...middles, 2 * centres.at(-1) - middles.at(-1)];
+}
+
+/** Edges [x, y, x, y] between the cells that are true and those that are false; others have none. */
+function boundary(cells, x, y) {
+  const lines = [];
+  const differ = (one, other) => typeof one === "boolean" && typeof other === "boolean" && one !== other;
+  cells.forEach((row, l) => row.forEach((cell, d) => {
+    if (differ(cell, row[d + 1])) lines.push([x[d + 1], y[l], x[d + 1], y[l + 1]]);
+    if (differ(cell, cells[l + 1]?.[d])) lines.push([x[d], y[l + 1], x[d + 1], y[l + 1]]);
+  }));
+  return lines;
+}
+
+/** Position in a list of the number that is nearest to another one. */
+function nearest(list, value) {
+  const distances = list.map((each) => Math.abs(each - value));
+  return distances.indexOf(Math.min(...distances));
+}
+
 // ---- Axes -----------------------------------------------------------------------------------------------------------
 
 /** Positions of values on an axis {low, high, isLog} between two ends, pixels. */
@@ -263,6 +327,9 @@ const HATCHES = {
   "below-range": ["var(--line)", "M-2 6L2 10M0 0L8 8M6 -2L10 2"],
   "no-contact": ["var(--paper)", "M3.9 4h.2"],
   "self-locked": ["#7a0019", ""],
+  "between-nodes": ["var(--line)", ""],
+  "not-solved": ["var(--line)", "M3.9 4h.2"],
+  seizure: ["#7a0019", "M-2 2L2 -2M0 8L8 0M6 10L10 6"],
 };
 
 const pattern = (id, ...shapes) =>
@@ -291,10 +358,10 @@ function swatch(...shapes) {
 const ringed = (x, y, size, width = 2.5) => [["var(--paper)", 2 * width + 1], ["var(--ring)", width]].map(([colour, w]) =>
   shape("circle", {cx: x, cy: y, r: size, "stroke-width": w, style: `fill: none; stroke: ${colour}`}));
 
-/** A quantity over dimension and load: map of `mapOf`, colours between low and high, and
- * the picked cell [d, l]. Returns the entries of the legend. */
+/** A quantity over dimension and load: map {status, value, trusted}, colours between low and high, and the picked cell
+ * [d, l]. Returns the entries of the legend. */
 function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked, title}) {
-  const x = edges(facts.dimensions);
+  const x = edges(facts.cells.values);
   const y = edges(loads.map(Math.log)).map(Math.exp);
   const {X, Y, box, frame, inside, picture, unit} = axes(
     place, {low: x[0], high: x.at(-1), title: facts.cell.title},
@@ -325,7 +392,7 @@ function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked,
     const id = `${place.id}-${name}`;
     inside.append(hatch(name, id), shape("path", {d: cells.join(""), fill: `url(#${id})`}));
     legend.push([swatch(() => hatch(name, `${id}-legend`), (each) => shape("rect", {...each, fill: `url(#${id}-legend)`})),
-      facts.statuses[name].short]);
+      facts.why[name].short]);
   }
   if (veiled.length) {
     const id = `${place.id}-beyond`;
@@ -341,9 +408,9 @@ function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked,
   legend.push([swatch(() => shape("rect"), () => ringed(12, 8, 5)[1]), "picked point"]);
   const values = map.value.flat().filter((value) => value !== null);
   if (values.some((value) => value > high))
-    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS.at(-1)})), `${shown(high, 2)} and above`]);
+    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS.at(-1)})), `${tickText(Number(high.toPrecision(2)))} and above`]);
   if (values.some((value) => value < low))
-    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS[0]})), `${shown(low, 2)} and below`]);
+    legend.push([swatch((each) => shape("rect", {...each, fill: LEVEL_COLOURS[0]})), `${tickText(Number(low.toPrecision(2)))} and below`]);
   picture.append(...colourBar(`${place.id}-scale`, {...frame, y: 0.9 * unit, height: 0.8 * unit}, low, high, ticks, title, unit));
   return legend;
 }

@@ -1,9 +1,7 @@
-"""The page of a result: what it says, and the numbers that it carries.
+"""The report of a result.
 
-Of generated bodies the page has the means over the members and the sums of every member, and `numbers.js` does with
-them what `friction_map`, `area_map` and `stiffness_map` do. Of measured bodies it has the sums of every member at every
-load, and does what `at_load` does where each member carries the load before sliding. So every mu0 and tau0 is at hand,
-with intervals.
+It contains what the library evaluated at nodes of mu0 and tau0: values, intervals, statuses, assessments and decimals.
+The scripts unpack these, interpolate between nodes and draw.
 """
 
 from __future__ import annotations
@@ -12,29 +10,33 @@ from pathlib import Path
 from string import Template
 
 import xarray
-from numpy.polynomial.chebyshev import chebinterpolate
-from scipy.special import stdtrit
 
+from stiction._number_format import percent, with_unit
 from stiction.mechanics import friction
-from stiction.studies.assessment import ADVICE, VERDICTS
-from stiction.studies.intervals import AROUND, CONFIDENCE, FEWEST_NEIGHBOURS, FEWEST_OF_SAMPLE
+from stiction.studies.assessment import ADVICE
+from stiction.studies.intervals import CONFIDENCE
 from stiction.studies.result import Result
-from stiction.views.figures.ensemble import COLOUR_QUANTILES, TICKS
+from stiction.views.figures.ensemble import TICKS
 from stiction.views.point import RULES
 from stiction.views.report.generated import page_of_generated
 from stiction.views.report.measured import page_of_measured
 from stiction.views.report.page import Page, ReportError, escaped, panel, part, scripts
+from stiction.views.report.tables import FLOAT_BYTES
+from stiction.views.style import RULE_WORDS
 
-LOAD_STEPS = 80  # loads of a map
-STUDENT_DEGREE = 24  # degree from which on quantiles of Student's t are exact to 1e-13
+BETWEEN = "between-nodes"
+"""Status of a coefficient that is not interpolated."""
 
 STATUSES = {
     friction.STATUS_OK: "", friction.STATUS_NOT_REACHED: "load not reached",
     friction.STATUS_BELOW_RANGE: "below the loads computed", friction.STATUS_NO_CONTACT: "no contact",
     friction.STATUS_NOT_SOLVED: "not solved", friction.STATUS_SELF_LOCKED: "self-locked: no load is carried",
     friction.STATUS_SEIZURE: "seizure: junctions grow without limit",
+    BETWEEN: "not resolved between nodes",
 }  # fmt: skip
 """What the legend of the map says of each status; why it is so, `ADVICE` says."""
+
+BETWEEN_WHY = "the coefficient changes too much between the values of μ0 and τ0 at which the library evaluated it"
 
 _ALONG = "arrow keys move {}, plus and minus look closer"
 PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
@@ -88,6 +90,7 @@ def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xar
 
 
 def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
+
     try:
         study = result.study
     except ValueError as error:
@@ -96,18 +99,15 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
         page_of_measured(result, study, name, picture)
         if study.is_measured else page_of_generated(result, study, name)
     )  # fmt: skip
-    modulus = float(study.contact.effective_modulus)
     facts = {
-        "confidence": CONFIDENCE, "student": _student(), "fewest": FEWEST_OF_SAMPLE,
-        "fewestNeighbours": FEWEST_NEIGHBOURS, "stepsAround": AROUND, "ticks": TICKS,
-        "colourQuantiles": COLOUR_QUANTILES, "loadSteps": LOAD_STEPS, "advice": ADVICE, "verdicts": VERDICTS,
-        "ruleWords": RULES,
-        "statuses": {name: {"short": short, "why": ADVICE.get(name, ("",))[0]} for name, short in STATUSES.items()},
-        "mu0": list(study.friction.mu0),
-        "tau0": [1000 * float(value) for value in study.friction.tau0],
-        "mu0Most": max(1.0, study.friction.mu0[-1]),
-        "tau0Most": max(1000 * float(study.friction.tau0[-1]), 20 * modulus),  # MPa
-        "tau0Sane": 1000 * friction.SHEAR_STRENGTH_LIMIT * modulus,
+        "percent": f"{100 * CONFIDENCE:g} %", "ticks": TICKS, "ruleWords": RULES, "ruleNames": RULE_WORDS,
+        "why": {
+            name: {"short": short, "why": BETWEEN_WHY if name == BETWEEN else ADVICE.get(name, ("",))[0]}
+            for name, short in STATUSES.items()
+        },
+        "tau0Sane": 1000 * friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus),
+        "saneText": with_unit(friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus), "GPa"),
+        "tables": made.tables.offsets, "leading": FLOAT_BYTES, "errorText": _error_text(made.facts.get("error")),
     }  # fmt: skip
     shown = FIRST[study.is_measured]
     plots = {name: panel(name, title, seen, **more) for name, (title, seen, more) in PANELS.items()}
@@ -121,10 +121,15 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
             others="".join(text for name, text in plots.items() if name not in shown),
         ),
         versions=f"Computed by stiction {result.version}",
-        scripts=scripts(facts | made.facts, made.numbers),
+        scripts=scripts(facts | made.facts, made.tables.packed()),
     )  # fmt: skip
 
 
-def _student() -> list[float]:
-    """Chebyshev coefficients of the upper end of the interval of Student's t over the inverse of its freedom."""
-    return chebinterpolate(lambda x: stdtrit(2 / (1 + x), 0.5 + CONFIDENCE / 2), STUDENT_DEGREE).tolist()  # type: ignore[no-any-return]
+def _error_text(error: tuple[float, float] | None) -> str:
+    """Return the error of interpolation that the library measured, in words."""
+    if error is None:
+        return ""
+    values, ends = (percent(each) for each in error)
+    return (
+        f"at other values that were evaluated, values differ by up to {values}, ends by up to {ends} of the interval."
+    )

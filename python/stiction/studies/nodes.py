@@ -1,0 +1,251 @@
+"""Results at nodes of (mu0, tau0), between which a report interpolates by cubic polynomials.
+
+The library evaluates every node, chooses the nodes by the tolerances below, and measures the error in between.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.studies.at_load import at_load
+from stiction.studies.budget import SAME_INPUT, with_uncertainty
+from stiction.studies.hardness import inputs_of
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.at_load import Kind
+    from stiction.studies.result import Result
+    from stiction.studies.study import Study
+
+VALUE_TOLERANCE = 1e-4  # relative error of an interpolated value: no value is printed with more than four digits
+ENDS_TOLERANCE = 1e-2  # error of an end of an interval over the interval's width, or `VALUE_TOLERANCE` of the value
+MIN_NODES, MAX_NODES = 5, 7
+"""Rising nodes of an axis at first, and after refinement."""
+
+MAX_OWN = 9  # values of a study that are nodes of an axis: of more, so many in equal steps of their number
+MAX_ROUNDS = 3  # refinements of an axis
+CLOSE = 0.35  # fraction of the distance to the next node below which a first node gives way to a value of the study
+CURVED = 0.05
+"""Relative difference of cubic from bilinear interpolation in the middle of a panel above which it has no value."""
+
+STEEP = 0.25  # the same of the values at the corners of a panel beside nodes without a value
+CHECKED = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
+"""Fractions of the ranges of mu0 and of tau0 at which the error is measured."""
+
+ROUND_OFF = 1e-9  # distance over the length of an axis up to which a value is that of a node
+MODULUS_FRACTION = 0.02  # largest tau0 over E*, unless the study has larger ones
+BULK_FRACTION = 0.7 * 27**-0.5
+"""Largest tau0 over the hardness, unless the study has larger ones: 0.7 of the shear strength by von Mises."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """Nodes of mu0 or of tau0 (GPa).
+
+    Values between `rising` nodes are interpolated. At `ranged` nodes, values of the study, the input has the range
+    that the study gives; it is exact at all others.
+    """
+
+    rising: Floats
+    ranged: Floats = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def values(self) -> Floats:
+        """All nodes, rising ones first."""
+        return np.concatenate([self.rising, self.ranged])
+
+    @property
+    def bounds(self) -> list[tuple[float, float]]:
+        """Bounds between which a value is taken for each of the ranged nodes."""
+        return [(float(own / (1 + SAME_INPUT)), float(own / (1 - SAME_INPUT))) for own in self.ranged]
+
+    def with_nodes(self, more: Sequence[float]) -> Axis:
+        """Return the axis with further rising nodes."""
+        return Axis(np.unique([*self.rising, *more]), self.ranged)
+
+    def middles(self) -> Floats:
+        """Return the middles of the panels between rising nodes, outside of the bounds of ranged ones."""
+        found = (self.rising[1:] + self.rising[:-1]) / 2
+        return np.where(self._is_ranged(found), 0.5 * (found + self.rising[1:]), found)
+
+    def _is_ranged(self, values: Floats) -> Any:
+        return np.logical_or.reduce(
+            [np.zeros(values.shape, bool), *((low <= values) & (values <= high) for low, high in self.bounds)]
+        )
+
+    def weights(self, value: float, *, cubic: bool = True) -> Floats:
+        """Return the weights (n,) of all nodes at a value: of a node itself, of two neighbours, or of four."""
+        found = np.zeros(self.values.size)
+        for index, (low, high) in enumerate(self.bounds):
+            if low <= value <= high:
+                found[self.rising.size + index] = 1.0
+                return found
+        near = np.abs(self.rising - value)
+        if near.min() <= ROUND_OFF * self.rising[-1]:
+            found[near.argmin()] = 1.0
+            return found
+        last = self.rising.size - 1
+        before = int(np.clip(np.searchsorted(self.rising, value, side="right") - 1, 0, last - 1))
+        first, number = (min(max(before - 1, 0), last - 3), 4) if cubic and last >= 3 else (before, 2)
+        nodes = self.rising[first : first + number]
+        for index, node in enumerate(nodes):
+            others = np.delete(nodes, index)
+            found[first + index] = np.prod((value - others) / (node - others))
+        return found
+
+
+def axes_of(study: Study) -> tuple[Axis, Axis]:
+    """Return the first nodes of mu0 and of tau0 (GPa) of a study, from 0 to the largest value of a report."""
+    ranged = set(inputs_of(study)) | ({"mu0", "tau0"} if study.known.interface else set())
+    modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
+    strength = MODULUS_FRACTION * modulus
+    strength = strength if hardness is None else min(strength, BULK_FRACTION * float(hardness))
+    own = {"mu0": np.array(study.friction.mu0), "tau0": np.array([float(each) for each in study.friction.tau0])}
+    most = {"mu0": max(1.0, own["mu0"][-1]), "tau0": max(strength, own["tau0"][-1])}
+    if not study.is_measured and own["tau0"].size > 1:
+        most["tau0"] = own["tau0"][-1]
+    return tuple(_axis(own[name], most[name], is_ranged=name in ranged) for name in ("mu0", "tau0"))  # type: ignore[return-value]
+
+
+def _axis(own: Floats, most: float, *, is_ranged: bool) -> Axis:
+    if own.size > MAX_OWN:
+        own = own[np.unique(np.linspace(0, own.size - 1, MAX_OWN).round().astype(int))]
+    first = most * np.linspace(0.0, 1.0, MIN_NODES) ** 2  # closer at 0, where intervals are curved most
+    if is_ranged:
+        axis = Axis(first, own[own > 0])
+        return Axis(np.where(axis._is_ranged(first), first * (1 + 5 * SAME_INPUT), first), axis.ranged)
+    steps = np.diff(first)
+    room = CLOSE * np.minimum(np.append(steps[0], steps), np.append(steps, steps[-1]))
+    kept = np.abs(first[:, np.newaxis] - own).min(axis=1) > room
+    kept[[0, -1]] = True
+    return Axis(np.unique([*first[kept], *own]))
+
+
+def at_nodes(result: Result, loads: Floats, axes: tuple[Axis, Axis], of: Kind | None = None) -> xarray.Dataset:
+    """Return what `at_load` gives of a result at nodes, of measured bodies with combined intervals.
+
+    Combined intervals are of the members that a result averages first; those of another kind `of` members have none.
+    """
+    mu0, tau0 = (axis.values for axis in axes)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # a tau0 that is large beside E* is marked in the report
+        at = at_load(result, loads, mu0=mu0, tau0=tau0, of=of)
+    return at if of == "surrogates" else with_uncertainty(at, result, budget=False, tests=False)
+
+
+def refined(axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats]) -> tuple[Axis, Axis]:
+    """Return axes with so many nodes that values and intervals along some lines are within the tolerances.
+
+    Parameters
+    ----------
+    axes : pair of Axis
+    evaluate : function of mu0 (m,) and tau0 (t,)
+        Values, lower and upper ends (..., m, t, 3).
+    """
+    found = list(axes)
+    for place in range(2):
+        for _ in range(MAX_ROUNDS):
+            axis, other = found[place], found[1 - place].rising
+            across = other[[min(1, other.size - 1), -2]] if other.size > 2 else other
+            middles = axis.middles()
+            along = np.concatenate([axis.values, middles])
+            table = evaluate(along, across) if place == 0 else np.swapaxes(evaluate(across, along), -2, -3)
+            table = np.moveaxis(table, -3, 0)  # (along, ..., 3)
+            nodes, wanted = table[: axis.values.size], table[axis.values.size :]
+            with np.errstate(invalid="ignore"):
+                given = np.stack([np.tensordot(axis.weights(middle), nodes, axes=1) for middle in middles])
+            errors = excess(given, wanted).reshape(middles.size, -1).max(axis=1)
+            more = middles[errors > 1.0][np.argsort(-errors[errors > 1.0])]
+            more = more[: max(MAX_NODES - axis.rising.size, 0)]
+            if not more.size:
+                break
+            found[place] = axis.with_nodes(more.tolist())
+    return found[0], found[1]
+
+
+def excess(given: Floats, wanted: Floats) -> Floats:
+    """Return errors of values and their ends (..., 3) over the tolerances; 0 where either has no finite number."""
+    value, width = np.abs(wanted[..., 0]), wanted[..., 2] - wanted[..., 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error = np.abs(given - wanted)
+        ends = error[..., 1:].max(axis=-1) / np.maximum(ENDS_TOLERANCE * width, VALUE_TOLERANCE * value)
+        values = error[..., 0] / (VALUE_TOLERANCE * value)
+    return np.maximum(np.where(np.isfinite(ends), ends, 0.0), np.where(np.isfinite(values), values, 0.0))
+
+
+def largest_errors(
+    axes: tuple[Axis, Axis], table: Floats, evaluate: Callable[[Floats, Floats], Floats]
+) -> tuple[float, float]:
+    """Return the largest relative error of values, and of ends over widths, at a few mu0 and tau0 between nodes.
+
+    Arguments are those of `refined`, and a table (..., m, t, 3) at the nodes. Panels that are not interpolated, and
+    intervals narrower than the tolerance of the value, are left out.
+    """
+    mu0, tau0 = (axis.rising[0] + np.ptp(axis.rising) * part for axis, part in zip(axes, CHECKED, strict=True))
+    fine = is_interpolated(axes, table[..., 0])
+    wanted = evaluate(mu0, tau0)
+    values, ends = [0.0], [0.0]
+    for row, column in np.ndindex(mu0.size, tau0.size):
+        at = mu0[row], tau0[column]
+        panel = [int(np.searchsorted(axis.rising, each, side="right") - 1) for axis, each in zip(axes, at, strict=True)]
+        given = interpolated(axes, np.moveaxis(table, -1, 0), *at)
+        here = np.moveaxis(wanted[..., row, column, :], -1, 0)
+        width = here[2] - here[1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = np.abs(given[0] / here[0] - 1)
+            end = np.abs(given[1:] - here[1:]).max(axis=0) / np.maximum(
+                width, VALUE_TOLERANCE / ENDS_TOLERANCE * np.abs(here[0])
+            )
+        for found, error in ((values, value), (ends, end)):
+            error = error[fine[..., panel[0], panel[1]] & np.isfinite(error)]
+            found.append(float(error.max(initial=0.0)))
+    return max(values), max(ends)
+
+
+def interpolated(axes: tuple[Axis, Axis], table: Floats, mu0: float, tau0: float) -> Floats:
+    """Return a table (..., m, t) at mu0 and tau0 (GPa): by cubics, or bilinear where one of 16 nodes has no value."""
+    with np.errstate(invalid="ignore"):
+        cubic, linear = (
+            _weighted(table, axes[0].weights(mu0, cubic=each), axes[1].weights(tau0, cubic=each))
+            for each in (True, False)
+        )
+    return np.where(np.isfinite(cubic), cubic, linear)
+
+
+def _weighted(table: Floats, over_mu0: Floats, over_tau0: Floats) -> Floats:
+    """Return the sum of the nodes (..., m, t) that have weights; others may have no value."""
+    rows, columns = np.flatnonzero(over_mu0), np.flatnonzero(over_tau0)
+    part = table[..., rows, :][..., columns]
+    return np.asarray(np.einsum("...mt,m,t->...", part, over_mu0[rows], over_tau0[columns]))
+
+
+def is_interpolated(axes: tuple[Axis, Axis], values: Floats) -> Any:
+    """Return whether values (..., m, t) may be interpolated in the panels between nodes, (..., m, t).
+
+    A panel has the indices of its first corner; the last rows and columns are of ranged nodes, along which the other
+    axis alone is interpolated.
+    """
+    fine = np.ones(values.shape, bool)
+    places = [[*axis.middles(), *axis.ranged] for axis in axes]
+    index = [[*range(axis.rising.size - 1), *range(axis.rising.size, axis.values.size)] for axis in axes]
+    for row, mu0 in zip(index[0], places[0], strict=True):
+        for column, tau0 in zip(index[1], places[1], strict=True):
+            weights = [
+                [axis.weights(at, cubic=cubic) for axis, at in zip(axes, (mu0, tau0), strict=True)]
+                for cubic in (True, False)
+            ]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                cubic, linear = (_weighted(values, *each) for each in weights)
+                corners = values[..., np.flatnonzero(weights[1][0]), :][..., np.flatnonzero(weights[1][1])]
+                apart = np.ptp(corners, axis=(-2, -1)) / np.abs(linear)
+                bent = np.abs(cubic - linear) / np.abs(linear)
+            known = np.isfinite(linear)
+            fine[..., row, column] = known & np.where(np.isfinite(cubic), ~(bent > CURVED), ~(apart > STEEP))
+    return fine
