@@ -1,13 +1,18 @@
 """Adhesion of a half-space: an attraction that falls off with the gap, as a traction on the solver that has none.
 
 With σ(g) = w/ρ exp(-g/ρ), press the gap g0 - Kσ, take σ of the gap that comes out, and repeat until both agree.
+
+Under a constant external load each repetition lowers the energy, because the energy of the attraction is a concave
+function of the gap. A smaller load or attraction gives a larger gap at every point. So from a contact under a larger
+load the attraction decreases with every repetition, either to the first contact on the way apart, or until the bodies
+come off. In the second case they do not bear the load, since the attraction of any contact would be a lower bound.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable
-from itertools import pairwise
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -15,32 +20,26 @@ import stiction._core as _core
 from stiction._checks import Floats
 from stiction.mechanics.half_space_problem import Pressed, Problem, State, pressed_of, threads
 
-DEPTH = 5  # steps before that Anderson's acceleration combines
+PLAIN = 2  # plain steps between two longer ones, which damp the shapes that these overshoot
+LONGEST = 10.0  # length of a longer step over that of a plain one
+MAX_SOLUTIONS = 2000  # solutions for one contact at an external load, some of which lead through jumps
+MAX_SETTLING, PATIENCE = 60, 20  # solutions for one at a contact load, and those without a lower residual
+LOOSER = 10.0  # residual of the attraction, relative to the contact load and the attraction, over the tolerance
+INNERMOST = 1e-8  # smallest tolerance of a solution; below it round-off stalls some
+INEXACT, LOOSEST = 0.05, 1e-3  # error of a solution over the residual before it, and its largest tolerance
+CLOSER = 1e-3  # increase of the attraction on the way apart, over its maximum, that is an error of the solutions
+FEWEST = 1e-3  # contact load below which bodies have come off, over the attraction of bodies that touch at a point
+STRIDE = 0.6  # contact load over the one before on the way apart
+NEGLECTED = 0.01  # relative error of the least load
+FIRST_STEP = 0.05  # relative difference between the least load and the first one tried below it, if that is unknown
+SMOOTH = 0.003  # relative difference between the least load and an interpolated one that is not computed
+NARROWEST = 0.01  # relative difference of contact loads between which no load is interpolated
+MAX_REFINED = 6  # contacts at interpolated loads
+MAX_TRIALS = 24  # external loads that are tried on the way apart
 
-PLAIN = 2
-"""Plain repetitions between two accelerated ones: these alone lead through a jump, and all others end it sooner.
 
-Of 120 random bodies (E* 1 MPa to 200 GPa, w 1 mJ/m² to 1 J/m²) none was left unsolved by 2, and 14 by 0."""
-
-WORSE = 1.5  # growth of the residual over the least since then at which earlier steps are forgotten
-MOST = 200  # solutions for one contact; strongly adhering soft bodies have taken 150
-MOST_PLAIN = 500  # plain repetitions for one, where accelerated ones lead to complete contact, or nowhere
-STALLED = 60  # solutions without a lower residual after which a contact is given up
-REGULAR = 1e-10  # added to the normal equations of the acceleration, as a part of their diagonal
-LOOSER = 10.0  # residual of the attraction, as a part of the contact load and the attraction, over the tolerance
-INNERMOST = 1e-8  # least tolerance of a solution; below it round-off stalls some
-FEWEST = 1e-3  # contact load at which a branch begins and ends, over the attraction of bodies that touch at a point
-STRIDE = 0.6  # contact load over the one before on a branch
-PATIENCE = 20  # the same on the way apart, where a smaller stride is tried next
-SHORTEST = 0.93  # stride at which a branch that does not converge ends
-NEGLECTED = 0.01  # part of the least load by which a lower one may be missed
-MAX_NEGLECTED = 0.1  # the same where the contacts near it are too few
-SMOOTH = 0.005  # part of the least load by which an interpolated one may differ where states need no others between
-NARROWEST = 0.01  # logarithm of the ratio of contact loads below which no states are put between two
-MARGIN = 4  # fortieths of a span at whose ends no state is put
-MAX_REFINED, FEW_REFINED = 16, 2  # states between others; where the way ended early
-STEEPER = 2.0  # slope of the load over the contact load that may stand between states, over the largest between two
-SEARCHES = 60  # secants for a load between two contact loads
+class UnsolvedError(RuntimeError):
+    """No contact in equilibrium with its attraction was found."""
 
 
 class Attraction:
@@ -48,125 +47,178 @@ class Attraction:
 
     def __init__(self, problem: Problem, *, tolerance: float, report: Callable[[int, float], object] | None) -> None:
         self.problem, self.report, self.asked, self.enough = problem, report, tolerance, LOOSER * tolerance
-        self.range, self.ended = problem.adhesion_range, ""  # why a branch ended early
+        self.range, self.uncertain = problem.adhesion_range, ""  # why the least load is uncertain
         self.most = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
         # An error of the gap is one of the attraction in proportion to gap over range.
-        self.tolerance = max(min(tolerance, LOOSER * tolerance * self.range / float(problem.gap.std() or 1)), INNERMOST)
+        self.relative_range = self.range / float(problem.gap.std() or 1)
+        self.tolerance = max(min(tolerance, LOOSER * tolerance * self.relative_range), INNERMOST)
         self.fewest = FEWEST * float(self.of(problem.gap).mean())
 
     def of(self, gap: Floats) -> Floats:
         """GPa at gaps (µm); that of contact where bodies overlap."""
         return np.asarray(self.most * np.exp(np.maximum(gap, 0) / -self.range))
 
-    def settled(
-        self, near: State | None, *, contact: float | None = None, load: float = 0.0, plain: bool = False,
-        patience: int = STALLED,
-    ) -> State | None:  # fmt: skip
-        """The contact at a mean pressure or an external load, which `plain` repetitions do not leap over; or None.
+    def settle(self, near: State, contact: float, *, before: State) -> State:
+        """Return the contact at a mean pressure (GPa) on the way apart from an earlier one, iterated from a near one.
 
-        None is returned after `patience` solutions without a lower residual.
+        An `UnsolvedError` is raised if the iteration fails, or if it leads to a contact in which some points are closer
+        than in the earlier one. If none are, bodies that are drawn apart bear the load of the contact.
+        """
+        least, best = math.inf, 0
+        for count, (state, residual) in enumerate(self._repetitions(near, lambda _: contact, LONGEST)):
+            if residual <= self.enough and (state.attraction <= before.attraction + CLOSER * self.most).all():
+                return state
+            if residual <= self.enough:
+                break
+            if residual < least:
+                least, best = residual, count
+            if count - best > PATIENCE or count == MAX_SETTLING:
+                break
+        raise UnsolvedError("the attraction does not converge")
+
+    def relax(self, near: State | None, load: float, *, longest: float = LONGEST) -> tuple[State, bool]:
+        """Return the contact to which bodies go under an external load (GPa), from another or from none, and True.
+
+        If the bodies come off, return the contact that changes most slowly on the way, and False. That is certain if
+        the longest step is that of plain repetitions, 1: longer steps may lead past a contact. An `UnsolvedError` is
+        raised if `MAX_SOLUTIONS` do not decide.
+        """
+        first = self.fewest if near is None else -math.inf
+        slowest, least, before = near, math.inf, math.inf
+        repetitions = self._repetitions(near, lambda held: max(load + held, first), longest)
+        for count, (state, residual) in enumerate(repetitions):
+            if residual <= self.enough:
+                return state, True
+            if count == MAX_SOLUTIONS:
+                raise UnsolvedError("the attraction does not converge")
+            if residual < min(before, least) and count > 1:  # the first are slow because they are near an equilibrium
+                slowest, least = state, residual
+            before = residual
+        assert slowest is not None
+        return slowest, False
+
+    def _repetitions(
+        self, near: State | None, contact_load: Callable[[float], float], longest: float
+    ) -> Iterator[tuple[State, float]]:
+        """Yield contacts, and the change of their attraction over the forces, until the bodies come off.
+
+        The contact load (GPa) is a function of the mean attraction. The attraction changes as in the last repetition
+        plus, after `PLAIN` of them, the rest of a geometric series with the ratio of the last two changes, but at most
+        `longest` times the change.
         """
         grids, gap = self.problem.grids, self.problem.gap
         attraction = np.zeros_like(gap) if near is None else near.attraction
         pressure = None if near is None else near.pressure
-        steps: list[tuple[Floats, Floats]] = []
-        recent, best, least = np.inf, 0, np.inf
-        for count in range(MOST_PLAIN if plain else MOST):
-            mean = max(load + float(attraction.mean()), self.fewest) if contact is None else contact
+        plain: Floats | None = None  # attraction after a plain step, if the last one was longer
+        residual = least = math.inf
+        inexact, slow = INEXACT, 0
+        for count in itertools.count():
+            held = float(attraction.mean())
+            mean = contact_load(held)
+            if mean < self.fewest and plain is not None:
+                attraction, plain = plain, None
+                continue
+            if mean < self.fewest:
+                return
             if not mean < self.bound[0]:
-                return None
+                raise UnsolvedError("the attraction brings all points to the hardness")
+            tolerance = min(max(self.tolerance, inexact * self.relative_range * residual), LOOSEST)
             lowered = gap - grids.displacement(attraction, threads=threads())
-            solver = _core.HalfSpaceSolver(
-                lowered, grids, bound=self.bound, tolerance=self.tolerance, threads=threads()
-            )
+            solver = _core.HalfSpaceSolver(lowered, grids, bound=self.bound, tolerance=tolerance, threads=threads())
             solution = solver.at(mean, near=pressure, threads=threads(), progress=self.report)
+            if not solution.error <= max(tolerance, self.asked):
+                raise UnsolvedError("the pressures do not converge")
             pressure = solution.pressure
-            if not solution.error <= self.asked:
-                return None
             moved = grids.displacement(pressure.reshape(gap.shape), threads=threads())
             change = self.of(lowered + moved - solution.approach) - attraction
-            residual = float(np.abs(change).mean()) / (mean + float(attraction.mean()))
-            if residual <= self.enough:
-                known = solution.approach, solution.error, solution.iterations
-                return State(pressure, attraction, mean, mean - float(attraction.mean()), *known)
-            if residual < least:
-                best, least = count, residual
-            elif count - best > patience and not plain:
-                return None
-            if residual > WORSE * recent:
-                steps.clear()
-                recent = residual
-            recent = min(recent, residual)
-            steps = [*steps[-DEPTH:], (attraction, change)]
-            step = change if plain or count % (PLAIN + 1) < PLAIN else _accelerated(steps)
-            attraction = np.clip(attraction + step, 0.0, self.most)
-        return None
+            before, residual = residual, float(np.abs(change).mean()) / (mean + held)
+            known = solution.approach, solution.error, solution.iterations
+            if residual > self.enough or tolerance <= self.tolerance:
+                yield State(pressure, attraction, mean, mean - held, *known), residual
+            slow = 0 if residual < least else slow + 1
+            least = min(least, residual)
+            if slow > PATIENCE:  # errors of the solutions may be what is left
+                inexact, slow = inexact / 10, 0
+            ratio = residual / before
+            length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
+            following, plain = np.clip(attraction + change, 0.0, self.most), None
+            if count % (PLAIN + 1) == PLAIN and longest > 1:
+                plain, following = following, np.clip(attraction + length * change, 0.0, self.most)
+            attraction = following
 
     def at(self, load: float, near: State | None) -> State:
-        """The contact at a mean external load (GPa) on the branch of the one before; the first jump in."""
-        if load >= 0:
-            found = self.settled(near, load=load)
-            if found is None or (found.pressure.all() and (near is None or not near.pressure.all())):
-                found = self.settled(near, load=load, plain=True) or found
-            if found is not None:
-                return found
-        start = near or self.settled(None) or self.settled(None, contact=self.fewest)
-        if start is None:
-            raise RuntimeError("the first touch does not converge")
-        if start.load <= load:
-            return self.between(*self.pushed(start, load), load)
-        states = self.unloaded(start, until=load)
-        if states[-1].load > load:
-            states = self.refined(states)
-        crossing = next((pair for pair in pairwise(states) if pair[1].load <= load), None)
-        if crossing is None:
-            least = f"{self.force(lowest(states).load):.4g} mN"
-            raise RuntimeError(
-                f"bodies bear at least {least}; {self.ended}" if self.ended else f"bodies come off at {least}"
+        """Return the contact at a mean external load (GPa), to which bodies go from the one before, or from none."""
+        if near is None and load < 0:
+            near = self.relax(None, 0.0)[0]
+        found, holds = self.relax(near, load)
+        if not holds:
+            found, holds = self.relax(near, load, longest=1.0)
+        if not holds:
+            assert near is not None
+            least = f"{self.force(lowest(self.draw_apart(near)).load):.4g} mN"
+            raise UnsolvedError(
+                f"bodies bear at least {least}; {self.uncertain}" if self.uncertain else f"bodies come off at {least}"
             )
-        return self.between(*crossing, load)
+        return found
 
-    def near(self, contact: float, *states: State | None) -> State | None:
-        """Return the contact at a mean pressure (GPa) that is found first from states (None: no attraction)."""
-        for state in states:
-            if (found := self.settled(state, contact=contact, patience=PATIENCE)) is not None:
-                return found
-        return None
+    def draw_apart(self, start: State) -> list[State]:
+        """Return contacts in the order of falling contact load, from one on to that of the least load or farther.
 
-    def pushed(self, state: State, load: float) -> tuple[State, State]:
-        """Return two states of rising contact load, from one on, between whose loads a load (GPa) lies."""
-        factor = 1 / STRIDE
-        while True:
-            following = self.settled(state, contact=state.contact * factor)
-            if following is None and factor < 1 / SHORTEST:
-                raise RuntimeError(self.stalled(state))
-            if following is None:
-                factor = math.sqrt(factor)
-            elif following.load >= load:
-                return state, following
-            else:
-                state, factor = following, 1 / STRIDE
-
-    def unloaded(self, start: State, until: float = -np.inf) -> list[State]:
-        """Return states of falling contact load from one on, until a load (GPa) is reached, or no less is possible.
-
-        The attraction falls with the contact load, so that no later load is below minus the last mean attraction.
+        Some contacts at falling contact loads lead near the least load. Then lower loads are tried, with longer steps
+        and finally, from the start, by plain repetitions: under a load that is lower by `NEGLECTED` the bodies come
+        off. If that is not certain, `uncertain` gives the reason.
         """
-        states, factor, self.ended = [start], STRIDE, ""
-        if (opening := self.opening(start)) is not None:
-            states.append(opening)
-        least = lowest(states).load
-        while least > until and states[-1].contact > self.fewest and states[-1].held > -least:
-            state = self.near(states[-1].contact * factor, states[-1])
-            if state is None and factor > SHORTEST:
-                self.ended = self.stalled(states[-1])
+        self.uncertain = ""
+        opening = self.opening(start)
+        states = [start] if opening is None else [start, opening]
+        first = certain = states[-1]
+        states = self.refine(self.unload(states))
+        step = FIRST_STEP if states[-1] is lowest(states) else NEGLECTED
+        not_borne = -math.inf
+        for _ in range(MAX_TRIALS):
+            least = lowest(states).load
+            # Between two contacts, the contact load is at least that of the later one and the attraction at most that
+            # of the earlier one.
+            possible = min([b.contact - a.held for a, b in itertools.pairwise(states)] + [-states[-1].held])
+            if possible >= (1 + NEGLECTED) * least:
+                return states
+            load = (least + max(possible, not_borne)) / 2
+            if least < 0:
+                load = min(max(load, (1 + step) * least), (1 + NEGLECTED) * least)
+            try:
+                found, holds = self.relax(first, load) if load > not_borne else (first, False)
+                if not holds and load >= (1 + NEGLECTED) * least:
+                    found, holds = self.relax(certain, load, longest=1.0)
+                    if not holds:
+                        return states
+                    certain, not_borne = found, -math.inf
+            except UnsolvedError:
+                self.uncertain = f"at a load of {self.force(load):.4g} mN the attraction does not converge"
+                return states
+            if holds:
+                first, step = found, 2 * step
+            else:
+                not_borne = load
+                try:
+                    found = self.settle(found, found.contact, before=start)
+                except UnsolvedError:
+                    continue
+                if found.load >= least:
+                    continue
+                step = NEGLECTED
+            states = sorted([*states, found], key=lambda state: -state.contact)
+        self.uncertain = f"{MAX_TRIALS} loads are too few"
+        return states
+
+    def unload(self, states: list[State]) -> list[State]:
+        """Return contacts continued to smaller contact loads until the load rises, or until no other is found."""
+        states = list(states)
+        while states[-1].contact > self.fewest and states[-1] is lowest(states):
+            try:
+                states.append(self.settle(states[-1], STRIDE * states[-1].contact, before=states[0]))
+            except UnsolvedError:
                 break
-            if state is None:
-                factor = math.sqrt(factor)
-                continue
-            states.append(state)
-            least, factor = min(least, state.load), max(factor**2, STRIDE)
         return states
 
     def opening(self, state: State) -> State | None:
@@ -183,66 +235,24 @@ class Attraction:
         contact = float(pressure.mean())
         return State(pressure, state.attraction, contact, contact - state.held, state.approach - part * moved)
 
-    def refined(self, states: list[State]) -> list[State]:
-        """Return the states with others between them wherever a lower load than their least is possible.
-
-        Between two states the load is at least the contact load of the later less the attraction of the earlier one.
-        Where it is interpolated well at a state between them, no others are needed.
-        """
-        states, closed, count = list(states), set(), FEW_REFINED if self.ended else MAX_REFINED
-        while True:
-            least, pairs = lowest(states).load, list(pairwise(states))
-            slope = min(STEEPER * max((a.load - b.load) / (a.contact - b.contact) for a, b in pairs), 1.0)
-            opened = [
-                (one.load - slope * (one.contact - other.contact), place)
-                for place, (one, other) in enumerate(pairs)
-                if other.contact < (1 - NARROWEST) * one.contact and (id(one), id(other)) not in closed
-            ]
-            possible, place = min(opened, default=(0.0, 0))
-            if possible >= (1 + NEGLECTED) * least:
-                return states
-            if count == 0:
-                if possible < (1 + MAX_NEGLECTED) * least:
-                    self.ended = self.ended or f"{MAX_REFINED} contacts near it are too few"
-                return states
-            count -= 1
-            one, other = pairs[place]
-            curve = _interpolation(states[max(place - 1, 0) : place + 3])
-            contact = _lowest_between(curve, one.contact, other.contact)
-            found = self.near(contact, one, other)
-            if found is None:
-                self.ended = self.stalled(one)
-                closed.add((id(one), id(other)))
-                count = min(count, FEW_REFINED)
-                continue
-            states.insert(place + 1, found)
-            expected = contact - float(curve(math.log(contact)))
-            if abs(found.load - expected) <= SMOOTH * abs(least):
-                closed |= {(id(one), id(found)), (id(found), id(other))}
-
-    def stalled(self, state: State) -> str:
-        """Return why a branch ended at a state."""
-        return f"at a contact load of {self.force(state.contact):.4g} mN it does not converge"
-
-    def between(self, one: State, other: State, load: float) -> State:
-        """The state at a load between those of two others: secants over the contact load (Illinois)."""
-        ends = [(math.log(each.contact), each.load - load) for each in (one, other)]
-        near, last = other, None
-        for _ in range(SEARCHES):
-            (left, below), (right, above) = ends
-            middle = left - below * (right - left) / (above - below)
-            found = self.settled(near, contact=math.exp(middle))
-            if found is None:
+    def refine(self, states: list[State]) -> list[State]:
+        """Return the states with others where the load that is interpolated between them is lower than the least."""
+        states = list(states)
+        for _ in range(MAX_REFINED):
+            place = min(range(len(states)), key=lambda at: states[at].load)
+            lower = []
+            for first in (place - 1, place):
+                pair = states[max(first, 0) : first + 2]
+                if len(pair) == 2 and pair[1].contact < (1 - NARROWEST) * pair[0].contact:
+                    lower.append((*_interpolated_minimum(states[max(first - 1, 0) : first + 3], *pair), first))
+            load, contact, first = min(lower, default=(0.0, 0.0, 0))
+            if load >= (1 + SMOOTH) * states[place].load:
                 break
-            miss = found.load - load
-            if abs(miss) <= self.enough * (found.contact + abs(load)):
-                return found
-            side = int(miss * above > 0)
-            ends[side] = (middle, miss)
-            if side == last:
-                ends[1 - side] = (ends[1 - side][0], ends[1 - side][1] / 2)
-            last, near = side, found
-        raise RuntimeError("the attraction does not converge")
+            try:
+                states.insert(first + 1, self.settle(states[first], contact, before=states[0]))
+            except UnsolvedError:
+                break
+        return states
 
     def force(self, mean: float) -> float:
         """mN, of a mean pressure in GPa."""
@@ -254,32 +264,17 @@ def lowest(states: list[State]) -> State:
     return min(states, key=lambda state: state.load)
 
 
-def _interpolation(states: list[State]) -> Callable[[float | Floats], Floats]:
-    """Return the polynomial of the mean attraction (GPa) over the logarithm of the contact load through states."""
-    x, y = (np.array(each) for each in zip(*((math.log(s.contact), s.held) for s in states), strict=True))
-    middle = x.mean()
-    factors = np.polyfit(x - middle, y, x.size - 1)
-    return lambda place: np.polyval(factors, np.asarray(place) - middle)
+def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tuple[float, float]:
+    """Return the least interpolated load (GPa) between two of up to four states, and its contact load.
 
-
-def _lowest_between(curve: Callable[[float | Floats], Floats], upper: float, lower: float) -> float:
-    """Return where between two contact loads the interpolated load is least, or the middle if that is at an end."""
-    x = np.linspace(math.log(lower), math.log(upper), 41)
-    place = int(np.argmin(np.exp(x) - curve(x)))
-    return math.exp(x[place] if MARGIN <= place < x.size - MARGIN else x[x.size // 2])
-
-
-def _accelerated(steps: list[tuple[Floats, Floats]]) -> Floats:
-    """The step that Anderson's acceleration takes from attractions and their changes."""
-    changes = np.array([change.ravel() for _, change in steps])
-    values = np.array([value.ravel() for value, _ in steps])
-    if len(steps) == 1:
-        return steps[0][1]
-    differences = np.diff(changes, axis=0)
-    square = differences @ differences.T
-    square[np.diag_indices_from(square)] *= 1 + REGULAR
-    parts = np.linalg.lstsq(square, differences @ changes[-1], rcond=None)[0]
-    return np.asarray((changes[-1] - parts @ (np.diff(values, axis=0) + differences)).reshape(steps[0][1].shape))
+    The mean attraction is interpolated by a polynomial over the logarithm of the contact load.
+    """
+    x, y = (np.array(values) for values in zip(*((math.log(s.contact), s.held) for s in states), strict=True))
+    factors = np.polyfit(x - x.mean(), y, x.size - 1)
+    place = np.linspace(math.log(upper.contact), math.log(lower.contact), 41)[1:-1]
+    load = np.exp(place) - np.polyval(factors, place - x.mean())
+    least = int(np.argmin(load))
+    return float(load[least]), float(math.exp(place[least]))
 
 
 def sticking(
@@ -305,12 +300,13 @@ def drawn_apart(pressed: Pressed, *, tolerance: float) -> tuple[list[Pressed], s
     problem, whole = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)
-    start = State(pressure.ravel(), np.asarray(pressed.attraction), float(pressure.mean()), pressed.load / whole)
-    states = attraction.refined(attraction.unloaded(start))
+    known = float(pressure.mean()), pressed.load / whole, pressed.approach
+    start = State(pressure.ravel(), np.asarray(pressed.attraction), *known)
     ways, least = [], start.load
-    for state in states[1:]:  # under a falling load the bodies leave out what only less load holds
+    # A contact that bears less load than an earlier one is not on the way of bodies under a falling load.
+    for state in attraction.draw_apart(start)[1:]:
         if state.load < least:
             ways.append(state)
             least = state.load
     later = [pressed_of(problem, state, state.load * whole, state.attraction) for state in ways]
-    return [pressed, *later], attraction.ended
+    return [pressed, *later], attraction.uncertain

@@ -178,8 +178,8 @@ class HalfSpaceCurve(Curve):
     def pull_off(self) -> float:
         """Largest tension in mN that the bodies bear from the contact of the least load on; 0 without adhesion.
 
-        Computed when first needed: some twenty contacts. Where these end before a larger tension is excluded, as where
-        soft bodies in complete contact come apart, a warning says "at least", and `pull_off_is_bound` is True.
+        Computed when first needed. The bodies come off at a tension 1 % above it. Where that is not certain, a warning
+        says "at least", and `pull_off_is_bound` is True.
         """
         force, is_bound = self.pull_off_bound
         if is_bound:
@@ -188,7 +188,7 @@ class HalfSpaceCurve(Curve):
 
     @property
     def pull_off_is_bound(self) -> bool:
-        """Whether the pull-off force is at least `pull_off`: the contacts end before a larger one is excluded."""
+        """Whether the pull-off force is at least `pull_off`, because a larger one is not excluded."""
         return self.pull_off_bound[1]
 
     @property
