@@ -1,4 +1,4 @@
-"""Why a coefficient is to be quoted with care, or not at all, and what to do about it."""
+"""Assessment of a coefficient: caveats with their remedies, and whether the value may be quoted."""
 
 from __future__ import annotations
 
@@ -72,15 +72,15 @@ WIDE = 0.5  # half the width of an interval over its value above which a coeffic
 
 @dataclass(frozen=True)
 class Doubt:
-    """Why a number is to be quoted with care or not at all, and what to do about it."""
+    """Caveat: why a value is to be quoted with care or not at all, and the remedy."""
 
     text: str
     cure: str
     severity: Severity
     cut_off: float = math.inf
-    """Cut-off (µm) from which on it is none."""
+    """Cutoff wavelength (µm) from which on the caveat does not apply."""
     has_readings: bool = False
-    """Whether a reading without its waves is in the interval."""
+    """Whether the interval contains a reading without these wavelengths."""
     name: str = ""
     """Number of the point that was checked, if it was one: a name of `QUANTITIES` or of `_numbers`."""
     value: float = field(default=math.nan, compare=False)
@@ -90,7 +90,7 @@ class Doubt:
 
 
 class Check(NamedTuple):
-    """A number of a point with the limit above which it is doubted, and the text; {} stands for the number `about`."""
+    """Number of a point, the limit above which it is a caveat, and the text; {} stands for the number `about`."""
 
     name: str
     limit: float
@@ -116,7 +116,7 @@ class Check(NamedTuple):
 Checks = Sequence[Sequence[Check]]  # groups of checks: in each the first that is not passed is said
 
 VERDICTS = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
-"""Verdict by the worst severity of all doubts."""
+"""Assessment by the worst severity of all caveats."""
 
 ADVICE = {
     "not-reached": (
@@ -134,7 +134,7 @@ ADVICE = {
     "no-contact": ("the bodies do not touch", "give more load or a larger approach"),
     "": ("there is no coefficient", "see how many members have an answer"),
 }
-"""What a status means, and what to do about it; the last of any other."""
+"""Meaning and remedy of each status; the last one is for any other."""
 
 WIDE_INTERVAL = f"its interval is wider than ±{100 * WIDE:.0f} %"
 
@@ -222,7 +222,7 @@ NO_COEFFICIENT = Doubt(
 
 
 def doubts_of(point: xarray.Dataset, study: Study, value: RuleValue, status: str) -> Iterator[Doubt]:
-    """What is doubtful of one point, of which this value would be quoted if its status is "ok"."""
+    """Yield the caveats of one point, whose value would be quoted if its status is "ok"."""
     if is_unloaded(point):
         yield NO_COEFFICIENT
         yield from _of_the_adhesion(point, study)
@@ -249,14 +249,14 @@ def doubts_of(point: xarray.Dataset, study: Study, value: RuleValue, status: str
 
 
 def limit_of(name: str) -> float | None:
-    """The least value from which on a number is doubted whatever the bodies are; None if it is not."""
+    """Return the smallest limit of a number that is checked for all bodies; None if it is not checked."""
     return min(
         (check.limit for group in (OF_COUNTS, *OF_CONTACTS) for check in group if check.name == name), default=None
     )
 
 
 def doubted(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Doubt]:
-    """The first check of each group that the numbers of a point do not pass; a number that is not there passes."""
+    """Yield the caveat of the first check of each group that fails; a missing number passes."""
     for group in checks:
         failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
         yield from (check.doubt(numbers) for check in itertools.islice(failed, 1))
@@ -321,18 +321,18 @@ def pressure_checks(study: Study, modulus: float) -> Checks:
 LIMITS_OF_CONTACTS = {
     "of_all": FEWEST_CONTACTS, "least": MIN_CONTACTS, "few": FEW_CONTACTS, "merged": MERGED,
 }  # fmt: skip
-"""Limits that a page needs to count contacts as `_numbers` does."""
+"""Limits with which the report counts contacts as `_numbers` does."""
 
 
 def checks_of_ensemble(study: Study) -> list[list[dict[str, Any]]]:
-    """The checks of a point of generated bodies, as a page has them: it does what `doubted` does."""
+    """Return the checks of a point of generated bodies for the report, which applies them as `doubted` does."""
     pressures = pressure_checks(study, float(study.contact.effective_modulus))
     groups = (OF_VALUE, *pressures, [IS_MU0], OF_COUNTS, *OF_ASPERITIES)
     return [[check._asdict() for check in group] for group in groups]
 
 
 def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Doubt]:
-    """Where a strength is above that of the softer body, and where the answer is mu0 alone."""
+    """Yield caveats of a strength above that of the softer body, and of a coefficient that is mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and value_of(point, "load_share_at_hardness") > PART_BEYOND:
         growth = growth_of(study)
@@ -368,7 +368,7 @@ def _of_the_growth(point: xarray.Dataset, hardness: float, tau0: float, growth: 
 
 
 def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
-    """Where the grid decides its range, or the interval leaves out what it does."""
+    """Yield caveats of adhesion: a range that the grid decides, or an interval without its contribution."""
     if not study.contact.adheres:
         added = added_by_adhesion(point, study)
         least = ADDED if study.by_half_space else 1.0  # asperities cannot say that there is none

@@ -36,7 +36,7 @@ class RuleValue:
 
 
 def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
-    """Every cell, load, mu0 and tau0 of what `at_load` gives, one after the other."""
+    """Yield a dataset for each cell, load, mu0 and tau0 of what `at_load` returns."""
     cells = [name for name in CELLS if name in at.dims]
     dims = [*cells, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
     for place in np.ndindex(*(at.sizes[name] for name in dims)):
@@ -51,18 +51,18 @@ STATISTICS = ("mean", "lower", "upper")  # a mean and the ends of its 95 % inter
 
 
 def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:
-    """Return what the roughness exponent of a study is called and its value: H of self-affine surfaces, else D."""
+    """Return symbol and value of the roughness exponent of a study: H for self-affine surfaces, else D."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
 
 def by_rule(table: Any, rule: str) -> Any:
-    """A table of results by one sliding rule, which may be the only one."""
+    """Select one sliding rule of a table, which may be its only one."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
 def value_of(point: xarray.Dataset, name: str) -> float:
-    """The mean of a quantity at a point, over directions too where it depends on them; NaN where there is none."""
+    """Return the mean of a quantity at a point, over directions too if it depends on them; NaN if there is none."""
     if name not in point.variables:
         return math.nan
     table = point[name]
@@ -81,7 +81,7 @@ def contact_status_of(point: xarray.Dataset, study: Study) -> str:
 
 
 def pressure_of(point: xarray.Dataset) -> float:
-    """Mean pressure in contact (GPa)."""
+    """Return the mean pressure in contact (GPa)."""
     if "mean_pressure" in point:
         return value_of(point, "mean_pressure")
     area = value_of(point, "contact_area")
@@ -90,35 +90,35 @@ def pressure_of(point: xarray.Dataset) -> float:
 
 
 def rules_of(study: Study) -> list[str]:
-    """The sliding rules of a study, the one to quote first."""
+    """Return the sliding rules of a study, the rule to quote first."""
     order = RULE_ORDER if study.is_measured else RULE_ORDER[::-1]
     return sorted(study.contact.rules(), key=order.index)
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Whether load over nominal area has a meaning, which it has not for spheres on a strip of arbitrary thickness."""
+    """Return whether load over nominal area has a meaning, unlike for spheres on a strip of arbitrary thickness."""
     if "nominal_area" not in point.coords:
         return False
     return study.is_areal or study.by_half_space or "cylinder" in law_of(study)
 
 
 def law_of(study: Study) -> str:
-    """The contact law of asperities, in whatever words; empty of a half-space."""
+    """Return the name of the contact law of asperities in lower case; empty for a half-space."""
     return str(study.contact.law or "").lower()
 
 
 def is_capped(study: Study) -> bool:
-    """Whether pressures have a limit."""
+    """Return whether pressures have a limit."""
     return study.contact.hardness is not None or "jackson" in law_of(study)
 
 
 def modulus_of(point: xarray.Dataset, study: Study) -> float:
-    """E* in GPa."""
+    """Return E* in GPa."""
     return float(point["effective_modulus"] if "effective_modulus" in point.coords else study.contact.effective_modulus)
 
 
 def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """The range of adhesion (µm) that was asked for, and that which the grid resolves, if that is longer."""
+    """Return the range of adhesion (µm) of the study, and the range that the grid resolves, if it is longer."""
     contact: Any = study.contact
     asked = float(contact.adhesion_range or ADHESION_RANGE)
     step = float(np.max(point.attrs.get("spacing_um", 0.0)))
@@ -131,13 +131,13 @@ def is_unloaded(point: xarray.Dataset) -> bool:
 
 
 def hardness_of(study: Study) -> float:
-    """GPa; NaN without one."""
+    """Return the hardness in GPa; NaN without one."""
     hardness = study.contact.hardness
     return math.nan if hardness is None else float(hardness)
 
 
 def plastic_adhesion(point: xarray.Dataset, study: Study) -> float | None:
-    """Return tau0/H', the part of adhesion where all contacts yield; NaN of seizure, None without a hardness."""
+    """Return tau0/H', the adhesive part if all contacts yield; NaN for seizure, None without a hardness."""
     hardness = hardness_of(study)
     if math.isnan(hardness) or not study.by_half_space:
         return None

@@ -53,7 +53,7 @@ class Result:
 
     @classmethod
     def of(cls, result: Result | xarray.Dataset | Stored) -> Result:
-        """Return a result unchanged, and that of a dataset of member sums or of an open directory."""
+        """Return a result unchanged, and wrap a dataset of member sums or an open directory."""
         return result if isinstance(result, Result) else cls(result)
 
     # ---- What was computed -------------------------------------------------------------------------------------------
@@ -139,7 +139,7 @@ class Result:
 
     @property
     def over_cut_offs(self) -> xarray.Dataset | None:
-        """What `at` returns over cut-offs, of the study of a few members that is stored alongside, if there is one."""
+        """Values over cutoff wavelengths, from the study of a few members that is stored alongside, if there is one."""
         from stiction.studies.resolution import resolution_at
 
         return self.alongside(resolution_at)
@@ -197,7 +197,7 @@ class Result:
         height_scale: str | ArrayLike | None = None, scaled: Literal["both", "upper", "lower"] = "both",
         compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
-        """Return what `at_load` gives at other loads and materials; nothing is computed again.
+        """Return values and intervals at other loads, mu0 and tau0; nothing is solved again.
 
         Of measured bodies at elastic loads, `friction_combined` has the combined 95 % interval, and other coefficients
         have the sampling interval of the mean over positions.
@@ -279,18 +279,18 @@ class Result:
 
     @property
     def nominal_area(self) -> float | None:
-        """What is pressed of each member of measured bodies, µm²; None of generated ones."""
+        """Nominal area of a member of measured bodies, µm²; None of generated bodies."""
         return float(self.head["nominal_area"]) if self.study.is_measured else None
 
     def _loads_of(self, load: Any) -> Any:
-        """Loads in mN; of measured bodies text may be a pressure on the nominal area."""
+        """Return loads in mN; for measured bodies a text may be a pressure on the nominal area."""
         area = self.nominal_area
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 
     def contacts(
         self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
     ) -> pandas.DataFrame:
-        """Every contact of a typical member, or of those that are named: a row for each. They are solved once more.
+        """Return a row for each contact of a typical member, or of given members, which are solved once more.
 
         Parameters
         ----------
@@ -346,27 +346,27 @@ class Result:
 
     @property
     def value(self) -> float:
-        """The coefficient of static friction to quote first; NaN where there is none."""
+        """Coefficient of static friction to quote first; NaN if there is none."""
         return self._first.value
 
     @property
     def interval(self) -> tuple[float, float]:
-        """The ends of its 95 % interval, of everything that is known: inputs, positions and finer waves."""
+        """Ends of the combined 95 % interval of `value`: inputs, positions and unresolved roughness."""
         return self._first.lower, self._first.upper
 
     @property
     def of_positions(self) -> tuple[float, float]:
-        """The ends of the 95 % interval of the mean over positions alone, at the middle of all inputs."""
+        """Ends of the 95 % sampling interval of the mean over positions, at the central values of all inputs."""
         return self._first.rules[0].positions
 
     @property
     def next_test(self) -> tuple[float, float]:
-        """Between which ends one more test lies with 95 %, in one direction, at one position."""
+        """Ends of the 95 % prediction interval of a single test, in one direction at one position."""
         return self._first.rules[0].next_test
 
     @property
     def budget(self) -> pandas.DataFrame:
-        """What would be left of the interval if an input were known: a row each, the most important first.
+        """Uncertainty budget: the interval that would remain if one input were exact, the most important input first.
 
         Columns input, lower, upper, width (the mean over what the input may be) and share (of the width that goes).
         """
@@ -389,12 +389,12 @@ class Result:
 
     @property
     def caveats(self) -> tuple[Doubt, ...]:
-        """Why it is to be quoted with care or not at all, and what to do about it."""
+        """Caveats of `value` with their remedies, faults first."""
         return self._first.doubts
 
     @property
     def sentence(self) -> str:
-        """The answer in one sentence, with everything that it depends on."""
+        """One sentence with `value` and everything that it depends on."""
         from stiction.views.sentence import sentence_text
 
         return sentence_text(self._first)
@@ -408,11 +408,11 @@ class Result:
         return table_of(self.summary())
 
     def figures(self) -> list[str]:
-        """Names that `figure` takes."""
+        """Return the names that `figure` accepts."""
         return [name for name, _ in self._drawings()]
 
     def figure(self, name: str) -> Figure:
-        """One of the figures, as matplotlib draws it.
+        """Draw one of the figures with matplotlib.
 
         Parameters
         ----------
@@ -467,7 +467,7 @@ class Result:
     # ---- How it shows itself -----------------------------------------------------------------------------------------
 
     def __repr__(self) -> str:
-        """Show what the terminal shows."""
+        """Return the text that the terminal shows."""
         try:
             return self._text().rstrip()
         except ValueError as error:  # nothing touches, or nothing is finished
@@ -480,7 +480,7 @@ class Result:
         return text.result_text(summary) if self.study.is_measured else text.overview_text(summary)
 
     def _repr_html_(self) -> str:
-        """Show the answer as the terminal does, with a picture."""
+        """Return the text of the terminal and a figure as HTML."""
         names = self.figures()
         name = next((each for each in ("contacts", "friction", *names) if each in names), None)
         return f"<div>{preformatted_html(repr(self))}{figure_html(self.figure(name)) if name else ''}</div>"

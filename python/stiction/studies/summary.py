@@ -1,4 +1,4 @@
-"""The summary of a result: everything that may be quoted of it, computed once, for every view.
+"""Summary of a result: everything that may be quoted, computed once, for every view.
 
 A summary has a point for each cell, load, mu0 and tau0. Terminal, JSON, CSV, figures, reports and notebooks render its
 points and compute nothing.
@@ -43,7 +43,7 @@ DECIDES = 0.1  # part of the width of an interval that an input has to take away
 
 @dataclass(frozen=True)
 class Left:
-    """The interval that would be left if one input were known exactly, the mean width of it, and the input's name."""
+    """Interval that would remain if one input were exact, its mean width, and the name of the input."""
 
     words: str
     lower: float
@@ -53,7 +53,7 @@ class Left:
 
 @dataclass(frozen=True)
 class Waited:
-    """The coefficient after some time under load, and its 95 % interval of everything known."""
+    """Coefficient after a dwell time under load, and its combined 95 % interval."""
 
     seconds: float
     value: float
@@ -63,7 +63,7 @@ class Waited:
 
 @dataclass(frozen=True, eq=False)
 class PointSummary:
-    """What may be quoted of one cell, load, mu0 and tau0.
+    """Values, intervals, caveats and assessment at one cell, load, mu0 and tau0.
 
     Attributes
     ----------
@@ -151,46 +151,46 @@ class PointSummary:
 
     @property
     def value(self) -> float:
-        """By the rule to quote."""
+        """Coefficient by the sliding rule to quote first."""
         return self.rules[0].value
 
     @property
     def lower(self) -> float:
-        """Lower end of its 95 % interval."""
+        """Lower end of the combined 95 % interval of `value`."""
         return self.rules[0].lower
 
     @property
     def upper(self) -> float:
-        """Upper end of its 95 % interval."""
+        """Upper end of the combined 95 % interval of `value`."""
         return self.rules[0].upper
 
     @property
     def most(self) -> Left | None:
-        """The input that decides the width of the interval, if one does."""
+        """Input that decides the width of the interval, if there is one."""
         first, width = self.budget[:1], self.upper - self.lower
         return first[0] if first and first[0].width < (1 - DECIDES) * width else None
 
     @property
     def ageing(self) -> float:
-        """Growth of the coefficient over that of the logarithm of the time, from 1 s to the last one; NaN of none."""
+        """Slope of the coefficient over the logarithm of the dwell time, from 1 s to the last; NaN without any."""
         last = self.waited[-1] if self.waited else Waited(1.0, self.value, self.lower, self.upper)
         return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
     @property
     def faults(self) -> tuple[Doubt, ...]:
-        """Doubts for which it is not to be quoted."""
+        """Caveats for which the value is not to be quoted."""
         return tuple(doubt for doubt in self.doubts if doubt.severity == "fault")
 
     @property
     def verdict(self) -> str:
-        """Whether the value is to be quoted: "Quote it", "Quote with care" or "Do not quote"."""
+        """Assessment: "Quote it", "Quote with care" or "Do not quote"."""
         severities = {doubt.severity for doubt in self.doubts}
         return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """What may be quoted of a result at some loads, mu0 and tau0.
+    """Points of a result at some loads, mu0 and tau0, with what is stored alongside.
 
     Attributes
     ----------
@@ -213,7 +213,7 @@ class Summary:
 
     @property
     def headlines(self) -> list[PointSummary]:
-        """The points to print: without the readings that the interval of another point contains."""
+        """Points to print: without the readings that the interval of another point contains."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -240,7 +240,7 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Doubt
 
 
 def _with_both_readings(found: Sequence[PointSummary]) -> list[PointSummary]:
-    """Answers at the cutoff to quote, whose intervals cover those at the other one, and then the others."""
+    """Return points at the cutoff to quote, whose intervals contain those at the other cutoff, and then the others."""
     cut_off = found[0].at["cut_off"]  # the first one is that to quote
     others = {_place(one): one for one in found if one.at["cut_off"] != cut_off}
     own = [one for one in found if one.at["cut_off"] == cut_off]
@@ -249,12 +249,12 @@ def _with_both_readings(found: Sequence[PointSummary]) -> list[PointSummary]:
 
 
 def _place(one: PointSummary) -> tuple[tuple[str, float], ...]:
-    """Load, mu0 and tau0 of an answer, and its cell without the cutoff."""
+    """Return load, mu0 and tau0 of a point, and its cell without the cutoff."""
     return tuple(item for item in one.at.items() if item[0] != "cut_off")
 
 
 def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
-    """An answer to quote whose intervals cover those of the other reading, with the doubts about both.
+    """Return a point to quote whose intervals contain those of the other reading, with the caveats of both.
 
     Filtering does not improve an assessment: what forbids quoting the other reading forbids quoting this one.
     """
@@ -284,7 +284,7 @@ def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
 
 
 def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
-    """A value with intervals that cover those of another reading."""
+    """Return a value with intervals that contain those of another reading."""
     lower, upper = float(np.fmin(one.lower, other.lower)), float(np.fmax(one.upper, other.upper))
     (low, high), (other_low, other_high) = one.next_test, other.next_test
     next_test = float(np.fmin(low, other_low)), float(np.fmax(high, other_high))
@@ -334,7 +334,7 @@ def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
 
 
 def _budget(point: xarray.Dataset, rule: str) -> tuple[Left, ...]:
-    """What would be left of the interval by a rule if each input were known, the narrowest first."""
+    """Return the interval that would remain for each input if it were exact, the narrowest first."""
     if "friction_if_known" not in point:
         return ()
     own, found = by_rule(point, rule), []
@@ -353,7 +353,7 @@ def _waited(point: xarray.Dataset, rule: str) -> tuple[Waited, ...]:
 
 
 def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
-    """What holds the bodies where all contacts rub: mu0 on the load of the contacts, tau0 on their area, and slopes."""
+    """Return the parts of a coefficient with friction at all contacts: mu0 on the load, tau0 on the area, slopes."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
     load = float(point["load"])
@@ -384,12 +384,12 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
 
 
 def _spoils_bracket(doubt: Doubt) -> bool:
-    """Whether a caveat is a fault of more than the number of contacts, which the bracket allows for."""
+    """Return whether a caveat is a fault other than few contacts, for which the bracket allows."""
     return doubt.severity == "fault" and doubt.cure != MORE_CONTACTS
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
-    """Between which ends every finer scan lies: to second order in slopes, so that they may meet.
+    """Return the ends between which every finer scan lies, to second order in slopes; they may be equal.
 
     The upper one is that of the interval, and of the load that finer waves move between the contacts of all members.
     """

@@ -15,23 +15,23 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 RULES = {"all": "if all contacts rub", "opposing": "if only climbing contacts rub (the paper's rule)"}
-"""The sliding rules in words. Of measured bodies the first comes first, because mu0 is measured on smooth faces."""
+"""Sliding rules in words. For measured bodies the first is quoted first, because mu0 is measured on smooth faces."""
 
 
 def materials_text(study: Study) -> str:
-    """What the bodies are made of, "mild steel on brass"; empty where their names are not known."""
+    """Return the materials, "mild steel on brass"; empty if they have no names."""
     names = study.contact.materials
     return "" if names is None else " on ".join(names)
 
 
 def adhesion_text(point: xarray.Dataset, study: Study) -> str:
-    """The work of adhesion of a study and its range: "adhesion 50 mJ/m² over 0.5 nm"."""
+    """Return the work of adhesion of a study and its range: "adhesion 50 mJ/m² over 0.5 nm"."""
     work = 1e6 * float(study.contact.work_of_adhesion or 0.0)
     return f"adhesion {work:.3g} mJ/m² over {with_unit(range_of(point, study)[1], 'um')}"
 
 
 def load_text(point: xarray.Dataset, study: Study) -> str:
-    """The load of a point, and over the nominal area: "10 mN (100 MPa)"."""
+    """Return the load of a point, and over the nominal area: "10 mN (100 MPa)"."""
     load = float(point["load"])
     if is_unloaded(point):
         return "no load"
@@ -41,7 +41,7 @@ def load_text(point: xarray.Dataset, study: Study) -> str:
 
 
 def over_text(directions: Any) -> str:
-    """What a mean over directions (degrees) is a mean over."""
+    """Return the directions (degrees) of a mean in words."""
     degrees = np.sort(np.asarray(directions, dtype=float) % 360)
     if degrees.size == 1:
         return f"the upper body moves {way_text(float(degrees[0]))}"
@@ -56,6 +56,6 @@ def over_text(directions: Any) -> str:
 
 
 def way_text(direction: float) -> str:
-    """A direction in words: "to +x", "at 30°"."""
+    """Return a direction in words: "to +x", "at 30°"."""
     axes = {0.0: "+x", 90.0: "+y", 180.0: "\N{MINUS SIGN}x", 270.0: "\N{MINUS SIGN}y"}
     return f"to {axes[direction]}" if direction in axes else f"at {direction:g}°"

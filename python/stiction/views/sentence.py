@@ -1,4 +1,4 @@
-"""The sentence to quote of a point of a summary, and its parts in words."""
+"""Sentence to quote for a point of a summary, and its parts."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
 READINGS_DIFFER = 0.01  # relative difference between the readings of a load from which on the answer says which it is
 OTHER_KAPPA = 0.2
-"""Relative difference of A E* h'/F from the usual one, from which on the slopes alone say something else."""
+"""Relative difference of A E* h'/F from the usual value above which the small-slope estimate is no check."""
 
 KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
-"""Usual A E* h'/F: the one with which `at_load` calls `gentle_friction`."""
+"""Usual A E* h'/F, with which `at_load` calls `gentle_friction`."""
 
 
 def finer_text(one: PointSummary) -> str:
-    """Between which ends every finer scan lies, and at which hardness; empty without a bracket."""
+    """Return the ends between which every finer scan lies, with the hardness; empty without a bracket."""
     if one.bracket is None or one.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in one.bracket)
@@ -42,7 +42,7 @@ def finer_text(one: PointSummary) -> str:
 
 
 def sentence_text(one: PointSummary) -> str:
-    """One sentence with its inputs: to quote, or why there is none to quote."""
+    """Return the sentence to quote with its inputs, or why there is none."""
     assumed = assumed_of(one)
     if one.unloaded and one.sticking is not None:
         parts = [f"{sticking_text(one.sticking).removesuffix('.')}, at {inputs_text(one)}", note_text(one)]
@@ -60,7 +60,7 @@ def sentence_text(one: PointSummary) -> str:
 
 
 def covers_text(one: PointSummary) -> str:
-    """What the 95 % interval of the first rule covers; empty without an interval."""
+    """Return the contributions to the 95 % interval of the first rule; empty without an interval."""
     if math.isnan(one.upper - one.lower) or one.members < 2:
         return ""
     inputs = dict.fromkeys(left.words for left in one.budget) or [f"the mean over {_averaged(one)}"]
@@ -68,7 +68,7 @@ def covers_text(one: PointSummary) -> str:
 
 
 def roughness_text(one: PointSummary) -> str:
-    """How much of the coefficient the scans contribute; empty where that is not known."""
+    """Return the part of the coefficient that roughness contributes; empty if it is unknown."""
     if one.from_roughness is None or not math.isfinite(one.value):
         return ""
     return f"roughness contributes {round(one.from_roughness, 3) + 0.0:.3f} of {one.value:.3f}"
@@ -112,7 +112,7 @@ def inputs_text(one: PointSummary) -> str:
 
 
 def _asked(point: xarray.Dataset, study: Study, name: str) -> str:
-    """The range of mu0 or tau0 as it was given, where the point is at the middle of it."""
+    """Return the range of mu0 or tau0 as it was given, if the point is at its central value."""
     text = getattr(study.known, name)
     return f" ({text})" if text is not None and _is_asked(point, study, name) else ""
 
@@ -122,7 +122,7 @@ def _is_asked(point: xarray.Dataset, study: Study, name: str) -> bool:
 
 
 def _interface_words(study: Study) -> str:
-    """Name and kind of the interface of which mu0 and tau0 are, and what else a reader must know of it."""
+    """Return name, kind and conditions of the interface that mu0 and tau0 are from."""
     found, name = interface_of(study), Path(str(study.known.interface)).name
     if found is None:
         return f"interface {name}, which is not there, so that μ0 and τ0 are taken one by one"
@@ -133,7 +133,7 @@ def _interface_words(study: Study) -> str:
 
 
 def _range(study: Study) -> str:
-    """What of the hardness is known, where that is no single number."""
+    """Return the range of the hardness; empty for a single number."""
     found = inputs_of(study).get("hardness")
     if found is None:
         return ""
@@ -179,7 +179,7 @@ STRIP = "a strip 1 µm wide"  # of the paper, which profiles stand for
 
 
 def assumptions_of(study: Study) -> tuple[str, ...]:
-    """Return what the result of a study takes for granted: lay and width of profiles, contact model, adhesion."""
+    """Return the assumptions of a study: lay and width of profiles, contact model, adhesion."""
     if not study.is_measured:
         return ()
     surfaces, contact, words = study.surfaces, study.contact, []
@@ -195,7 +195,7 @@ def assumptions_of(study: Study) -> tuple[str, ...]:
 
 
 def assumed_of(one: PointSummary) -> tuple[str, ...]:
-    """Return all that the sentence for a report names as assumed."""
+    """Return all assumptions that the sentence names."""
     point, study = one.values, one.study
     if not study.is_measured:
         return ()
@@ -209,7 +209,7 @@ def assumed_of(one: PointSummary) -> tuple[str, ...]:
 
 
 def _scans_text(study: Study) -> str:
-    """How many scans of each part there are, and which spread between places is not in an interval."""
+    """Return the number of scans of each part, and the part-to-part variability that is not in the interval."""
     counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its one position"
@@ -221,7 +221,7 @@ def _scans_text(study: Study) -> str:
 
 
 def slopes_text(one: PointSummary) -> str:
-    """What the slopes alone predict, and what that leaves out; empty where the result has no such number."""
+    """Return the small-slope estimate and its limits; empty if the result has none."""
     point, study = one.values, one.study
     known = [rule for rule in one.rules if math.isfinite(rule.slopes)]
     if not known:

@@ -12,7 +12,7 @@ from stiction.studies.sticking import STICKING_PRESSURE, Sticking, Three
 
 
 def sticking_text(sticking: Sticking) -> str:
-    """The answer with its numbers, in one or two sentences."""
+    """Return whether bodies stick, with forces and pressures, in one or two sentences."""
     least = "at least " if sticking.is_bound else ""
     limit = f"{with_unit(STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
     where = {"yes": "", "no": f", less than {limit}", "uncertain": f"; they stick above {limit}"}[sticking.sticks]
@@ -36,7 +36,7 @@ def sticking_record(sticking: Sticking) -> dict[str, Any]:
 
 
 def _shown(three: Three, name: str) -> str:
-    """A mean with its interval, in the unit of the fewest zeros."""
+    """Return a mean with its interval, in the unit with the fewest zeros."""
     factor, unit = prefix(three[0], QUANTITIES[name].unit) if np.isfinite(three[0]) else (1.0, "")
     value, lower, upper = (each / factor for each in three)
     return f"{with_interval(value, lower, upper)} {unit}".replace(" no interval", "").rstrip()
