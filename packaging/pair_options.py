@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Write what follows from the options of a pair: parameters of `stiction.pair` and of the command, and descriptions.
+"""Write what follows from the options of a pair: parameters of `stiction.pair` and of commands.
 
-pair_options.py            write both files
+pair_options.py            write the files
 pair_options.py --check    end with status 1 if a file differs from what would be written
 """
 
@@ -15,11 +15,20 @@ import textwrap
 from pathlib import Path
 
 from stiction.studies import pair_options
-from stiction.studies.pair_options import GROUPS, OPTIONS, UNITS, PairOptions, choices_of, name_in_python
+from stiction.studies.pair_options import (
+    GROUPS,
+    OPTIONS,
+    UNITS,
+    PairOptions,
+    ReadingOptions,
+    choices_of,
+    name_in_python,
+)
 
 ROOT = Path(__file__).resolve().parent.parent
 FUNCTION = ROOT / "python/stiction/views/pair.py"
 COMMAND = ROOT / "python/stiction/cli/pair.py"
+READER = ROOT / "python/stiction/cli/characterise.py"
 WIDTH = 120
 BODIES = ("upper", "lower")
 IN_PYTHON = [name for name, option in OPTIONS.items() if option.is_in_python]
@@ -116,6 +125,15 @@ def parameters_of_command() -> str:
     return "".join(lines)
 
 
+def parameters_of_reader() -> str:
+    """Return the parameters of the command `characterise` that say how a file is read."""
+    lines = []
+    for name in ReadingOptions.model_fields:
+        once = ", repeatable=False" if OPTIONS[name].is_repeatable else ""
+        lines.append(f'    {name}: Annotated[str | None, option_of("{name}"{once})] = None,\n')
+    return "".join(lines)
+
+
 def replaced(text: str, start: str, end: str, new: str) -> str:
     """Return a text with what is between a start and an end replaced."""
     head, result, rest = text.partition(start)
@@ -133,7 +151,10 @@ def written() -> dict[Path, str]:
     function = replaced(function, "options = PairOptions(\n", "            )\n", call())
     command = COMMAND.read_text("utf-8")
     command = replaced(command, "    lower: LowerFile = None,\n    *,\n", "    workers:", parameters_of_command())
-    return {path: formatted(text) for path, text in ((FUNCTION, function), (COMMAND, command))}
+    reader = READER.read_text("utf-8")
+    reader = replaced(reader, "    as_json: Json = False,\n", ") -> None:\n", parameters_of_reader())
+    texts = {FUNCTION: function, COMMAND: command, READER: reader}
+    return {path: formatted(text) for path, text in texts.items()}
 
 
 def formatted(text: str) -> str:

@@ -17,6 +17,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP
 from stiction._number_format import with_unit
+from stiction.studies.pair_options import split_list
 from stiction.surfaces.measured.reading import reading_of
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -28,10 +29,8 @@ COLOURS = ("#7a8490", "#8a63c7")  # of lower and upper lines; both are seen on l
 
 def look(file: str, reading: dict[str, str]) -> dict[str, Any]:
     """What a scan holds, as `stiction characterise` says it, with a small picture; or why it cannot be read."""
-    given: dict[str, Any] = {name.replace("-", "_"): text for name, text in reading.items() if text}
-    for name in ("unit", "spacing", "columns", "missing_value", "accept"):
-        if "," in given.get(name, ""):
-            given[name] = tuple(part.strip() for part in given[name].split(","))
+    texts = {name.replace("-", "_"): text for name, text in reading.items() if text}
+    given: dict[str, Any] = {name: split_list(name, text) for name, text in texts.items()}
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:

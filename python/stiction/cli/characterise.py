@@ -14,8 +14,9 @@ from stiction._files import check_replaceable
 from stiction._text import MAX_PATH_LENGTH, printable, printable_path
 from stiction.cli.application import command, option_was_given, say, tell
 from stiction.cli.options import Json, measurement, option
-from stiction.cli.pair_options import option_of
+from stiction.cli.pair_options import given_options, option_of
 from stiction.studies.measured_surfaces import TEXTURES
+from stiction.studies.pair_options import READING
 from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -109,10 +110,7 @@ def characterise(
     from stiction.views.rows import record
     from stiction.views.style import save_picture
 
-    reading = {
-        "unit": unit, "spacing": spacing, "missing": missing, "missing_value": missing_value,
-        "outliers": outliers, "crop": crop, "channel": channel, "columns": columns, "accept": accept,
-    }  # fmt: skip
+    reading = {name: str(text) for name, text in given_options(context).items() if name in READING}
     outputs = (
         [] if dry_run or (as_json and output is None) else _outputs(files, output, together=together, repeated=repeated)
     )

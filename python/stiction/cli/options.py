@@ -40,6 +40,7 @@ Verbose = Annotated[bool, _output("--verbose -v", "Show all: inputs, directions,
 
 def measurement(file: Path, asked: Mapping[str, str | None]) -> Reading[Profile | Surface]:
     """Return the profile or surface in a file, and what was understood of it, by options that are texts."""
+    from stiction.studies.pair_options import split_list
     from stiction.surfaces.measured.reading import reading_of
     from stiction.surfaces.measured.spectrum_file import is_spectrum
 
@@ -48,10 +49,7 @@ def measurement(file: Path, asked: Mapping[str, str | None]) -> Reading[Profile 
             f"{printable_path(file)}: is the spectrum of several scans, which stiction pair takes in place of one"
         )
     announce_reader(file)
-    given: dict[str, Any] = {name: text for name, text in asked.items() if text is not None}
-    for name in ("unit", "spacing", "columns"):
-        if "," in given.get(name, ""):
-            given[name] = tuple(part.strip() for part in given[name].split(","))
+    given: dict[str, Any] = {name: split_list(name, text) for name, text in asked.items() if text is not None}
     return reading_of(file, **given)
 
 

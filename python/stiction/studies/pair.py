@@ -32,7 +32,17 @@ from stiction.studies.interfaces import Interface, interface, interfaces, median
 from stiction.studies.known import KINDS, NO_NUMBER, Known, read_known
 from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, About, Body, MeasuredFile
 from stiction.studies.members import about
-from stiction.studies.pair_options import CHECKED, MECHANICS, OPTIONS, Kind, Mechanics, PairOptions, read_options
+from stiction.studies.pair_options import (
+    CHECKED,
+    MECHANICS,
+    OPTIONS,
+    READING,
+    Kind,
+    Mechanics,
+    PairOptions,
+    read_options,
+    split_list,
+)
 from stiction.studies.study import SEED, Study
 from stiction.studies.values import StudyError, validated
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
@@ -114,21 +124,21 @@ class Pair:
             own["texture"] = self._process(processes[index % len(processes)])
         is_array = isinstance(body, np.ndarray)
         if not isinstance(body, (str, Path)):
-            for name in _OF_FILES if is_array else ("unit", "spacing", *_OF_FILES):
+            for name in READING:
+                if is_array and name in ("unit", "spacing"):
+                    continue
                 if options.given(name) not in (None, "error", "keep"):
                     raise ArgumentError(
                         f"{{{name}}} is for files: read them first where only one of both is one, got {{{name}}}"
                     )
             body = self._from_array(side, index, body) if is_array else body
             return MeasuredFile.holding(body, side).model_copy(update=own)
-        table = own | {
-            "file": str(body), "missing": options.missing or "error", "outliers": options.outliers or "keep",
-        }  # fmt: skip
-        for name in ("unit", "spacing", "crop", "channel", "columns", "missing_value", "accept"):
+        table = own | {"file": str(body)}
+        for name in READING:
             if (value := self._of_body(name, index)) in (None, ""):
                 continue
             text = value if isinstance(value, str) else exact_text(value, "um") if name == "spacing" else str(value)
-            table[name] = split_values(text) if "," in text and name not in ("channel", "crop") else text
+            table[name] = split_list(name, text)
         try:
             return validated(MeasuredFile, table, f"pair: {side}")
         except StudyError as error:
@@ -650,10 +660,6 @@ def study_of_options(options: PairOptions) -> Study:
     study = Pair(options).study
     about(study)
     return study
-
-
-_OF_FILES = ("channel", "columns", "missing_value", "accept", "missing", "outliers", "crop")
-"""Options that apply to files alone."""
 
 
 def _parts(value: Any) -> Any:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, PlainValidator, SkipValidation, ValidationError
 from pydantic.fields import FieldInfo
 
+from stiction._arguments import split_values
 from stiction._checks import number, scalar, whole_number
 from stiction._errors import ArgumentError
 from stiction._units import short_repr
@@ -388,6 +389,7 @@ class Option:
     applies: tuple[Condition, ...] = ()
     is_common: bool = False  # in the short help
     is_repeatable: bool = False  # on the command line
+    is_list: bool = False  # a comma separates values for one file
     is_in_python: bool = True  # a parameter of `stiction.pair`
 
 
@@ -458,7 +460,7 @@ class ReadingOptions(Options):
 
     unit: Annotated[Values | None, Option(
         "UNIT", 'Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Needed where the file '
-        "has none.", is_repeatable=True, is_common=True,
+        "has none.", is_repeatable=True, is_common=True, is_list=True,
         field=FormField(
             label="unit", place="scan", has_commas=True, empty="its own", choices=(
                 ("nm", "nm"), ("um", "um"), ("mm", "mm"), ("m", "m"), ("mm,um", "mm, heights µm"),
@@ -468,7 +470,7 @@ class ReadingOptions(Options):
     )] = None  # fmt: skip
     spacing: Annotated[Values | None, Option(
         "LENGTH", 'Distance of neighboring points, "0.5 um", or of rows and of columns, "2 um,0.5 um". Needed where '
-        "the file has none.", kind="length", is_repeatable=True, is_common=True,
+        "the file has none.", kind="length", is_repeatable=True, is_common=True, is_list=True,
         field=FormField(label="spacing", place="scan", has_commas=True, example="0.5 um", size=7),
     )] = None  # fmt: skip
     missing: Annotated[Missing | None, Option(
@@ -480,6 +482,7 @@ class ReadingOptions(Options):
     )] = None  # fmt: skip
     missing_value: Annotated[Values | None, Option(
         "NUMBERS|WORDS", 'Numbers or words that mark points without a height, "-9999".', is_repeatable=True,
+        is_list=True,
         field=FormField(label="missing value", place="scan", has_commas=True, example="-9999", size=9),
     )] = None  # fmt: skip
     outliers: Annotated[Outliers | None, Option(
@@ -497,11 +500,12 @@ class ReadingOptions(Options):
     )] = None  # fmt: skip
     columns: Annotated[Values | None, Option(
         "Z|X,Z|X,Y,Z", "Columns of a table, names or numbers from 0: of heights, or of positions and heights.",
-        is_repeatable=True,
+        is_repeatable=True, is_list=True,
         field=FormField(label="columns", place="scan", has_commas=True, example="0,1 or names", size=9),
     )] = None  # fmt: skip
     accept: Annotated[Values | None, Option(
         "NAMES", 'Caveats about a file that are settled, by their names, "whole-numbers".', is_repeatable=True,
+        is_list=True,
         field=FormField(label="settled caveats", place="scan", has_commas=True, example="whole-numbers", size=9),
     )] = None  # fmt: skip
     texture: Annotated[Values | None, Option(
@@ -706,6 +710,15 @@ OPTIONS: dict[str, Option] = {
     name: _option_of(field) for group in GROUPS for name, field in group.model_fields.items()
 }  # fmt: skip
 """Every option by the name of its field."""
+
+READING: tuple[str, ...] = tuple(name for name in ReadingOptions.model_fields if name not in ("texture", "tip"))
+"""Options that `read_measurement` takes."""
+
+
+def split_list(name: str, text: str) -> str | list[str]:
+    """Return the values of an option in a text between commas, or the text if the option has one value."""
+    return split_values(text) if OPTIONS[name].is_list and "," in text else text
+
 
 CHECKED: tuple[str, ...] = tuple(
     name
