@@ -9,7 +9,7 @@ from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
 from stiction.studies.at_load import PerLoad, areas_of, at_load, six_at
-from stiction.studies.budget import _Point, with_uncertainty
+from stiction.studies.budget import _numbers_at, _Point, with_uncertainty
 from stiction.studies.executors import threads
 from stiction.studies.hardness import areas_over_hardness, bodies_wanted, inputs_of
 from stiction.studies.known import ENDS, known
@@ -96,7 +96,7 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
     where = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
     six, areas = six_at(result.source, at["load"].values), areas_of(at, result.source)
     friction = PerLoad.of(six.sel(sliding="all").mean())
-    one = _Point(at.isel(where), where, result.study, inputs, friction, areas)
+    one = _Point(_numbers_at(at, where), where, result.study, inputs, friction, areas)
     one.names, one.places = tuple(inputs), {}  # the scan as it is, at these positions
     for part in (0.03, 0.7):
         hardness = float(inputs["hardness"].known.quantile(part))

@@ -3,7 +3,7 @@ import pytest
 import scipy.special
 import scipy.stats
 from reference.neighbours import judged, of_quantity, traverses
-from stiction.studies.intervals import FEWEST_NEIGHBOURS, of_neighbours, of_sample
+from stiction.studies.intervals import FEWEST_NEIGHBOURS, of_neighbours, of_positions, of_sample
 
 TRIALS = 500  # the share that covers scatters by 1 %
 WIDEST = 1.5  # median width over that of an interval from the true variance, where 32 values and more are at hand
@@ -133,3 +133,12 @@ def test_sample_interval_ignores_missing_values():
     assert (lower[0], upper[0]) == pytest.approx((2 * np.exp(-half_width / 2), 2 * np.exp(half_width / 2)))
     assert 0 < lower[1] < mean[1] < upper[1]
     assert np.isnan([lower[2], upper[2]]).all()
+
+
+@pytest.mark.parametrize("lines", [1, 16])
+def test_interval_does_not_depend_on_other_columns(lines):
+    values = np.exp(np.random.default_rng(0).normal(size=(64, 50)).cumsum(axis=0) * 0.3)
+    places = np.arange(64) * lines // 64
+    every = np.stack(of_positions(values, places))
+    alone = [of_positions(np.ascontiguousarray(column), places) for column in values.T]
+    assert np.array_equal(every, np.array(alone).T)

@@ -293,56 +293,59 @@ def of_neighbours(values: Floats) -> tuple[Floats, Floats, Floats]:
     skewness off, and not beyond them. NaN for fewer than `FEWEST_NEIGHBOURS` values, and where all are equal.
     """
     count = values.shape[0]
-    columns = values.reshape(count, math.prod(values.shape[1:]))
-    mean = columns.mean(axis=0) if count else np.full(columns.shape[1], np.nan)
+    # Each row (c, r) is summed alone, so that its bits do not depend on how many others there are.
+    rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
+    mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
     if count >= FEWEST_NEIGHBOURS:
         at_a_time = max(1, IN_CACHE // (4 * count))
         for first in range(0, mean.size, at_a_time):
             some = slice(first, first + at_a_time)
-            lower[some], upper[some] = _ends_of_neighbours(columns[:, some], mean[some])
+            lower[some], upper[some] = _ends_of_neighbours(rows[some], mean[some])
     return tuple(each.reshape(values.shape[1:]) for each in (mean, lower, upper))  # type: ignore[return-value]
 
 
 def _ends_of_neighbours(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the ends of the intervals of columns of values (r, c), NaN where all values are equal."""
+    """Return the ends of the intervals of rows of values (c, r), NaN where all values are equal."""
     from scipy.special import stdtr
 
     # In units of their spread, so that no scale overflows.
-    count, deviations = values.shape[0], values - mean
-    spread = np.sqrt(np.square(deviations).sum(axis=0) / (count - 1))
-    differ = (spread > 0) & (values != values[0]).any(axis=0)
-    y, rho = deviations / np.where(differ, spread, 1.0), _CORRELATIONS[:, np.newaxis]
-    y = np.where(differ, y, np.linspace(-1.0, 1.0, count)[:, np.newaxis])
+    count, deviations = values.shape[1], values - mean[:, np.newaxis]
+    spread = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
+    differ = (spread > 0) & (values != values[:, :1]).any(axis=1)
+    y, rho = deviations / np.where(differ, spread, 1.0)[:, np.newaxis], _CORRELATIONS
+    y[~differ] = np.linspace(-1.0, 1.0, count)
     # Of the autoregressive process in closed form: 1' R^-1 1, the weighted mean, and the weighted sum of squares.
     ones, inflation, quantile, density = _of_count(count)
-    centre = (y[0] + y[-1] + (1 - rho) * y[1:-1].sum(axis=0)) / (1 + rho) / ones[:, np.newaxis]
+    inner = y[:, 1:-1].sum(axis=1)[:, np.newaxis]
+    centre = (y[:, :1] + y[:, -1:] + (1 - rho) * inner) / (1 + rho) / ones  # (c, rho)
     squares = np.empty_like(centre)
-    for index, correlation in enumerate(_CORRELATIONS):
-        about = y - centre[index]
-        innovations = about[1:] - correlation * about[:-1]
-        squares[index] = about[0] ** 2 + np.square(innovations).sum(axis=0) / (1 - correlation**2)
-    weights = (count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(ones)[:, np.newaxis] - np.log(1 - rho)
-    weights = np.exp(-0.5 * (weights - weights.min(axis=0)))
-    weights /= weights.sum(axis=0)
-    errors = np.sqrt(squares / (count - 1) * inflation[:, np.newaxis])
+    for index, correlation in enumerate(rho):
+        about = y - centre[:, index, np.newaxis]
+        innovations = about[:, 1:] - correlation * about[:, :-1]
+        squares[:, index] = about[:, 0] ** 2 + np.square(innovations).sum(axis=1) / (1 - correlation**2)
+    weights = (count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(ones) - np.log(1 - rho)
+    weights = np.exp(-0.5 * (weights - weights.min(axis=1, keepdims=True)))
+    weights /= weights.sum(axis=1, keepdims=True)
+    errors = np.sqrt(squares / (count - 1) * inflation)
 
     # The mixture's distribution is concave above 0, so that Newton's steps from below its quantile stay below it.
-    high = quantile * errors.min(axis=0)
+    high, moves = quantile * errors.min(axis=1), np.ones(mean.shape, bool)
     for _ in range(_MOST_STEPS):
-        t = high / errors
-        slope = density * (weights * (1 + t * t / (count - 1)) ** (-count / 2) / errors).sum(axis=0)
-        step = (0.5 + CONFIDENCE / 2 - (weights * stdtr(count - 1, t)).sum(axis=0)) / slope
-        high = high + step
-        if (step <= 1e-15 * high).all():
+        t = high[:, np.newaxis] / errors
+        slope = density * (weights * (1 + t * t / (count - 1)) ** (-count / 2) / errors).sum(axis=1)
+        step = (0.5 + CONFIDENCE / 2 - (weights * stdtr(count - 1, t)).sum(axis=1)) / slope
+        high = high + np.where(moves, step, 0.0)
+        moves &= step > 1e-15 * high
+        if not moves.any():
             break
-    bend = (y**3).mean(axis=0) / (y**2).mean(axis=0) ** 1.5 / 3
+    bend = (y**3).mean(axis=1) / (y**2).mean(axis=1) ** 1.5 / 3
     is_straight = np.abs(bend) <= _STRAIGHT
     bend = np.where(is_straight, 1.0, bend)
     below = np.where(is_straight, high, -np.expm1(-bend * high) / bend)
     above = np.where(is_straight, high, np.expm1(bend * high) / bend)
-    lower = np.maximum(mean - spread * below, values.min(axis=0))
-    upper = np.minimum(mean + spread * above, values.max(axis=0))
+    lower = np.maximum(mean - spread * below, values.min(axis=1))
+    upper = np.minimum(mean + spread * above, values.max(axis=1))
     return np.where(differ, lower, np.nan), np.where(differ, upper, np.nan)
 
 
@@ -356,7 +359,7 @@ def of_positions(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Float
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         sums = np.zeros((first.size, *values.shape[1:]))
         np.add.at(sums, index, values)
-        whole = sums.sum(axis=0) / counts.sum()
+        whole = np.ascontiguousarray(np.moveaxis(sums, 0, -1)).sum(axis=-1) / counts.sum()
         each = (whole + (sums - counts * whole) / counts.mean())[np.argsort(first)]
     mean, lower, upper = of_neighbours(each)
     return mean, np.maximum(lower, values.min(axis=0)), np.minimum(upper, values.max(axis=0))
