@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray
+from scipy.stats import halfnorm
 from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
@@ -322,3 +323,11 @@ def test_equal_inputs_have_equal_fractions_of_the_budget() -> None:
     upper, lower = (shares[f"Young's modulus of the {side} body"] for side in ("upper", "lower"))
     assert upper == pytest.approx(lower, abs=0.01)
     assert shares.min() >= 0
+
+
+def test_interval_of_a_coefficient_of_zero_has_the_range_of_mu0() -> None:
+    options = {"load": "20 MPa", "effective_modulus": "80 GPa", "cutoff": "none"} | QUICK | {"shifts": 8}
+    low, high = pair(*bodies(points=24), mu0="0±0.1", **options).interval
+    assert low == 0
+    assert high == pytest.approx(0.1 * halfnorm.ppf(0.975), rel=0.02)
+    assert pair(*bodies(points=24), mu0=0.0, **options).interval[1] < budget.NEGLIGIBLE

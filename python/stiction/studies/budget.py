@@ -102,6 +102,9 @@ def with_uncertainty(
             _numbers_at(read, where), where, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(place)
         )
         if not one.names:
+            point = _numbers_at(read[["friction_all_round"]], where)["friction_all_round"]
+            if (np.abs(point) < NEGLIGIBLE).all() and {"mu0", "tau0"} & inputs.keys():
+                whole[place] = point[0], *_ends_about_zero(PerLoad.of(sums), one, inputs, point)
             continue
         whole[place] = one.value, *one.interval()
         if not tests:
@@ -146,6 +149,20 @@ def _numbers_at(table: xarray.Dataset, where: Mapping[str, int]) -> dict[str, An
     }
 
 
+def _ends_about_zero(friction: PerLoad, own: _Point, inputs: Mapping[str, Any], point: Floats) -> tuple[float, float]:
+    """Return the ends of the 95 % interval of a coefficient of 0, of which all others are sums and no multiples.
+
+    They contain a coefficient and its sampling interval, and are 0 or above.
+    """
+    cube = strata(2)
+    mu0, tau0 = (
+        inputs[name].known.quantile(cube[:, at]) if name in inputs else value
+        for at, (name, value) in enumerate((("mu0", own.mu0), ("tau0", own.tau0)))
+    )
+    low, high = containing(_ends(np.broadcast_to(friction.coefficient(mu0, tau0), (DRAWS,))), *point.tolist())
+    return max(low, 0.0), high
+
+
 def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
     """Return one dataset, over rising loads, of parts at different loads."""
     import xarray
@@ -167,6 +184,10 @@ def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floa
         over = np.moveaxis(found, dims.index("cut_off"), 0)
         over[0, ..., 1], over[0, ..., 2] = np.fmin.reduce(over[..., 1]), np.fmax.reduce(over[..., 2])
     return found
+
+
+NEGLIGIBLE = 1e-9
+"""Coefficient of an interface without strength, which slopes alone leave by round-off."""
 
 
 class _Point:
