@@ -122,3 +122,10 @@ def test_long_help_lists_all_options(capsys):
         command().make_context("stiction pair", ["--help-all"])
     text = capsys.readouterr().out
     assert all(name_on_command_line(name) in text for name in OPTIONS)
+
+
+def test_editor_completes_the_options_of_the_function():
+    jedi = pytest.importorskip("jedi")
+    source = "st.pair(miss"
+    names = [each.name for each in jedi.Interpreter(source, [{"st": stiction}]).complete(1, len(source))]
+    assert names == ["missing=", "missing_value="]

@@ -165,9 +165,9 @@ def fault_at(key: str, message: str) -> PydanticCustomError:
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
-def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any], usual: str = "") -> str:
-    """The name of a case that a key says, by default the first."""
-    value = given.get(key, usual or next(iter(cases)))
+def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
+    """Return the name of the case that a key of a table selects, by default the first."""
+    value = given.get(key, next(iter(cases)))
     if not isinstance(value, str) or value not in cases:
         names = '" or "'.join(cases)
         raise fault_at(key, f'must be "{names}", got {short_repr(value)}')
