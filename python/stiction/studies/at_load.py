@@ -48,6 +48,8 @@ NO_LOAD = 0.01
 """Load over the pull-off force below which bodies are as without a load, and a coefficient has no meaning."""
 
 
+MIN_STIFFNESS_STEPS = 3  # approaches or loads of which a stiffness is a derivative
+
 COMPLETE, ABOVE_NOMINAL = "complete", "above-nominal"
 """Statuses of contacts whose true area is at least the nominal one: on slopes, or a sum of asperities that overlap."""
 
@@ -201,10 +203,12 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
             first = first.assign_coords(axis=("axis", axes, attributes_of("axis")))
     others = [name for name in (*ONSET, "contact_load") if name in head]
     for what in ("contact_area", "contact_count", "normal_stiffness", *others):
+        if what == "normal_stiffness" and head.sizes[step_of(head)] < MIN_STIFFNESS_STEPS:
+            continue
         try:
             found = read(what, every)
         except ValueError:
-            if what != "normal_stiffness":  # of too few steps, or of a half-plane
+            if what != "normal_stiffness":  # of a half-plane
                 raise
             continue
         variables[what] = _with_statistic(found if every is None else found.isel(direction=0), what)

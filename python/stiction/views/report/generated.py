@@ -104,7 +104,7 @@ def _at_nodes(
     area = np.broadcast_to(area, points.shape)
     contacts = np.broadcast_to(in_order(at["contact_count"])[..., 0], shape)
     quantities: dict[str, Floats] = {"friction": points, "area": area}
-    if "normal_stiffness" in at:
+    if "normal_stiffness" in at and bool(at["normal_stiffness"].notnull().any()):
         quantities["stiffness"] = np.broadcast_to(in_order(at["normal_stiffness"]), points.shape)
     for name, each in quantities.items():
         tables.add_points(name, each)

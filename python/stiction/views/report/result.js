@@ -432,6 +432,7 @@ function connect() {
   if (drawings.compass) connectCompass();
   atRest = () => address(addressOf());
   sayParameters();
+  address(addressOf());
 }
 
 function connectLoad(said) {
