@@ -54,8 +54,10 @@ def test_member_equals_half_space_of_its_surfaces(sticky):
     assert data["contact_load"].values == pytest.approx(curve.contact_load, rel=EXACT)
     assert float(data["pull_off"]) == pytest.approx(free.pull_off, rel=OF_SOLUTIONS)
     assert float(data["pull_off"]) > 0
-    held = {name: data[f"unloaded_{name}"].sel(sliding="all").values for name in ("elastic", "frictional", "adhesive")}
-    friction = held["elastic"] + 0.3 * held["frictional"] + 0.02 * held["adhesive"]
+    stored = {
+        name: data[f"unloaded_{name}"].sel(sliding="all").values for name in ("elastic", "frictional", "adhesive")
+    }
+    friction = stored["elastic"] + 0.3 * stored["frictional"] + 0.02 * stored["adhesive"]
     assert friction == pytest.approx(free.tangential_load(mu0=0.3, tau0=0.02)[:, 0], rel=EXACT)
     assert friction.mean() == pytest.approx(0.3 * free.contact_load[0] + 0.02 * free.contact_area[0], rel=0.05)
 
@@ -72,18 +74,18 @@ def test_friction_coefficient_increases_at_light_loads(sticky):
 
 
 def test_pull_off_is_in_rows_text_report_and_figure(sticky, tmp_path):
-    said = repr(sticky)
-    assert said.startswith("Sticks without a load: yes. Pull-off force ")
+    message = repr(sticky)
+    assert message.startswith("Sticks without a load: yes. Pull-off force ")
     for words in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
         assert words in csv_text(sticky.summary()).splitlines()[0]
     values = json.loads(record_text("pair", sticky.summary()))["values"]
-    assert {each["unit"] for each in values if each["name"] in HELD} == {"mN", "GPa"}
+    assert {value["unit"] for value in values if value["name"] in HELD} == {"mN", "GPa"}
     assert "adhesion 50 mJ/m² over 0.5 nm" in sticky.sentence
     (at_no_load,) = {
-        each["value"] for each in values
-        if each["name"] == "friction_at_no_load" and each["at"]["sliding"] == "all"
+        value["value"] for value in values
+        if value["name"] == "friction_at_no_load" and value["at"]["sliding"] == "all"
     }  # fmt: skip
-    pull_off = next(each["value"] for each in values if each["name"] == "pull_off")
+    pull_off = next(value["value"] for value in values if value["name"] == "pull_off")
     assert at_no_load > 0.3 * pull_off * 0.5
     page = sticky.save_report(tmp_path / "page.html").read_text()
     assert "Coming and going" in page
@@ -158,10 +160,10 @@ def test_explicit_zero_adhesion_changes_nothing_and_has_no_caveat(sticky):
     assert set(sticky.dataset.data_vars) - set(none.dataset.data_vars) == {
         "contact_load", "pull_off", "pull_off_is_bound", "unloaded_elastic", "unloaded_frictional", "unloaded_adhesive",
     }  # fmt: skip
-    doubted = [any(words in each.text for each in result.caveats) for result in (silent, none, sticky)]
+    doubted = [any(words in caveat.text for caveat in result.caveats) for result in (silent, none, sticky)]
     assert doubted == [True, False, False]
     steep = pair(rough("upper", 0.03), rough("lower", 0.03), **ASKED | {"load": "20 MPa"})
-    assert not any(words in each.text for each in steep.caveats)
+    assert not any(words in caveat.text for caveat in steep.caveats)
     assert "adhesion" not in repr(none)
 
 
@@ -204,10 +206,10 @@ def test_pair_rejects_bad_adhesion(changes, words):
 
 
 def test_adhesion_range_limited_by_grid_is_a_caveat():
-    asked = ASKED | {"effective_modulus": "1.5..2.5 GPa", "load": "2 MPa"}
+    options = ASKED | {"effective_modulus": "1.5..2.5 GPa", "load": "2 MPa"}
     with pytest.warns(UserWarning, match="adhesion_range = 0.5 nm is raised to"):
-        result = pair(rough("upper", 0.01), rough("lower", 0.01), **asked, **WORK)
-    doubts = " ".join(each.text for each in result.caveats)
+        result = pair(rough("upper", 0.01), rough("lower", 0.01), **options, **WORK)
+    doubts = " ".join(caveat.text for caveat in result.caveats)
     assert "the least on this grid, not 0.5 nm" in doubts
     assert "the interval leaves out how E* change" in doubts
 
@@ -226,22 +228,22 @@ def test_estimated_effect_of_adhesion_agrees_with_solution():
         waves = {"longest_wavelength": 32 * spacing, "shortest_wavelength": 4 * spacing}
         seed = int(draw.integers(1e6))
         bodies = rough_maps(seed, spacing=spacing, **flat, **waves)
-        steep = [np.sqrt(sum((np.diff(each.heights, axis=a) ** 2).mean() for a in (0, 1))) for each in bodies]
+        steep = [np.sqrt(sum((np.diff(body.heights, axis=a) ** 2).mean() for a in (0, 1))) for body in bodies]
         bodies = [
-            each.with_amplitude(slope * spacing / np.sqrt(2) / own, measure="Sq")
-            for each, own in zip(bodies, steep, strict=True)
+            body.with_amplitude(slope * spacing / np.sqrt(2) / own, measure="Sq")
+            for body, own in zip(bodies, steep, strict=True)
         ]
         load = f"{0.01 * modulus * slope * 1e3:.4g} MPa"
-        asked = {"load": load, "mu0": 0.3, "effective_modulus": modulus, "shifts": 1, "onset": 0, "direction": [0]}
-        silent, found = pair(*bodies, **asked), pair(*bodies, **asked, **WORK)
+        options = {"load": load, "mu0": 0.3, "effective_modulus": modulus, "shifts": 1, "onset": 0, "direction": [0]}
+        silent, result = pair(*bodies, **options), pair(*bodies, **options, **WORK)
         point = next(points(silent.at_study_loads))
-        said = added_by_adhesion(point, silent.study)
-        data = found.dataset.sel(load=float(found.study.friction.load[0]))
+        message = added_by_adhesion(point, silent.study)
+        data = result.dataset.sel(load=float(result.study.friction.load[0]))
         true = float(data["contact_load"].squeeze() / data["load"]) - 1
-        if (said > ADDED) != (true > ADDED):
+        if (message > ADDED) != (true > ADDED):
             wrong.append(true)
     assert len(wrong) <= 4
-    assert all(ADDED / OF_RULE < each < ADDED * OF_RULE for each in wrong)
+    assert all(ADDED / OF_RULE < item < ADDED * OF_RULE for item in wrong)
 
 
 @pytest.mark.filterwarnings("ignore:the pull-off force is at least")
@@ -252,7 +254,7 @@ def test_complete_contact_is_a_status_in_text_rows_and_json(tmp_path):
     assert soft.summary().points[0].contact_status == "complete"
     record = json.loads(record_text("pair", soft.summary()))
     assert record["answers"][0]["contact_status"] == "complete"
-    (row,) = (each for each in record["values"] if each["name"] == "contact_area_fraction")
+    (row,) = (item for item in record["values"] if item["name"] == "contact_area_fraction")
     assert (row["status"], row["value"]) == ("complete", 1.0)
     assert "rue area A/A0 complete" in " ".join(repr(soft).split())
     assert soft.to_dataframe()["contact status"].unique().tolist() == ["complete"]

@@ -104,11 +104,11 @@ def test_sums_equal_those_of_each_pair(name):
         )  # fmt: skip
         here = dataset.isel(fractal_dimension=d, amplitude=a, repetition=r)
         for rule, curve in zip(study.contact.rules(), curves_of(study, *pair), strict=True):
-            for each in study.sums():
-                directed = each in DIRECTED
-                found = here[each].sel(sliding=rule) if directed else here[each]
-                assert found.dims == (("direction", step) if directed and "direction" in dataset.dims else (step,))
-                assert found.values.tobytes() == getattr(curve, each).tobytes(), each
+            for item in study.sums():
+                directed = item in DIRECTED
+                computed = here[item].sel(sliding=rule) if directed else here[item]
+                assert computed.dims == (("direction", step) if directed and "direction" in dataset.dims else (step,))
+                assert computed.values.tobytes() == getattr(curve, item).tobytes(), item
     assert (dataset["normal_elastic"].values.max(axis=-1) > 0).all()
 
 

@@ -47,11 +47,11 @@ def test_at_load_of_profiles_equals_traverse(lines):
 def test_readings_agree_for_small_slopes(areas):
     _, result = areas
     round_about = {reading: at_load(result, [2.0], reading=reading) for reading in ("mean", "elastic", "normal")}
-    values = [each["friction_all_round"].sel(statistic="mean").values for each in round_about.values()]
+    values = [value["friction_all_round"].sel(statistic="mean").values for value in round_about.values()]
     np.testing.assert_allclose(values[1], values[2], rtol=1e-3)
     np.testing.assert_allclose(values[0], values[1], rtol=2e-3)  # a ratio of means and a mean of ratios
     assert float(round_about["elastic"]["reading_difference"].max()) < 1e-3
-    assert {name: each.attrs["reading"] for name, each in round_about.items()} == {
+    assert {name: item.attrs["reading"] for name, item in round_about.items()} == {
         name: name for name in round_about
     }  # fmt: skip
 
@@ -92,8 +92,8 @@ def test_measured_quantities_average_directions_before_intervals(areas):
     point = at_load(result, [2.0], mu0=0.3)
     one = values["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing")
     expected = intervals.of_sample(one.mean("direction").values)
-    found = point["friction_all_round"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
-    np.testing.assert_allclose(found, expected, rtol=ROUND_OFF)
+    computed = point["friction_all_round"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
+    np.testing.assert_allclose(computed, expected, rtol=ROUND_OFF)
     senses = one.sel(direction=[60.0, 240.0]).mean("direction").values
     by_axis = point["friction_by_axis"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", axis=60.0)
     np.testing.assert_allclose(by_axis, intervals.of_sample(senses), rtol=ROUND_OFF)
@@ -144,8 +144,8 @@ def test_unsolved_load_is_not_interpolated(areas, reading):
     status = member_values(broken, loads, reading=reading)["status"].transpose("repetition", ...)
     assert (status[0] == "not-solved").all()
     assert (status[1:] == "ok").all()
-    there, every = (member_values(each, result["load"].values[2:3])["contact_area"] for each in (broken, result))
-    np.testing.assert_array_equal(there, every)
+    present, every = (member_values(item, result["load"].values[2:3])["contact_area"] for item in (broken, result))
+    np.testing.assert_array_equal(present, every)
 
 
 def test_load_between_distant_steps_is_not_reached():

@@ -103,13 +103,13 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
         hardness = float(inputs["hardness"].known.quantile(part))
         stiffness = float(inputs["effective_modulus"].known.quantile(part))
         direct = pair(*bodies(rms=rms), hardness=hardness, effective_modulus=stiffness, **kwargs)
-        found = one._draws({"hardness": part, "effective_modulus": part})
-        assert found[0] == pytest.approx(direct.value, rel=WIDE if modulus.startswith("48") else BETWEEN)
+        computed = one._draws({"hardness": part, "effective_modulus": part})
+        assert computed[0] == pytest.approx(direct.value, rel=WIDE if modulus.startswith("48") else BETWEEN)
 
 
 def test_large_maps_solve_two_members_over_hardness(monkeypatch) -> None:
-    asked = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
-    study = pair_study(*bodies(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **asked)
+    options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
+    study = pair_study(*bodies(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **options)
     with threads(1) as executor:
         many = areas_over_hardness(study, executor)
         monkeypatch.setattr(hardness, "LARGE_POINTS", 1)
@@ -126,12 +126,12 @@ def test_dwell_time_equals_reduced_hardness(rms) -> None:
         .summary()
         .points[0]
     )
-    assert [each.seconds for each in waited.waited] == [1, 3600, 864000]
+    assert [item.seconds for item in waited.waited] == [1, 3600, 864000]
     assert waited.waited[0].value == pytest.approx(waited.value, rel=1e-9)
-    for each in waited.waited[1:]:
-        softer = pair(*bodies(rms=rms), hardness=0.8 * each.seconds**-0.04, **kwargs)
-        assert each.value == pytest.approx(softer.value, rel=BETWEEN)
-        assert each.lower < each.value < each.upper
+    for item in waited.waited[1:]:
+        softer = pair(*bodies(rms=rms), hardness=0.8 * item.seconds**-0.04, **kwargs)
+        assert item.value == pytest.approx(softer.value, rel=BETWEEN)
+        assert item.lower < item.value < item.upper
     if rms == 0.03:  # all contacts yield: m tau0/H, times what the logarithm is short of the power
         grown = 0.05 / 0.8 * (864000**0.04 - 1) / np.log(864000)
         assert waited.ageing == pytest.approx(grown, rel=0.02)
@@ -220,7 +220,7 @@ def test_hardness_accepts_vickers_and_rockwell() -> None:
 
 
 @pytest.mark.parametrize(
-    ("asked", "words"),
+    ("options", "words"),
     [
         ({"mu0": "0.3..0.2"}, "mu0 must be a range from a smaller"),
         ({"mu0": "0.2±0.02,0.3"}, "mu0 must be one value"),
@@ -229,9 +229,9 @@ def test_hardness_accepts_vickers_and_rockwell() -> None:
         ({"hardness": "1 GPa", "wait": "1 h", "creep": 5}, "creep must be at most 0.5"),
     ],
 )
-def test_pair_rejects_bad_ranges(asked, words) -> None:
+def test_pair_rejects_bad_ranges(options, words) -> None:
     with pytest.raises(ValueError, match=words):
-        pair(*bodies(), **{"load": "2 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", **QUICK, **asked})
+        pair(*bodies(), **{"load": "2 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", **QUICK, **options})
 
 
 def test_study_stores_uncertain_inputs() -> None:
@@ -255,16 +255,16 @@ def test_interval_covers_the_truth_of_random_inputs(truths) -> None:
         # The truth has waves of half and of a quarter of the shortest one of the scans, or no others.
         finer = int(rng.choice([1, 2, 4]))
         whole = bodies(seed, rms=float(rng.choice([0.003, 0.01, 0.03])), points=48, finer=finer)
-        seen = [cut_off(each, 0.3, periodic=True) if finer > 1 else each for each in whole]
-        scans = [Surface(each.heights[::finer, ::finer], spacing=0.05) for each in seen]
+        recorded = [cut_off(item, 0.3, periodic=True) if finer > 1 else item for item in whole]
+        scans = [Surface(item.heights[::finer, ::finer], spacing=0.05) for item in recorded]
         common = dict(load="4 MPa", **QUICK)
-        said = pair(*scans, **ranges, **common)
-        inputs = inputs_of(said.study)
+        message = pair(*scans, **ranges, **common)
+        inputs = inputs_of(message.study)
         drawn = {name: float(inputs[name].known.quantile(rng.random())) for name in ranges}
         truth = pair(*whole, **drawn, **(common | {"shifts": 40}))
-        covered += said.interval[0] <= truth.value <= said.interval[1]
+        covered += message.interval[0] <= truth.value <= message.interval[1]
         one = one_test(truth, rng)
-        tested += said.next_test[0] <= one <= said.next_test[1]
+        tested += message.next_test[0] <= one <= message.next_test[1]
     if truths < 100:
         assert min(covered, tested) >= truths - 1
         return
@@ -305,13 +305,13 @@ def test_intervals_are_nested_and_positive(monkeypatch) -> None:
             spread_low=at["spread_low"] * 0 + value * (1 - scatter / 2),
             spread_high=at["spread_high"] * 0 + value * (1 + scatter),
         )
-        (found,) = summarize(with_uncertainty(point, result.source), result.study).points
-        rule = found.rules[0]
+        (computed,) = summarize(with_uncertainty(point, result.source), result.study).points
+        rule = computed.rules[0]
         assert rule.rule == "all"
         assert 0 < rule.lower <= rule.positions[0] <= rule.value <= rule.positions[1] <= rule.upper
         assert 0 < rule.next_test[0] <= rule.value <= rule.next_test[1]
-        if found.bracket is not None:
-            assert rule.lower <= found.bracket[0] <= found.bracket[1] <= rule.upper
+        if computed.bracket is not None:
+            assert rule.lower <= computed.bracket[0] <= computed.bracket[1] <= rule.upper
 
 
 def test_equal_inputs_have_equal_fractions_of_the_budget() -> None:

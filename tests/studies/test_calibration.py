@@ -53,10 +53,10 @@ def test_calibrate_far_from_bounds_equals_least_squares() -> None:
     tests = ball_tests(seed=4)
     interface = calibrate(tests, common=0.0, sliding="all")
     best, covariance = least_squares(tests)
-    for place, found in enumerate((interface.mu0, interface.tau0)):
+    for place, result in enumerate((interface.mu0, interface.tau0)):
         deviation = math.sqrt(covariance[place, place])
         expected = best[place] + 1.96 * deviation * np.array([0, -1, 1])
-        assert found == pytest.approx(expected, abs=MONTE_CARLO * 3.92 * deviation)
+        assert result == pytest.approx(expected, abs=MONTE_CARLO * 3.92 * deviation)
 
 
 def test_calibrate_at_a_bound_agrees_with_brute_force() -> None:
@@ -71,10 +71,10 @@ def test_calibrate_at_a_bound_agrees_with_brute_force() -> None:
     values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
     for name, draws, interval in (("mu0", mu0, interface.mu0), ("tau0", tau0, interface.tau0)):
         expected = credible_interval(draws.ravel()[values], 0.0)
-        found = credible_interval(interface.draws[name].to_numpy(), 0.0)
-        assert found == pytest.approx(expected, abs=MONTE_CARLO * (expected[2] - expected[1]))
-        assert interval[0] == found[0]
-        assert interval[1] <= found[1] < found[2] <= interval[2]
+        result = credible_interval(interface.draws[name].to_numpy(), 0.0)
+        assert result == pytest.approx(expected, abs=MONTE_CARLO * (expected[2] - expected[1]))
+        assert interval[0] == result[0]
+        assert interval[1] <= result[1] < result[2] <= interval[2]
     assert interface.tau0[1] == 0.0
 
 
@@ -132,8 +132,8 @@ def test_friction_test_accepts_result_of_pair() -> None:
         upper, lower, load=["40 MPa", "160 MPa"], mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", shifts=4,
         onset=0,
     )  # fmt: skip
-    found = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["friction_all_round"].sel(sliding="all", statistic="mean")
-    truth = float(found.squeeze())
+    computed = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["friction_all_round"].sel(sliding="all", statistic="mean")
+    truth = float(computed.squeeze())
     tests = [FrictionTest(result, load, coefficient=truth, uncertainty=0.01) for load in ("80 MPa", "2 mN")]
     assert tests[0].load == pytest.approx(0.08 * result.nominal_area)  # pieces of the maps are pressed
     interface = calibrate(tests)
@@ -165,12 +165,13 @@ def test_shared_hardness_cancels_in_prediction(tmp_path) -> None:
     assert np.ptp(strength.predict(softer, "50 MPa")[1:]) > 3 * (upper - lower)
     # The same in the interval of a whole answer, from the file of the interface.
     write_interface(strength, tmp_path / "film.csv")
-    given = {name: value for name, value in PRESSED.items() if name not in ("mu0", "tau0")}
+    arguments = {name: value for name, value in PRESSED.items() if name not in ("mu0", "tau0")}
     shared, apart = (
-        pair(*faces(0.02), hardness=text, interface=tmp_path / "film.csv", **given) for text in (known, "0.5..1.51 GPa")
+        pair(*faces(0.02), hardness=text, interface=tmp_path / "film.csv", **arguments)
+        for text in (known, "0.5..1.51 GPa")
     )
     assert np.ptp(shared.interval) < 0.5 * np.ptp(apart.interval)
-    in_words = pair(*faces(0.02), hardness="500..1500MPa", interface=tmp_path / "film.csv", **given)
+    in_words = pair(*faces(0.02), hardness="500..1500MPa", interface=tmp_path / "film.csv", **arguments)
     assert in_words.interval == pytest.approx(shared.interval, rel=1e-6)
 
 
@@ -222,9 +223,9 @@ def test_calibrate_agrees_with_brute_force_over_a_range() -> None:
     # A/F goes with E*^(-2/3), and tau0 with its inverse; the flat prior is of tau0 A/F.
     relative = np.exp(random.standard_normal(400_000) / 1.96 * 0.5 * math.log(high / low))
     tau0 = plain[:, 1] * relative ** (2 / 3)
-    for found, draws in ((interface.mu0, plain[:, 0]), (interface.tau0, tau0)):
+    for result, draws in ((interface.mu0, plain[:, 0]), (interface.tau0, tau0)):
         expected = np.quantile(draws, [0.5, 0.025, 0.975])
-        assert found == pytest.approx(expected, abs=MONTE_CARLO * np.ptp(expected))
+        assert result == pytest.approx(expected, abs=MONTE_CARLO * np.ptp(expected))
 
 
 def test_prediction_on_the_tested_pair_uses_its_area_once() -> None:
@@ -289,8 +290,8 @@ def test_too_small_errors_are_scaled_with_a_note() -> None:
 def test_missing_errors_are_estimated_from_scatter() -> None:
     tests = ball_tests(seed=4)
     unsaid = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]
-    said, found = (calibrate(each, sliding="all", common=0.0) for each in (tests, unsaid))
-    ratio = (found.identified[2] - found.identified[1]) / (said.identified[2] - said.identified[1])
+    message, result = (calibrate(item, sliding="all", common=0.0) for item in (tests, unsaid))
+    ratio = (result.identified[2] - result.identified[1]) / (message.identified[2] - message.identified[1])
     assert 0.5 < ratio < 2.5  # chi² of six degrees of freedom, and the tail of Student's t
 
 
@@ -298,8 +299,8 @@ def test_tests_without_sliding_are_lower_bounds() -> None:
     slid = ball_tests()
     weak = calibrate(slid[:2], sliding="all").identified
     level = slid[0].coefficient * 1.05
-    held = [FrictionTest(BALL, LOADS[0], coefficient=level, uncertainty=0.01, slid=False)] * 3
-    strong = calibrate([*slid[:2], *held], sliding="all")
+    stored = [FrictionTest(BALL, LOADS[0], coefficient=level, uncertainty=0.01, slid=False)] * 3
+    strong = calibrate([*slid[:2], *stored], sliding="all")
     top = BALL.area_per_load(LOADS[0])
     before = np.quantile(calibrate(slid[:2], sliding="all").draws.eval(f"mu0 + tau0 * {top}"), 0.05)
     after = np.quantile(strong.draws.eval(f"mu0 + tau0 * {top}"), 0.05)
@@ -330,7 +331,7 @@ def test_runs_share_an_offset() -> None:
     apart = [
         FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty) for test in tests
     ]
-    together, alone = (calibrate(each, sliding="all", common=0.0).identified for each in (tests, apart))
+    together, alone = (calibrate(item, sliding="all", common=0.0).identified for item in (tests, apart))
     assert together[2] - together[1] > alone[2] - alone[1]
 
 
@@ -402,9 +403,9 @@ KINDS: dict[str, Any] = {  # bodies, and what is unlike the usual
 def covered(kind: str, count: int) -> np.ndarray:
     """(count, 3) whether intervals of mu_s hold it at a third of the A/F of the tests, at it and at three times it."""
     of, unlike = KINDS[kind]
-    bodies = [BALL if each is None else pressed(*each) for each in of]
-    loads = [LOADS if each is BALL else each.load for each in bodies]
-    places = [(body, load) for body, each in zip(bodies, loads, strict=True) for load in each[:: len(bodies)]]
+    bodies = [BALL if item is None else pressed(*item) for item in of]
+    loads = [LOADS if item is BALL else item.load for item in bodies]
+    places = [(body, load) for body, item in zip(bodies, loads, strict=True) for load in item[:: len(bodies)]]
     random, hits = np.random.default_rng(1), []
     for _ in range(count):
         mu0 = unlike.get("mu0", random.uniform(0.05, 0.4))
@@ -415,14 +416,14 @@ def covered(kind: str, count: int) -> np.ndarray:
             measured = y * (1 + unlike.get("noise", 0.03) * random.standard_normal())
             if random.random() < unlike.get("outliers", 0.0):
                 measured *= random.choice([0.5, 1.5])
-            held = random.random() < unlike.get("held", 0.0) and any(test.slid for test in tests)
-            measured *= random.uniform(0.6, 0.95) if held else 1.0
-            tests.append(FrictionTest(body, load, coefficient=measured, uncertainty=0.03 * y, slid=not held))
-        found: Interface = calibrate(tests, sliding="all", outliers="outliers" in unlike)
-        ratios = found.area_per_load * np.array([1 / 3, 1, 3])
-        ends = [found.predict(*ball_of(ratio))[1:] for ratio in ratios]
+            stored = random.random() < unlike.get("held", 0.0) and any(test.slid for test in tests)
+            measured *= random.uniform(0.6, 0.95) if stored else 1.0
+            tests.append(FrictionTest(body, load, coefficient=measured, uncertainty=0.03 * y, slid=not stored))
+        result: Interface = calibrate(tests, sliding="all", outliers="outliers" in unlike)
+        ratios = result.area_per_load * np.array([1 / 3, 1, 3])
+        ends = [result.predict(*ball_of(ratio))[1:] for ratio in ratios]
         hits.append([low <= mu0 + tau0 * x <= high for x, (low, high) in zip(ratios, ends, strict=True)])
-        assert found.separated == (found.variation >= 0.1)
+        assert result.separated == (result.variation >= 0.1)
     return np.array(hits)
 
 
@@ -452,8 +453,8 @@ def test_intervals_agree_with_minos() -> None:
     minuit.migrad()
     minuit.minos(cl=0.95)
     interface = calibrate(tests, common=0.0, sliding="all")
-    for name, found in (("mu0", interface.mu0), ("tau0", interface.tau0)):
+    for name, result in (("mu0", interface.mu0), ("tau0", interface.tau0)):
         width = minuit.merrors[name].upper - minuit.merrors[name].lower
         value = minuit.values[name]
         expected = value, value + minuit.merrors[name].lower, value + minuit.merrors[name].upper
-        assert found == pytest.approx(expected, abs=MONTE_CARLO * width)
+        assert result == pytest.approx(expected, abs=MONTE_CARLO * width)

@@ -29,21 +29,21 @@ def table(dataset):
 
 def test_friction_table_equals_direct_computation(dataset, table):
     study = table_study(**SMALL)
-    loads = [each * 100 for each in SMALL["pressures"]]
+    loads = [item * 100 for item in SMALL["pressures"]]
     curves = {rule: [] for rule in ("opposing", "all")}
     for repetition in range(4):
         upper, lower = pair_of(study, repetition, fractal_dimension=1.4, amplitude=0.03)
         assert upper.heights.std() == pytest.approx(0.03)
-        for rule, found in curves.items():
-            found.append(
+        for rule, result in curves.items():
+            result.append(
                 half_space(upper, lower, loads, boundary="periodic", direction=[0.0, 90.0, 180.0, 270.0], sliding=rule)
             )
     at = table.sel(hurst_exponent=0.6, method="nearest").sel(rms=0.03, method="nearest")
     area = np.mean([curve.contact_area for curve in curves["all"]], axis=0) / 100
     np.testing.assert_allclose(at["contact_area_fraction"].sel(statistic="mean"), area, rtol=SOLVED)
-    for rule, found in curves.items():
+    for rule, result in curves.items():
         normal, tangential = (
-            np.mean([getattr(curve, f"{part}_load")(mu0=0.3, tau0=0.05) for curve in found], axis=(0, 1))
+            np.mean([getattr(curve, f"{part}_load")(mu0=0.3, tau0=0.05) for curve in result], axis=(0, 1))
             for part in ("normal", "tangential")
         )
         mean = at["friction_coefficient"].sel(sliding=rule, mu0=0.3, tau0=0.05, statistic="mean")
@@ -58,10 +58,10 @@ def test_negative_load_leaves_stiffness_law_undefined(dataset, table):
     """Its approach falls with the load."""
     other = dataset.copy(deep=True)
     other["approach"].values[0, 0, 1] *= -1
-    found = friction_table(other)
+    result = friction_table(other)
     for name in ("stiffness_factor", "stiffness_exponent", "stiffness_deviation"):
-        assert np.isnan(found[name].isel(hurst_exponent=1, rms=0)).all()
-        assert found[name].isel(hurst_exponent=0).equals(table[name].isel(hurst_exponent=0))
+        assert np.isnan(result[name].isel(hurst_exponent=1, rms=0)).all()
+        assert result[name].isel(hurst_exponent=0).equals(table[name].isel(hurst_exponent=0))
 
 
 def test_tabulated_quantities_increase_with_pressure(table):
@@ -72,7 +72,7 @@ def test_tabulated_quantities_increase_with_pressure(table):
     assert (mean["contact_area_fraction"].diff("rms") < 0).all()
     assert (mean["contact_area_fraction"].diff("hurst_exponent") > 0).all()
     assert (mean["friction_coefficient"].diff("tau0") > 0).all()
-    lower, upper = (table["contact_area_fraction"].sel(statistic=each) for each in ("lower", "upper"))
+    lower, upper = (table["contact_area_fraction"].sel(statistic=item) for item in ("lower", "upper"))
     assert ((lower < mean["contact_area_fraction"]) & (mean["contact_area_fraction"] < upper)).all()
 
 
@@ -90,15 +90,15 @@ def test_fitted_laws_pass_through_light_pressures(table):
 
 def test_exact_power_law_is_recovered(dataset):
     """With areas and approaches that follow laws exactly."""
-    made = dataset.copy(deep=True)
-    pressure = made["load"].values / 100
-    made["contact_area"].values[...] = 100 * 1.5 * pressure
-    made["approach"].values[...] = 0.02 * np.log(pressure) + 1  # k = p / 0.02
-    found = friction_table(made)
-    assert found["area_factor"].values == pytest.approx(1.5)
-    assert found["area_deviation"].values == pytest.approx(0, abs=1e-12)
-    assert found["stiffness_factor"].values == pytest.approx(50)
-    assert found["stiffness_exponent"].values == pytest.approx(1)
+    created = dataset.copy(deep=True)
+    pressure = created["load"].values / 100
+    created["contact_area"].values[...] = 100 * 1.5 * pressure
+    created["approach"].values[...] = 0.02 * np.log(pressure) + 1  # k = p / 0.02
+    result = friction_table(created)
+    assert result["area_factor"].values == pytest.approx(1.5)
+    assert result["area_deviation"].values == pytest.approx(0, abs=1e-12)
+    assert result["stiffness_factor"].values == pytest.approx(50)
+    assert result["stiffness_exponent"].values == pytest.approx(1)
 
 
 def test_intervals_equal_a_jackknife(dataset, table):
@@ -131,17 +131,17 @@ def test_table_command_equals_library(tmp_path):
         hurst_exponents=[0.8], rms=[0.02], pressures=[0.003, 0.01, 0.03], points=32, shortest_wavelength=0.625,
         repetitions=3,
     )  # fmt: skip
-    wanted = friction_table(run(study))
-    with xarray.open_dataset(tmp_path / "table" / "table.nc", engine="h5netcdf") as kept:
-        for name in wanted.data_vars:
-            np.testing.assert_allclose(kept[name].values, wanted[name].values, rtol=1e-9, err_msg=name)
+    expected = friction_table(run(study))
+    with xarray.open_dataset(tmp_path / "table" / "table.nc", engine="h5netcdf") as stored:
+        for name in expected.data_vars:
+            np.testing.assert_allclose(stored[name].values, expected[name].values, rtol=1e-9, err_msg=name)
     rows = list(csv.DictReader((tmp_path / "table" / "table.csv").read_text().splitlines()))
     assert len(rows) == 2 * 3 * 3
     assert [float(row["pressure (MPa)"]) for row in rows[::3]] == pytest.approx([3, 10, 30, 3, 10, 30])
-    one = wanted["friction_coefficient"].isel(sliding=0, hurst_exponent=0, rms=0, pressure=0, mu0=0, tau0=0)
+    one = expected["friction_coefficient"].isel(sliding=0, hurst_exponent=0, rms=0, pressure=0, mu0=0, tau0=0)
     assert float(rows[0]["mu_s"]) == pytest.approx(float(one[0]))
     laws = list(csv.DictReader((tmp_path / "table" / "laws.csv").read_text().splitlines()))
-    assert float(laws[0]["c of k/A0 = b p^c"]) == pytest.approx(float(wanted["stiffness_exponent"][0, 0, 0]))
+    assert float(laws[0]["c of k/A0 = b p^c"]) == pytest.approx(float(expected["stiffness_exponent"][0, 0, 0]))
     # The same command goes on, also with other materials.
     check_stiction("table", *ASKED, "--mu0", "0.1", cwd=tmp_path)
     assert len((tmp_path / "table" / "table.csv").read_text().splitlines()) == 1 + 2 * 3

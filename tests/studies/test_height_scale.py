@@ -39,7 +39,7 @@ def maps(points=48, rms=0.02):
 
 def times(bodies, upper, lower=None):
     factors = upper, upper if lower is None else lower
-    return [body.changed(body.heights * each, "scaled") for body, each in zip(bodies, factors, strict=True)]
+    return [body.changed(body.heights * factor, "scaled") for body, factor in zip(bodies, factors, strict=True)]
 
 
 def mean(table, rule="all"):
@@ -59,10 +59,10 @@ def bodies():
 @pytest.fixture(scope="module")
 def result(bodies):
     """A pair in memory with factors 0.5 and 2 of both surfaces, and 2 of the upper one."""
-    found = pair(*bodies, **QUICK | HARD)
-    compute_factors(found.source, [0.5, 2])
-    compute_factors(found.source, [2], "upper")
-    return found
+    computed = pair(*bodies, **QUICK | HARD)
+    compute_factors(computed.source, [0.5, 2])
+    compute_factors(computed.source, [2], "upper")
+    return computed
 
 
 # ---- Laws ------------------------------------------------------------------------------------------------------------
@@ -82,8 +82,8 @@ def test_factor_1_equals_the_result(result):
 
 
 def test_plastic_contacts_have_equal_area_at_every_factor(bodies):
-    found = pair(*bodies, **QUICK | {"hardness": "0.1 GPa"})
-    at = found.at(height_scale=[0.5, 1, 4], compute=True)
+    computed = pair(*bodies, **QUICK | {"hardness": "0.1 GPa"})
+    at = computed.at(height_scale=[0.5, 1, 4], compute=True)
     assert mean(at["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
 
 
@@ -114,16 +114,16 @@ def test_stored_factor_equals_result_of_scaled_surfaces(bodies, result, scaled, 
 def test_factors_of_files_equal_those_of_surfaces_in_memory(bodies, result, tmp_path):
     for side, body in zip(("upper", "lower"), bodies, strict=True):
         write_surface(body, tmp_path / f"{side}.npy")
-    found = pair(tmp_path / "upper.npy", tmp_path / "lower.npy", **QUICK | HARD)
-    at, other = found.at(height_scale=2, compute=True), result.at(height_scale=2)
+    computed = pair(tmp_path / "upper.npy", tmp_path / "lower.npy", **QUICK | HARD)
+    at, other = computed.at(height_scale=2, compute=True), result.at(height_scale=2)
     np.testing.assert_allclose(at["friction_combined"], other["friction_combined"], rtol=SAME)
 
 
 def test_several_scans_are_all_scaled(bodies):
     scans = [bodies, rough_maps(8, shortest_wavelength=0.6)]
     uppers, lowers = ([scan[side] for scan in scans] for side in (0, 1))
-    found = pair(uppers, lowers, **QUICK | HARD)
-    at = found.at(height_scale=2, compute=True)
+    computed = pair(uppers, lowers, **QUICK | HARD)
+    at = computed.at(height_scale=2, compute=True)
     others = [times(scan, 2) for scan in scans]
     other = pair([scan[0] for scan in others], [scan[1] for scan in others], **QUICK | HARD)
     assert mean(at["contact_area"]) == pytest.approx(mean(other.at()["contact_area"]), rel=SAME)
@@ -134,8 +134,8 @@ def test_spectrum_is_scaled_by_square_of_factor():
     spectrum = joined_spectrum([fine])
     kwargs = QUICK | HARD | {"shifts": None, "direction": [0.0, 180.0]}
     kwargs = {name: value for name, value in kwargs.items() if value is not None}
-    found = pair(spectrum, spectrum, **kwargs)
-    at = found.at(height_scale=[1, 2], compute=True)
+    computed = pair(spectrum, spectrum, **kwargs)
+    at = computed.at(height_scale=[1, 2], compute=True)
     assert mean(at["rms_gradient"])[1] == pytest.approx(2 * mean(at["rms_gradient"])[0], rel=SAME)
     assert at["upper_rms"].values[1] == pytest.approx(2 * at["upper_rms"].values[0], rel=SAME)
 
@@ -162,10 +162,10 @@ def test_profiles_are_scaled_with_both_contact_models(mechanics):
 
 def test_adhesive_surfaces_have_no_coefficient_if_pull_off_exceeds_load():
     smooth = rough_maps(3, points=40, rms=0.003, spacing=0.01, longest_wavelength=0.2, shortest_wavelength=0.04)
-    found = pair(
+    computed = pair(
         *smooth, load="2 MPa", mu0=0.3, effective_modulus=80.0, shifts=2, onset=0, work_of_adhesion="50 mJ/m^2"
     )
-    at = found.at(height_scale=[0.25, 1], compute=True)
+    at = computed.at(height_scale=[0.25, 1], compute=True)
     pull_off = mean(at["pull_off"])
     assert pull_off[0] > pull_off[1] > 0
 
@@ -175,10 +175,10 @@ def test_adhesive_surfaces_have_no_coefficient_if_pull_off_exceeds_load():
 
 @pytest.mark.parametrize("hardness", [{}, HARD])
 def test_interpolation_between_factors_is_within_stated_error(hardness):
-    found = pair(*maps(64, rms=0.01), **QUICK | hardness | {"load": "100 MPa"})
-    compute_factors(found.source, "0.25..4")
+    computed = pair(*maps(64, rms=0.01), **QUICK | hardness | {"load": "100 MPa"})
+    compute_factors(computed.source, "0.25..4")
     between = np.array([0.6, 1.7])
-    at = found.at(height_scale=between)
+    at = computed.at(height_scale=between)
     for place, factor in enumerate(between):
         exact = pair(*times(maps(64, rms=0.01), factor), **QUICK | hardness | {"load": "100 MPa"}).at()
         coefficient, area = mean(at["friction_all_round"])[place], mean(at["contact_area"])[place]
@@ -278,7 +278,7 @@ def test_factors_not_computed_raise_error_with_time(result):
 
 
 def test_finished_factors_are_preserved_after_interrupt(bodies, tmp_path):
-    found = pair(*bodies, directory=tmp_path, **QUICK | HARD)
+    computed = pair(*bodies, directory=tmp_path, **QUICK | HARD)
     lines = []
 
     def interrupt(line):
@@ -287,10 +287,10 @@ def test_finished_factors_are_preserved_after_interrupt(bodies, tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        compute_factors(found.source, [0.5, 2, 4], announce=interrupt)
+        compute_factors(computed.source, [0.5, 2, 4], announce=interrupt)
     assert lines == ["heights times 0.5 (1 of 3)", "heights times 2 (2 of 3)"]
-    assert list(stored_factors(found.source, "both")) == [0.5, 1.0]
-    compute_factors(found.source, [0.5, 2, 4], announce=lines.append)
+    assert list(stored_factors(computed.source, "both")) == [0.5, 1.0]
+    compute_factors(computed.source, [0.5, 2, 4], announce=lines.append)
     assert lines[2:] == ["heights times 2 (1 of 2)", "heights times 4 (2 of 2)"]
     assert open_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
 
@@ -321,11 +321,11 @@ def test_factors_with_range_of_hardness_are_solved_over_it(bodies):
 
 
 def test_studies_without_height_factor_are_opened(bodies, tmp_path):
-    found = pair(*bodies, directory=tmp_path, **QUICK | HARD)
+    computed = pair(*bodies, directory=tmp_path, **QUICK | HARD)
     text = (tmp_path / STUDY).read_text()
     (tmp_path / STUDY).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))
-    assert open_stored(tmp_path).study == found.study
-    doubled = scaled_study(found.study, 2.0, "upper")
+    assert open_stored(tmp_path).study == computed.study
+    doubled = scaled_study(computed.study, 2.0, "upper")
     assert doubled.to_toml().count("height_factor = 2.0") == 1
 
 

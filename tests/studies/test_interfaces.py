@@ -89,11 +89,11 @@ def test_missing_interface_file_leaves_the_ranges(film, tmp_path) -> None:
     result = pair(*bodies(), interface=copy, **QUICK)
     joint, path = result.interval, result.path
     Path(copy).unlink()
-    done = check_stiction("at", path, "--load", "20 MPa", "--json", cwd=tmp_path)
-    (answer,) = json.loads(done.stdout)["answers"]
+    completed = check_stiction("at", path, "--load", "20 MPa", "--json", cwd=tmp_path)
+    (answer,) = json.loads(completed.stdout)["answers"]
     rule = answer["rules"][0] if "rules" in answer else answer
     assert np.ptp([rule["lower"], rule["upper"]]) > 1.2 * np.ptp(joint)
-    assert "which is not there" in done.stdout
+    assert "which is not there" in completed.stdout
 
 
 @pytest.mark.parametrize("name", sorted(interfaces()))
@@ -109,7 +109,7 @@ def test_named_interface_has_kind_and_source_and_is_accepted(name) -> None:
 
 
 @pytest.mark.parametrize(
-    ("asked", "words"),
+    ("options", "words"),
     [
         ({}, "give mu0, or the interface"),
         ({"mu0": 0.2, "interface": "steel on ice"}, "mu0 must not be given beside interface"),
@@ -117,23 +117,23 @@ def test_named_interface_has_kind_and_source_and_is_accepted(name) -> None:
         ({"interface": 3}, "interface must be a name or a file"),
     ],
 )
-def test_pair_rejects_interface_with_mu0(asked, words) -> None:
+def test_pair_rejects_interface_with_mu0(options, words) -> None:
     with pytest.raises(ValueError, match=words):
-        pair(*bodies(), **QUICK, **asked)
+        pair(*bodies(), **QUICK, **options)
 
 
 def test_interfaces_command_lists_and_pair_accepts_one(tmp_path) -> None:
     listed = call_stiction("interfaces", cwd=tmp_path).stdout
     record = json.loads(call_stiction("interfaces", "--json", cwd=tmp_path).stdout)
-    assert [each["name"] for each in record["interfaces"]] == list(interfaces())
+    assert [item["name"] for item in record["interfaces"]] == list(interfaces())
     assert all(f"{name}\n  {about['kind']}, " in listed for name, about in interfaces().items())
     for side, body in zip(("upper", "lower"), bodies(), strict=True):
         write_surface(body, tmp_path / f"{side}.csv")
-    asked = ("pair", "upper.csv", "lower.csv", "--load", "20 MPa", "--effective-modulus", "3 GPa", "--shifts", "2")
-    done = check_stiction(*asked, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path)
-    assert "interface steel on ice (lumped, kinetic)" in " ".join(done.stdout.split())
-    assert_rejected(call_stiction(*asked, cwd=tmp_path), "give --mu0, or the --interface")
-    assert_rejected(call_stiction(*asked, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be given")
+    options = ("pair", "upper.csv", "lower.csv", "--load", "20 MPa", "--effective-modulus", "3 GPa", "--shifts", "2")
+    completed = check_stiction(*options, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path)
+    assert "interface steel on ice (lumped, kinetic)" in " ".join(completed.stdout.split())
+    assert_rejected(call_stiction(*options, cwd=tmp_path), "give --mu0, or the --interface")
+    assert_rejected(call_stiction(*options, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be given")
 
 
 def test_calibrated_interface_is_accepted_and_stored_alongside(film, result) -> None:
@@ -158,8 +158,8 @@ def test_damaged_interface_is_rejected_by_name_and_skipped_in_directory(film, tm
     with pytest.raises(ValueError, match=r"bad: is (no|a damaged) interface"):
         read_interface(tmp_path / "bad")
     shutil.copy(film, tmp_path / "good")
-    done = check_stiction("interfaces", ".", "--json", cwd=tmp_path)
-    assert [each["name"] for each in json.loads(done.stdout)["interfaces"]] == ["good"]
+    completed = check_stiction("interfaces", ".", "--json", cwd=tmp_path)
+    assert [load["name"] for load in json.loads(completed.stdout)["interfaces"]] == ["good"]
 
 
 def test_other_kinds_are_rejected_in_one_sentence(film) -> None:

@@ -31,10 +31,10 @@ ALWAYS = ((16, 0.8), (64, 0.4), (200, 0.0))  # cases that are no soak
 def test_intervals_cover_with_nearly_the_best_width(quantity, positions, correlation):
     random = np.random.default_rng([positions, int(10 * correlation)])
     truth, best = of_quantity(quantity, positions, correlation, random)
-    covered, width, given = judged(
+    covered, width, arguments = judged(
         of_neighbours, traverses(quantity, TRIALS, positions, correlation, random), truth, best
     )
-    assert given > LEAST_GIVEN
+    assert arguments > LEAST_GIVEN
     assert covered >= LEAST_COVERAGE[positions, correlation]
     assert width <= (WIDEST if positions > 16 else 1.2 * WIDEST)
 
@@ -68,12 +68,12 @@ def test_interval_of_normal_values_equals_dense_matrices(correlation):
 @pytest.mark.parametrize("quantity", ["half zeros", "lognormal 0.5", "bounded"])
 def test_interval_is_invariant_under_scale_origin_and_order(quantity):
     values = traverses(quantity, 1, 24, 0.4, np.random.default_rng(3))[0]
-    wanted = np.array(of_neighbours(values))
-    np.testing.assert_allclose(of_neighbours(1e9 * values), 1e9 * wanted, rtol=1e-9)
-    np.testing.assert_allclose(of_neighbours(values + 5), wanted + 5, rtol=1e-9)
-    np.testing.assert_allclose(of_neighbours(values[::-1]), wanted, rtol=1e-9)
+    expected = np.array(of_neighbours(values))
+    np.testing.assert_allclose(of_neighbours(1e9 * values), 1e9 * expected, rtol=1e-9)
+    np.testing.assert_allclose(of_neighbours(values + 5), expected + 5, rtol=1e-9)
+    np.testing.assert_allclose(of_neighbours(values[::-1]), expected, rtol=1e-9)
     mean, lower, upper = of_neighbours(-values)
-    np.testing.assert_allclose([-mean, -upper, -lower], wanted, rtol=1e-9)
+    np.testing.assert_allclose([-mean, -upper, -lower], expected, rtol=1e-9)
 
 
 def test_interval_of_independent_values_is_students():

@@ -38,8 +38,8 @@ def unsheared():
 
 def test_fully_plastic_contacts_have_coefficient_of_tabor():
     result = pair(*bodies(0.01), **PLASTIC | STRENGTH | {"effective_modulus": 1e4}, junction_growth=27)
-    wanted = float(tabor_friction(PLASTIC["hardness"], **STRENGTH, alpha=27))
-    assert coefficient(result) == pytest.approx(wanted, rel=OF_PLASTIC)
+    expected = float(tabor_friction(PLASTIC["hardness"], **STRENGTH, alpha=27))
+    assert coefficient(result) == pytest.approx(expected, rel=OF_PLASTIC)
 
 
 @pytest.mark.parametrize("rule", ["all", "opposing"])
@@ -49,9 +49,9 @@ def test_coefficient_equals_pair_solved_at_hardness_under_shear(rule, hardness):
     inputs = PLASTIC | {"mu0": 0.2, "tau0": tau0, "hardness": hardness}
     pressure = float(hardness_under_shear(hardness, 0.2, tau0, 27.0))
     direct = pair(*bodies(), **inputs | {"hardness": pressure}, junction_growth=0)
-    found = pair(*bodies(), **inputs, junction_growth=27)
-    assert coefficient(found, rule) == pytest.approx(coefficient(direct, rule), rel=OF_NODES[rule])
-    area = found.at()["contact_area_at_onset"].sel(statistic="mean").squeeze()
+    result = pair(*bodies(), **inputs, junction_growth=27)
+    assert coefficient(result, rule) == pytest.approx(coefficient(direct, rule), rel=OF_NODES[rule])
+    area = result.at()["contact_area_at_onset"].sel(statistic="mean").squeeze()
     assert float(area) == pytest.approx(float(direct.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02)
 
 
@@ -88,7 +88,7 @@ def test_area_stiffness_and_contacts_are_before_shear(grown, unsheared):
 
 def test_interval_covers_the_range_of_growth():
     result = pair(*bodies(), **PLASTIC | STRENGTH, junction_growth="0..27")
-    ends = [pair(*bodies(), **PLASTIC | STRENGTH, junction_growth=each) for each in (0.675, 26.325)]
+    ends = [pair(*bodies(), **PLASTIC | STRENGTH, junction_growth=value) for value in (0.675, 26.325)]
     assert result.study.contact.junction_growth == 13.5
     lower, upper = result.interval
     assert lower == pytest.approx(coefficient(ends[0]), rel=0.02)

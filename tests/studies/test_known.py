@@ -23,10 +23,10 @@ from stiction.studies.known import NO_NUMBER, draws, known, read_known
     ],
 )
 def test_distribution_has_95_percent_between_its_ends(text, kind, ends, distribution) -> None:
-    found = known("input", text, kind)
-    assert found.distribution == distribution
-    assert found.quantile([0.025, 0.975]) == pytest.approx(ends, rel=1e-3)
-    values = draws({"input": found})["input"]
+    result = known("input", text, kind)
+    assert result.distribution == distribution
+    assert result.quantile([0.025, 0.975]) == pytest.approx(ends, rel=1e-3)
+    values = draws({"input": result})["input"]
     assert np.quantile(values, [0.025, 0.975]) == pytest.approx(ends, rel=0.01)
 
 
@@ -53,9 +53,9 @@ def test_known_rejects_bad_text(text, kind, words) -> None:
 
 @pytest.mark.parametrize("text", ["59.9..60.1 HRC", "60±0.05 HRC", "60 HRC ± 0.05", "60 HRC ± 0.1 %"])
 def test_rockwell_range_includes_uncertainty_of_conversion(text: str) -> None:
-    number, found = (known("hardness", each, "hardness") for each in ("60 HRC", text))
-    assert (found.low, found.high) == pytest.approx((number.low, number.high), rel=0.01)
-    assert found.high - found.low >= number.high - number.low - 1e-3
+    number, result = (known("hardness", item, "hardness") for item in ("60 HRC", text))
+    assert (result.low, result.high) == pytest.approx((number.low, number.high), rel=0.01)
+    assert result.high - result.low >= number.high - number.low - 1e-3
     wide = known("hardness", "55..65 HRC", "hardness")
     ends = [known("hardness", f"{end} HRC", "hardness").value for end in (55, 65)]
     assert wide.low < ends[0] < ends[1] < wide.high

@@ -183,7 +183,7 @@ def synthetic(repetitions, ensembles, *, spread, scatter, seed, touching=1.0):
 @pytest.mark.parametrize("repetitions", [10, *(pytest.param(count, marks=pytest.mark.soak) for count in (5, 24, 100))])
 @pytest.mark.parametrize(
     ("spread", "scatter"),
-    [each if each == (0.8, 0.5) else pytest.param(*each, marks=pytest.mark.soak) for each in LEAST_COVERAGE],
+    [item if item == (0.8, 0.5) else pytest.param(*item, marks=pytest.mark.soak) for item in LEAST_COVERAGE],
 )
 def test_intervals_have_nominal_coverage(repetitions, spread, scatter):
     # At a point of the grid of approaches, in the middle, where the true curves are known exactly.
@@ -213,18 +213,18 @@ def test_stiffness_map_is_derivative_of_mean_load():
     stiffness = np.array([[1000.0], [3000.0]])
     result = dataset(stiffness * approach**2, np.zeros((2, 7)))
     loads = 2000 * approach[1:-1] ** 2
-    found = stiffness_map(result, loads).isel(fractal_dimension=0, amplitude=0, mu0=0, tau0=0)
-    assert np.allclose(found["normal_stiffness"], 2 * 2000 * approach[1:-1], rtol=EXACT)
-    assert found["normal_stiffness"].attrs["units"] == "mN/um"
-    assert (found["lower"] < found["normal_stiffness"]).all()
-    assert (found["upper"] > found["normal_stiffness"]).all()
+    computed = stiffness_map(result, loads).isel(fractal_dimension=0, amplitude=0, mu0=0, tau0=0)
+    assert np.allclose(computed["normal_stiffness"], 2 * 2000 * approach[1:-1], rtol=EXACT)
+    assert computed["normal_stiffness"].attrs["units"] == "mN/um"
+    assert (computed["lower"] < computed["normal_stiffness"]).all()
+    assert (computed["upper"] > computed["normal_stiffness"]).all()
 
 
 def test_stiffness_map_includes_friction_and_adhesion():
     approach = np.arange(1, 6) * 1e-3
     result = dataset(1000 * approach, np.zeros(5), frictional=-500 * approach)
-    found = stiffness_map(result, [2.0], mu0=[0.0, 0.4], tau0=[0.0])["normal_stiffness"]
-    assert np.allclose(found.values.ravel(), [1000.0, 800.0], rtol=EXACT)
+    computed = stiffness_map(result, [2.0], mu0=[0.0, 0.4], tau0=[0.0])["normal_stiffness"]
+    assert np.allclose(computed.values.ravel(), [1000.0, 800.0], rtol=EXACT)
 
 
 def test_stiffness_map_requires_three_approaches():

@@ -28,8 +28,8 @@ def test_pairs_of_several_dimensions_equal_single_pairs(monkeypatch, members):
     dimensions = np.array([1.0, 1.2, 1.45])
     several = list(bodies.pairs_of(STUDY, 1, dimensions, 0.1))
     assert len(several) == dimensions.size
-    for dimension, found in zip(dimensions, several, strict=True):
-        for body, alone in zip(found, pair_of(STUDY, 1, fractal_dimension=dimension, amplitude=0.1), strict=True):
+    for dimension, result in zip(dimensions, several, strict=True):
+        for body, alone in zip(result, pair_of(STUDY, 1, fractal_dimension=dimension, amplitude=0.1), strict=True):
             assert body.heights.tobytes() == alone.heights.tobytes()
             assert body.spacing == alone.spacing
 

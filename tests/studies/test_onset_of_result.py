@@ -55,9 +55,9 @@ def test_onset_is_mean_over_members(study, onset):
     # The tolerance is that of a study, whose displacements are those of a smaller one but for a part in a million.
     np.testing.assert_allclose(onset["displacement"].sel(statistic="mean"), np.mean(exact, axis=0), rtol=1e-6)
     for name in ("displacement", "slipped_area", "tangential_load"):
-        wanted = of_sample(np.array([getattr(each, name) for each in curves]))[0]
-        np.testing.assert_allclose(onset[name].sel(statistic="mean"), wanted, rtol=1e-9, err_msg=name)
-    mean, lower, upper = of_sample(np.array([each.stiffness for each in curves]))
+        expected = of_sample(np.array([getattr(item, name) for item in curves]))[0]
+        np.testing.assert_allclose(onset[name].sel(statistic="mean"), expected, rtol=1e-9, err_msg=name)
+    mean, lower, upper = of_sample(np.array([item.stiffness for item in curves]))
     np.testing.assert_allclose(onset["stiffness"], [mean, lower, upper], rtol=1e-9)
     assert onset.attrs["members"] == 3
 
@@ -77,32 +77,32 @@ def test_onset_displacement_exists_for_asperities_but_not_half_planes(tmp_path):
     spacing = write_profiles(tmp_path)
     for mechanics, load in (("asperities", "20 uN"), ("half-space", "2 mN")):
         lines = study_of(tmp_path, "lines", mechanics, spacing=spacing, members=8, load=load)
-        found = computed(lines)
-        assert found.attrs["members"] >= 6
-        assert math.isfinite(float(found["displacement_at_sliding"].sel(statistic="mean"))) == (
+        result = computed(lines)
+        assert result.attrs["members"] >= 6
+        assert math.isfinite(float(result["displacement_at_sliding"].sel(statistic="mean"))) == (
             mechanics == "asperities"
         )
-        assert ("iwan_chi" in found.attrs) == (mechanics == "asperities")
-        assert "slips" in onset_text(found)
+        assert ("iwan_chi" in result.attrs) == (mechanics == "asperities")
+        assert "slips" in onset_text(result)
 
 
 def test_onset_uses_the_quoted_reading():
     waves = {"hurst_exponent": 0.7, "rms": 0.01, "longest_wavelength": 5.0, "shortest_wavelength": 0.05}
     noise = 1e-3 * np.random.default_rng(1).normal(size=(2, 3000))
     scans = [
-        Profile(self_affine(seed, points=3000, spacing=0.01, **waves).heights + each, spacing=0.01)
-        for seed, each in enumerate(noise)
+        Profile(self_affine(seed, points=3000, spacing=0.01, **waves).heights + item, spacing=0.01)
+        for seed, item in enumerate(noise)
     ]
-    asked = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "offsets": 8}
-    both = pair_study(*scans, **asked)
+    options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "offsets": 8}
+    both = pair_study(*scans, **options)
     quoted, other = both.surfaces.cells()["cut_off"].tolist()
     assert quoted > other == 0
     alone = {
         cutoff: computed(both.with_changes({"surfaces.cut_off": [f"{cutoff!r} um"]})) for cutoff in (quoted, other)
     }
-    found = computed(both)
-    xarray.testing.assert_identical(found, alone[quoted])
-    assert float(abs(found["displacement"] - alone[other]["displacement"]).max()) > 0
+    result = computed(both)
+    xarray.testing.assert_identical(result, alone[quoted])
+    assert float(abs(result["displacement"] - alone[other]["displacement"]).max()) > 0
 
 
 def test_onset_is_none_without_friction_or_for_generated_surfaces(study):
@@ -114,8 +114,8 @@ def test_slip_map_gives_smallest_slip_load_of_each_cell(study, onset, monkeypatc
     upper, lower = bodies_of(study).member(0, 0.0).pair
     curve = half_space(upper, lower, [2.0], effective_modulus=100.0, hardness=4.0, compliance_share=0.3)
     one = curve.onset(0, mu0=0.3, tau0=0.05, steps=onset["fraction"].values.tolist(), poisson=[0.3, 0.4])
-    wanted = (one.slip_load() / one.sliding_load).reshape(lower.heights.shape)
-    np.testing.assert_allclose(onset["slip"], wanted, rtol=1e-6)
+    expected = (one.slip_load() / one.sliding_load).reshape(lower.heights.shape)
+    np.testing.assert_allclose(onset["slip"], expected, rtol=1e-6)
     touching = curve.contact(0).pressure > 0
     np.testing.assert_array_equal(np.isfinite(onset["slip"]), touching)
     # What slips at half of the load bears as much of it as the curve says.
@@ -126,21 +126,21 @@ def test_slip_map_gives_smallest_slip_load_of_each_cell(study, onset, monkeypatc
     coarse = computed(study, members=1)["slip"].values
     assert coarse.shape == (8, 8)
     for row, column in np.ndindex(8, 8):
-        block = wanted[5 * row : 5 * row + 5, 5 * column : 5 * column + 5]
+        block = expected[5 * row : 5 * row + 5, 5 * column : 5 * column + 5]
         known = block[np.isfinite(block)]
         assert coarse[row, column] == pytest.approx(known.min() if known.size else np.nan, nan_ok=True)
 
 
 def test_onset_of_asperities_lists_each_contact(tmp_path):
     study = study_of(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=2)
-    found = computed(study, members=1)
+    result = computed(study, members=1)
     pair = bodies_of(study).member(0, 0.0).pair
     approach = approach_at_load(*pair, 2.0, mu0=0.0, effective_modulus=100.0, sliding="all")
     listed = contacts(*pair, float(approach), effective_modulus=100.0, sliding="all")
-    np.testing.assert_allclose(found["contact_x"], listed.centre[:, 0], rtol=1e-9)
-    np.testing.assert_allclose(found["contact_area"], listed.area, rtol=1e-6)
-    assert float(found["contact_slip"].max()) == 1
-    assert "slip" not in found
+    np.testing.assert_allclose(result["contact_x"], listed.centre[:, 0], rtol=1e-9)
+    np.testing.assert_allclose(result["contact_area"], listed.area, rtol=1e-6)
+    assert float(result["contact_slip"].max()) == 1
+    assert "slip" not in result
 
 
 def test_figures_and_report_show_slip_map(study, onset, tmp_path):

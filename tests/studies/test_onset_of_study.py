@@ -62,13 +62,13 @@ def test_sums_are_unchanged_by_onset(study, result):
 
 def test_onset_of_maps_uses_first_direction():
     study = Study.named("presliding").with_changes(AREAS | {"contact.onset": {"mu0": 0.4}})
-    found = run(study).dataset
-    assert found["displacement_at_sliding"].dims == ("fractal_dimension", "amplitude", "repetition", "approach")
+    computed = run(study).dataset
+    assert computed["displacement_at_sliding"].dims == ("fractal_dimension", "amplitude", "repetition", "approach")
     upper, lower = pair_of(study, 1, fractal_dimension=1.2, amplitude=0.02)
     curve = press(upper, lower, [0.02])
     for direction, same in ((30.0, True), (90.0, False)):
         stiffness = curve.onset(0, mu0=0.4, direction=direction, steps=[0.5]).stiffness
-        assert (float(found["tangential_stiffness"][0, 0, 1, 1]) == pytest.approx(stiffness, rel=1e-9)) == same
+        assert (float(computed["tangential_stiffness"][0, 0, 1, 1]) == pytest.approx(stiffness, rel=1e-9)) == same
 
 
 def test_onset_at_load_weighs_members_by_load(result):
@@ -109,12 +109,12 @@ def test_table_figure_and_report_show_onset(study, tmp_path):
     result = open_result(tmp_path / "result")
     creep = "creep before sliding at mu0 = 0.3, tau0 = 20 MPa (um)"
     assert {creep, f"{creep}: lower", "tangential stiffness at rest (mN/um)"} <= set(result.to_dataframe().columns)
-    said = " ".join(quantities_text(at_load(result.source, [1e-3]).isel(fractal_dimension=0), study).split())
-    assert "creep before sliding at μ0 = 0.3, τ0 = 20 MPa (nm)" in said
-    assert "load that slips at half of sliding at μ0 =" in said
+    text = " ".join(quantities_text(at_load(result.source, [1e-3]).isel(fractal_dimension=0), study).split())
+    assert "creep before sliding at μ0 = 0.3, τ0 = 20 MPa (nm)" in text
+    assert "load that slips at half of sliding at μ0 =" in text
     assert result.figures() == ["onset"]
     panels = result.figure("onset").axes
-    assert [each.get_ylabel() for each in panels] == [
+    assert [panel.get_ylabel() for panel in panels] == [
         "creep before sliding (nm)", "slips at half of the load (%)", "tangential stiffness (mN/µm)",
     ]  # fmt: skip
     assert all(np.isfinite(line.get_ydata()).any() for line in panels[0].get_lines()[::2])

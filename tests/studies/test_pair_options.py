@@ -33,8 +33,8 @@ def command():
 def test_generated_signatures_match_the_options():
     """Fails if packaging/pair_options.py has not been run after a change of an option."""
     script = ROOT / "packaging/pair_options.py"
-    done = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    completed = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True, check=False)
+    assert completed.returncode == 0, completed.stderr
 
 
 def test_function_has_a_documented_parameter_for_each_option():
@@ -48,7 +48,7 @@ def test_function_has_a_documented_parameter_for_each_option():
 
 
 def test_command_has_an_option_for_each_option_of_a_pair():
-    parameters = {each.name: each for each in command().params}
+    parameters = {param.name: param for param in command().params}
     for name in OPTIONS:
         names = (*parameters[name].opts, parameters[name].metavar)
         assert name_on_command_line(name) in names
@@ -70,7 +70,7 @@ def test_option_sets_a_key_that_studies_have(name):
 
 def test_placeholders_of_help_and_conditions_name_options():
     for option in OPTIONS.values():
-        for text in (option.help, *(each.message for each in option.applies)):
+        for text in (option.help, *(apply.message for apply in option.applies)):
             assert text.format_map({name: name for name in OPTIONS})
 
 

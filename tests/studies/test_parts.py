@@ -23,8 +23,8 @@ def test_parts_complete_one_result(tmp_path, undisturbed, computed):
         for _ in range(2):
             assert fill(TINY, tmp_path, part=part) == 8
         assert sorted(computed) == expected
-    there = store.open_stored(tmp_path).dataset()
-    xarray.testing.assert_identical(there, undisturbed.isel(repetition=sorted(itertools.chain(*own.values()))))
+    present = store.open_stored(tmp_path).dataset()
+    xarray.testing.assert_identical(present, undisturbed.isel(repetition=sorted(itertools.chain(*own.values()))))
     del computed[:]
     assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
     assert sorted(computed) == [8, 9, 10, 11, 20, 21]
@@ -53,33 +53,33 @@ class Workers(Executor):
 
     def submit(self, function, /, *args):
         if not self.sees:
-            args = [replace(each, path=Path("/nowhere")) if isinstance(each, Folder) else each for each in args]
+            args = [replace(arg, path=Path("/nowhere")) if isinstance(arg, Folder) else arg for arg in args]
             if isinstance(getattr(function, "__self__", None), Folder):  # Folder.is_seen
                 function = Folder(Path("/nowhere"), "").is_seen
         return InlineExecutor().submit(function, *args)
 
 
 def test_workers_write_to_shared_directory_or_return_blocks(tmp_path, undisturbed, monkeypatch):
-    written, done = [], []
+    written, completed = [], []
     monkeypatch.setattr(
         runner, "put", lambda path, first, *rest: written.append(first) or store.put(path, first, *rest)
     )
     task = runner.block_task
-    monkeypatch.setattr(runner, "block_task", lambda *args: done.append(task(*args)) or done[-1])
+    monkeypatch.setattr(runner, "block_task", lambda *args: completed.append(task(*args)) or completed[-1])
     for where, executor, who in (
         ("here", InlineExecutor(), "in 6 files"),
         ("shared", Workers(True), "in 6 files"),
         ("apart", Workers(False), "this process writes them"),
     ):
-        del written[:], done[:]
-        said = []
-        fill(TINY, tmp_path / where, executor=executor, say=said.append)
-        assert len(said) == 1
-        assert said[0].startswith("computing 22 repetitions: ")
-        assert "in 6 files" in said[0]
-        assert said[0].endswith(who)
+        del written[:], completed[:]
+        events = []
+        fill(TINY, tmp_path / where, executor=executor, say=events.append)
+        assert len(events) == 1
+        assert events[0].startswith("computing 22 repetitions: ")
+        assert "in 6 files" in events[0]
+        assert events[0].endswith(who)
         assert written == list(range(0, 22, 4))
-        assert [content is None for content in done] == [where == "shared"] * 6
+        assert [content is None for content in completed] == [where == "shared"] * 6
         assert_same_bits(store.read(tmp_path / where), undisturbed)
         assert not list((tmp_path / where).rglob("*.partial"))
 

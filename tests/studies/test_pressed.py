@@ -49,7 +49,7 @@ def test_profile_member_equals_direct_computation(tmp_path, mechanics):
     loads = study.contact.steps()
     values, member = member_sums(study, 3), bodies_of(study).member(3, 0.0)
     whole = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
-    above, below = (levelled(each, "line") for each in whole)
+    above, below = (levelled(item, "line") for item in whole)
     slider = levelled(Profile(flipped(above).heights[:600], spacing=0.02), "line")
     first = round(member.x / 0.02)
     assert 0 < first <= 600
@@ -74,9 +74,9 @@ def test_dataset_has_variables_of_the_study(tmp_path):
     parts = [member_sums(study, index) for index in range(3)]
     dataset = dataset_of(study, range(3), stacked(study, parts), about(study))
     assert set(dataset.data_vars) == set(names_of(study))
-    for name, each in variables_of(study).items():
-        assert dataset[name].dims == each.dims
-        assert dataset[name].shape == each.shape
+    for name, item in variables_of(study).items():
+        assert dataset[name].dims == item.dims
+        assert dataset[name].shape == item.shape
         assert "long_name" in dataset[name].attrs
     assert set(OF_MEMBERS) <= set(dataset.coords)
     assert float(dataset["nominal_area"]) == pytest.approx(3.6**2)

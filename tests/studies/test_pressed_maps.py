@@ -68,16 +68,16 @@ def test_pressed_maps_equals_study_bit_for_bit(mechanics):
     study = pair_study(upper, lower, load=list(LOADS), mu0=0.3, direction=[0, 90], **chosen)
     prepared = study.surfaces.model_copy(update={"prepared": True})
     study = study.model_copy(update={"surfaces": prepared})
-    wanted = member_values(run(study), LOADS, mu0=[0.3], tau0=[0.0], of="shifts").isel(cut_off=0)
+    expected = member_values(run(study), LOADS, mu0=[0.3], tau0=[0.0], of="shifts").isel(cut_off=0)
     result = pressed_maps(upper, lower, LOADS, mu0=0.3, directions=[0.0, 90.0], **chosen).isel(repetition=slice(2))
     assert (result["status"] == "ok").all()
-    shared = {*wanted.data_vars} & {*numbers(result)}
+    shared = {*expected.data_vars} & {*numbers(result)}
     assert len(shared) > 15
     for name in shared:
-        there = wanted[name].transpose(*result[name].dims)
-        if "sliding" in there.dims:
-            there = there.sel(sliding=result["sliding"])
-        np.testing.assert_allclose(result[name].values, there.values, rtol=1e-15, err_msg=name)
+        present = expected[name].transpose(*result[name].dims)
+        if "sliding" in present.dims:
+            present = present.sel(sliding=result["sliding"])
+        np.testing.assert_allclose(result[name].values, present.values, rtol=1e-15, err_msg=name)
 
 
 def test_gap_has_its_own_slopes():
@@ -155,7 +155,7 @@ class TestSurrogates:
         alone = pressed_maps(upper, lower, LOADS, shifts=3, **chosen)
         both = pressed_maps(upper, lower, LOADS, shifts=3, surrogates=4, seed=7, **chosen)
         assert both["surrogate"].values.tolist() == [False] * 3 + [True] * 4
-        shifts, made = both.isel(repetition=slice(3)), both.isel(repetition=slice(3, None))
+        shifts, created = both.isel(repetition=slice(3)), both.isel(repetition=slice(3, None))
         xarray.testing.assert_identical(shifts.drop_attrs(), alone.drop_attrs())
         for index in range(4):
             bodies = [
@@ -164,9 +164,9 @@ class TestSurrogates:
             ]
             approaches = approach_at_load(*bodies, LOADS, mu0=0.0)
             area = press(*bodies, approaches).contact_area
-            assert made["contact_area"].values[index] == pytest.approx(area, rel=ROUND_OFF)
-        means = [pressed_maps_mean(both, surrogates=each) for each in (False, True)]
-        assert float(means[1]["contact_area"][0, 0]) == pytest.approx(float(made["contact_area"][:, 0].mean()))
+            assert created["contact_area"].values[index] == pytest.approx(area, rel=ROUND_OFF)
+        means = [pressed_maps_mean(both, surrogates=value) for value in (False, True)]
+        assert float(means[1]["contact_area"][0, 0]) == pytest.approx(float(created["contact_area"][:, 0].mean()))
         assert [int(mean["shifts"]) for mean in means] == [3, 4]
         assert pressed_maps_mean(both).equals(means[0])
         with pytest.raises(ValueError, match="surrogates must be False where there are no others"):
@@ -183,7 +183,7 @@ class TestSurrogates:
             for body, side in zip(bodies, ("upper", "lower"), strict=True)
         )
         area = press(
-            *(made := (window_of(upper), window_of(lower))), approach_at_load(*made, [1.0], mu0=0.0)
+            *(created := (window_of(upper), window_of(lower))), approach_at_load(*created, [1.0], mu0=0.0)
         ).contact_area
         assert float(result["contact_area"][2, 0]) == pytest.approx(float(area[0]), rel=ROUND_OFF)
         assert int(pressed_maps_mean(result)["shifts"]) == 3

@@ -55,17 +55,17 @@ def test_stored_resolution_is_read_only_with_its_result(study, tmp_path):
     assert resolution_at(open_stored(tmp_path)) is None
     over = resolution_study(few)
     fill(over, tmp_path / FOLDER)
-    found = resolution_at(open_stored(tmp_path))
-    wanted = at_load(run(over), [2.0])
-    np.testing.assert_array_equal(found["friction_all_round"].values, wanted["friction_all_round"].values)
-    point = found.isel(load=0, mu0=0, tau0=1)
+    result = resolution_at(open_stored(tmp_path))
+    expected = at_load(run(over), [2.0])
+    np.testing.assert_array_equal(result["friction_all_round"].values, expected["friction_all_round"].values)
+    point = result.isel(load=0, mu0=0, tau0=1)
     rows = cut_off_rows(point, few)
     assert [row[0] for row in rows[1:]] == ["none off", "200 nm", "400 nm", "plastic limit"]
     assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
     assert plastic_limit(point, few) == pytest.approx(0.3 + 0.05 / 4)
     least = limits(point, few)["area_fraction"]
-    area = found["contact_area_fraction"].sel(statistic="mean").values
-    assert least == pytest.approx(2.0 / 4 / float(found["nominal_area"]))
+    area = result["contact_area_fraction"].sel(statistic="mean").values
+    assert least == pytest.approx(2.0 / 4 / float(result["nominal_area"]))
     assert (area > least).all()
     # With another pair beside it, it is none of this one.
     softer = tmp_path / "softer"
@@ -75,14 +75,14 @@ def test_stored_resolution_is_read_only_with_its_result(study, tmp_path):
 
 
 def test_wavelengths_are_those_of_the_gap(study):
-    found = seen(study)
+    result = seen(study)
     upper, lower = bodies_of(study).member(0, 0.0).pair
     gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
     roughness = scale_dependent_roughness(gap)
-    assert found.shortest == pytest.approx(0.2)
-    assert found.longest == pytest.approx(max(gap.extent))
-    assert found.fraction_below(0.8) == pytest.approx(float(roughness.fraction_below(0.8)))
-    assert waves_text(found).startswith("Waves from 200 nm to 9.6 µm; those below 400 nm make ")
+    assert result.shortest == pytest.approx(0.2)
+    assert result.longest == pytest.approx(max(gap.extent))
+    assert result.fraction_below(0.8) == pytest.approx(float(roughness.fraction_below(0.8)))
+    assert waves_text(result).startswith("Waves from 200 nm to 9.6 µm; those below 400 nm make ")
     assert seen(Study.named("quick")) is None
 
 
@@ -91,17 +91,17 @@ def test_wavelengths_begin_at_the_cutoff(study):
 
 
 def test_plastic_wavelength_follows_pressure(study):
-    found = seen(study)
-    reached = [found.yields_at(ratio, 100.0)[0] for ratio in (0.5, 0.8, 0.95)]
+    result = seen(study)
+    reached = [result.yields_at(ratio, 100.0)[0] for ratio in (0.5, 0.8, 0.95)]
     assert np.all(np.diff(reached) < 0)
-    value, lower, upper = found.yields_at(0.8, 100.0)
+    value, lower, upper = result.yields_at(0.8, 100.0)
     assert lower < value < upper
 
 
 def test_elastic_scan_lists_plastic_wavelengths_for_hardnesses(tmp_path):
     for side in ("upper", "lower"):
-        made = self_affine_surface(3, hurst_exponent=0.7, rms=0.03, shape=(192, 192), spacing=0.1, side=side)
-        np.save(tmp_path / f"{side}.npy", made.heights)
+        created = self_affine_surface(3, hurst_exponent=0.7, rms=0.03, shape=(192, 192), spacing=0.1, side=side)
+        np.save(tmp_path / f"{side}.npy", created.heights)
     soft = study_of(tmp_path, spacing="0.1 um", members=2, contact='direction = [0, 180]\nload = ["2 mN"]')
     point = at_load(run(soft), [2.0]).isel(cut_off=0, load=0, mu0=0, tau0=1)
     table = yielding(point, soft, seen(soft))

@@ -96,11 +96,11 @@ def test_memory_of_a_task_is_within_documented_limit(monkeypatch, points):
     """cluster.md: FAMILY_MEMORY for each body and a profile of each that is scaled, or 32 bytes for each point."""
     family = 8 * 2500
     monkeypatch.setattr(pressed, "FAMILY_MEMORY", family)
-    made = []
-    monkeypatch.setattr(pressed, "_memory", lambda shape: made.append(np.empty(shape)) or made[-1])
+    values = []
+    monkeypatch.setattr(pressed, "_memory", lambda shape: values.append(np.empty(shape)) or values[-1])
     study = SMALL.with_changes({"surfaces.points": points, "surfaces.fractal_dimension.count": 10})
     pressed.member_sums(study, 0)
-    (memory,) = made
+    (memory,) = values
     assert memory.nbytes <= max(2 * family + 2 * 8 * points, 32 * points)
 
 
@@ -156,14 +156,14 @@ def test_interrupt_cancels_submitted_tasks(monkeypatch):
     monkeypatch.setattr(runner, "member_sums", record)
     monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
     monkeypatch.setattr(runner, "PATIENCE", 0.1)
-    held = None
+    stored = None
     with ThreadPoolExecutor(1) as pool:
         try:
             run(with_repetitions(800), executor=pool)
         except KeyboardInterrupt as error:
-            held = error  # and with it every frame of the run
+            stored = error  # and with it every frame of the run
             interrupted.set()
-    assert held is not None
+    assert stored is not None
     assert len(computed) < 800
 
 
@@ -209,10 +209,10 @@ def test_progress_is_printed_in_a_notebook(capfd, monkeypatch):
 
 
 def test_estimate_is_announced_once(tmp_path):
-    said = []
+    events = []
     for _ in range(2):
-        runner.fill(SMALL, tmp_path, say=said.append)
-    (line,) = said
+        runner.fill(SMALL, tmp_path, say=events.append)
+    (line,) = events
     assert line.startswith("computing 5 repetitions: about ")
     assert line.endswith(" of one core, 23 kB in 5 files")
 

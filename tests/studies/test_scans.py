@@ -36,25 +36,25 @@ def cells(upper: int, lower: int, times: int = 1):
 def test_variances_equal_those_of_mean_squares() -> None:
     rng = np.random.default_rng(4)
     table = rng.standard_normal((4, 1)) * 3 + rng.standard_normal((1, 5)) * 2 + 0.3 * rng.standard_normal((4, 5))
-    found = of_scans(table.ravel(), *cells(4, 5))
+    result = of_scans(table.ravel(), *cells(4, 5))
     rows, columns = table.mean(axis=1), table.mean(axis=0)
     left = (table - rows[:, None] - columns + table.mean()).ravel()
     squares = 5 * rows.var(ddof=1), 4 * columns.var(ddof=1), left @ left / 12
-    assert found.mean == pytest.approx(table.mean(), rel=ROUND_OFF)
-    assert found.variances == pytest.approx(
+    assert result.mean == pytest.approx(table.mean(), rel=ROUND_OFF)
+    assert result.variances == pytest.approx(
         [(squares[0] - squares[2]) / 20, (squares[1] - squares[2]) / 20, squares[2] / 20]
     )
     total = squares[0] + squares[1] - squares[2]
     freedom = total**2 / (squares[0] ** 2 / 3 + squares[1] ** 2 / 4 + squares[2] ** 2 / 12)
-    assert found.half_width == pytest.approx(float(student_quantile(freedom)) * np.sqrt(total / 20), rel=1e-9)
+    assert result.half_width == pytest.approx(float(student_quantile(freedom)) * np.sqrt(total / 20), rel=1e-9)
 
 
 def test_scans_of_one_part_are_a_sample() -> None:
     values = np.array([1.0, 1.2, 0.9, 1.3])
-    found = of_scans(np.tile(values, 3), np.tile(np.arange(4), 3), np.zeros(12, int))
+    result = of_scans(np.tile(values, 3), np.tile(np.arange(4), 3), np.zeros(12, int))
     half = float(student_quantile(3)) * values.std(ddof=1) / 2
-    assert (found.mean, found.half_width) == pytest.approx((values.mean(), half))
-    assert found.variances[1:] == (0.0, 0.0)
+    assert (result.mean, result.half_width) == pytest.approx((values.mean(), half))
+    assert result.variances[1:] == (0.0, 0.0)
     assert of_scans(np.ones(3), np.zeros(3, int), np.zeros(3, int)) is None
 
 
@@ -63,8 +63,8 @@ def test_member_without_solution_is_left_out() -> None:
     upper, lower = cells(3, 3, times=2)
     values = rng.standard_normal(18)
     values[4] = np.nan
-    found = of_scans(values, upper, lower)
-    assert np.isfinite([found.mean, found.half_width, found.test]).all()
+    result = of_scans(values, upper, lower)
+    assert np.isfinite([result.mean, result.half_width, result.test]).all()
 
 
 def coefficient(upper, lower):
@@ -85,10 +85,10 @@ def test_interval_covers_the_mean_of_parts_and_the_next_test(spread) -> None:
         for _ in range(200):
             one, other = cells(upper, lower, times)
             own = coefficient(gradients(upper)[one], gradients(lower)[other])
-            found = of_scans(own * (1 + 0.02 * rng.standard_normal(own.size)), one, other)
-            covered.append(abs(found.mean - truth) <= found.half_width)
+            result = of_scans(own * (1 + 0.02 * rng.standard_normal(own.size)), one, other)
+            covered.append(abs(result.mean - truth) <= result.half_width)
             test = float(coefficient(gradients(1), gradients(1))[0] * (1 + 0.02 * rng.standard_normal()))
-            tested.append(abs(test - found.mean) <= float(student_quantile(found.test_freedom)) * found.test)
+            tested.append(abs(test - result.mean) <= float(student_quantile(result.test_freedom)) * result.test)
     by_counts = np.reshape(covered, (len(SEVERAL), -1)).mean(axis=1)
     print(f"spread {spread}: covers {np.mean(covered):.3f} {by_counts.round(3)}, next test {np.mean(tested):.3f}")
     assert LEAST <= np.mean(covered) <= MOST
@@ -118,15 +118,15 @@ def test_variability_between_places_is_in_interval_and_budget(spread) -> None:
     scans = [
         [scan(20 + i, side, np.exp(spread * rng.standard_normal())) for i in range(4)] for side in ("upper", "lower")
     ]
-    given = {"mechanics": "asperities", "onset": 0, **QUICK}
-    result = pair(*scans, shifts=32, **given)
+    arguments = {"mechanics": "asperities", "onset": 0, **QUICK}
+    result = pair(*scans, shifts=32, **arguments)
     budget = result.budget.set_index("input")["share"]
     pieces = {"which piece of the upper part", "which piece of the lower part"} & set(budget.index)
     if spread:
         assert pieces
         assert budget[list(pieces)].sum() > 0.2
     assert "4 × 4 scans of both parts" in result.sentence
-    one = pair(*(each[0] for each in scans), shifts=32, **given)
+    one = pair(*(item[0] for item in scans), shifts=32, **arguments)
     assert "one scan of each part" in one.sentence
     assert np.ptp(result.interval) > (1.5 if spread else 0.0) * np.ptp(one.interval)
     low, high = result.next_test
@@ -139,12 +139,12 @@ def test_scans_accept_list_directory_or_comma_separated_names(tmp_path) -> None:
     for index in range(2):
         names.append(str(tmp_path / "part" / f"a{index}.npy"))
         write_surface(scan(index, "upper"), names[-1])
-    given = {"mechanics": "asperities", "onset": 0, "shifts": 4, **QUICK}
+    arguments = {"mechanics": "asperities", "onset": 0, "shifts": 4, **QUICK}
     other = scan(9, "lower")
-    found = [pair(upper, other, **given) for upper in (names, ",".join(names), tmp_path / "part")]
-    assert len({each.interval for each in found}) == 1
-    table = (found[0].path / "study.toml").read_text()
-    study = Study.from_toml(found[0].path / "study.toml")
+    result = [pair(upper, other, **arguments) for upper in (names, ",".join(names), tmp_path / "part")]
+    assert len({item.interval for item in result}) == 1
+    table = (result[0].path / "study.toml").read_text()
+    study = Study.from_toml(result[0].path / "study.toml")
     assert study.surfaces.upper.name == "a0.npy and 1 more"
     listed = study.with_changes({"surfaces.upper": [{"file": name} for name in names]})
     assert listed.surfaces.scan_counts == study.surfaces.scan_counts
@@ -152,22 +152,22 @@ def test_scans_accept_list_directory_or_comma_separated_names(tmp_path) -> None:
 
 
 def test_pair_rejects_different_kinds_of_scans(tmp_path) -> None:
-    given = {"mechanics": "asperities", "onset": 0, **QUICK}
+    arguments = {"mechanics": "asperities", "onset": 0, **QUICK}
     with pytest.raises(ValueError, match=r"surfaces.upper: the scans of a part must have the same points"):
-        pair([scan(1, "upper"), scan(2, "upper", points=40)], scan(1, "lower"), **given)
+        pair([scan(1, "upper"), scan(2, "upper", points=40)], scan(1, "lower"), **arguments)
     with pytest.raises(ValueError, match=r"surfaces.upper: two scans of a part are the same"):
-        pair([scan(1, "upper"), scan(2, "upper"), scan(1, "upper")], scan(1, "lower"), **given)
+        pair([scan(1, "upper"), scan(2, "upper"), scan(1, "upper")], scan(1, "lower"), **arguments)
     with pytest.raises(ValueError, match="second must have at least one scan"):
-        pair(scan(1, "upper"), tmp_path, **given)
+        pair(scan(1, "upper"), tmp_path, **arguments)
     with pytest.raises(ValueError, match=r"surfaces.surrogates: of several scans"):
-        pair([scan(1, "upper"), scan(2, "upper")], scan(1, "lower"), surrogates=4, **given)
+        pair([scan(1, "upper"), scan(2, "upper")], scan(1, "lower"), surrogates=4, **arguments)
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("spread", [0.0, 0.2])
 def test_solved_scans_cover_the_mean_of_their_parts(spread) -> None:
     rng = np.random.default_rng(7)
-    given = {"mechanics": "asperities", "onset": 0, **QUICK}
+    arguments = {"mechanics": "asperities", "onset": 0, **QUICK}
 
     def scans_of(part: int, count: int):
         seeds = 1000 * part + np.arange(count)
@@ -177,9 +177,9 @@ def test_solved_scans_cover_the_mean_of_their_parts(spread) -> None:
             for side, own in zip(("upper", "lower"), gradients, strict=True)
         ]
 
-    truth = pair(*scans_of(100, 24), shifts=576, **given).value  # all parts are of one kind
-    found = [pair(*scans_of(part, 3 + part % 4), shifts=32, **given) for part in range(20)]
-    covered = sum(each.interval[0] <= truth <= each.interval[1] for each in found)
+    truth = pair(*scans_of(100, 24), shifts=576, **arguments).value  # all parts are of one kind
+    result = [pair(*scans_of(part, 3 + part % 4), shifts=32, **arguments) for part in range(20)]
+    covered = sum(item.interval[0] <= truth <= item.interval[1] for item in result)
     print(f"spread {spread}: {covered} of 20 cover {truth:.4f}")
     assert covered >= 17
 
@@ -191,9 +191,9 @@ def test_caveats_about_files_end_when_accepted(tmp_path, monkeypatch):
     np.savetxt("codes.csv", np.c_[np.arange(400.0), heights], delimiter=",", header="x (um),z (um)")
 
     def of_files(**options):
-        given = {"load": "1 mN", "mu0": "0.3", "effective_modulus": "10 GPa", "missing": "interpolate", **options}
-        study = Pair.of(upper="codes.csv", lower="codes.csv", **given).study
-        return [each for each in doubts_of_study(study) if "(repeated-extreme)" in each.cure]
+        arguments = {"load": "1 mN", "mu0": "0.3", "effective_modulus": "10 GPa", "missing": "interpolate", **options}
+        study = Pair.of(upper="codes.csv", lower="codes.csv", **arguments).study
+        return [item for item in doubts_of_study(study) if "(repeated-extreme)" in item.cure]
 
     (doubt,) = of_files()
     assert (doubt.severity, doubt.text.partition(":")[0]) == ("caution", "both bodies")

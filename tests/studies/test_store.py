@@ -89,11 +89,11 @@ def test_xarray_opens_blocks(whole, undisturbed):
     pytest.importorskip("dask")
     block_of(whole, 8).unlink()
     with xarray.open_mfdataset(str(whole / BLOCKS / "*.nc")) as opened:
-        there = opened.load()
+        present = opened.load()
     expected = undisturbed.isel(repetition=[*range(8), *range(12, 22)])
     for name, variable in expected.variables.items():
-        assert there[name].variable.identical(variable), name
-    assert there.attrs == undisturbed.attrs
+        assert present[name].variable.identical(variable), name
+    assert present.attrs == undisturbed.attrs
 
 
 def test_block_is_a_complete_result(whole, undisturbed):
@@ -117,8 +117,8 @@ def test_store_preserves_every_bit(tmp_path, monkeypatch):
 def test_pieces_of_directory_and_dataset_are_equal(whole, undisturbed, monkeypatch):
     monkeypatch.setattr(layout, "MOST_IN_PIECE", 9 * layout.bytes_of_member(TINY))
     block_of(whole, 4).unlink()
-    there = undisturbed.isel(repetition=[*range(4), *range(8, 22)])
-    both = list(zip(Result(store.open_stored(whole)).pieces(), Result(there).pieces(), strict=True))
+    present = undisturbed.isel(repetition=[*range(4), *range(8, 22)])
+    both = list(zip(Result(store.open_stored(whole)).pieces(), Result(present).pieces(), strict=True))
     assert [piece.sizes["repetition"] for piece, _ in both] == [8, 8, 2]
     for piece, other in both:
         assert_same_bits(piece, other)
@@ -172,12 +172,12 @@ def test_missing_blocks_are_computed(whole, undisturbed, computed):
 
 
 def test_additional_repetitions_compute_only_new_members(tmp_path, undisturbed, computed):
-    seen = {}
+    recorded = {}
     for total in (6, 7, 22):
         result = run(with_repetitions(total), store=tmp_path).dataset
         assert_same_bits(result.assign_attrs(undisturbed.attrs), undisturbed.isel(repetition=slice(total)))
-        assert seen.items() <= files(tmp_path).items()
-        seen = files(tmp_path)
+        assert recorded.items() <= files(tmp_path).items()
+        recorded = files(tmp_path)
     assert sorted(computed) == list(range(22))
     with pytest.raises(StoreError, match=r"repetition 21 is finished, and ensemble\.repetitions = 21"):
         run(with_repetitions(21), store=tmp_path)
@@ -558,11 +558,11 @@ for step in range(1, 1000):
 def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, undisturbed):
     """What changes the disk is counted; the n-th change does not come, and of a file half is written."""
     (tmp_path / "s.toml").write_text(TINY.to_toml())
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", KILLED], cwd=tmp_path, capture_output=True, text=True, check=False
     )
-    assert done.returncode == 0, done.stderr
-    statuses = [int(line.split()[1]) for line in done.stdout.splitlines()]
+    assert completed.returncode == 0, completed.stderr
+    statuses = [int(line.split()[1]) for line in completed.stdout.splitlines()]
     assert statuses[-1] == 0
     assert set(statuses[:-1]) == {-signal.SIGKILL}
     assert len(statuses) > 5
@@ -664,16 +664,16 @@ def test_interrupt_ends_run_soon_and_preserves_blocks(tmp_path):
     ):
         whatever_happens.callback(process.kill)  # which does nothing to one that has ended
         assert process.stdout.readline() == b"begun\n"
-        wanted = {b"ready\n", b"held\n"}  # each thread is held, and says so, in any order
-        while wanted and (line := process.stdout.readline()):
-            wanted.discard(line)
+        expected = {b"ready\n", b"held\n"}  # each thread is held, and says so, in any order
+        while expected and (line := process.stdout.readline()):
+            expected.discard(line)
         process.send_signal(signal.SIGINT)
         assert process.wait(300) == 130
-    kept = store.open_stored(tmp_path / "r")
-    assert 8 <= kept.finished.size < 500  # and not all, however busy the machine is
+    stored = store.open_stored(tmp_path / "r")
+    assert 8 <= stored.finished.size < 500  # and not all, however busy the machine is
     assert_nothing_is_left(tmp_path)
-    computed = run(with_repetitions(int(kept.finished[-1]) + 1)).dataset
-    assert_same_bits(kept.dataset().assign_attrs(computed.attrs), computed.isel(repetition=kept.finished))
+    computed = run(with_repetitions(int(stored.finished[-1]) + 1)).dataset
+    assert_same_bits(stored.dataset().assign_attrs(computed.attrs), computed.isel(repetition=stored.finished))
 
 
 def test_result_without_finished_members_is_a_store_error(tmp_path):

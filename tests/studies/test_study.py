@@ -344,7 +344,7 @@ VALUES = [
 def test_mutated_study_file_is_read_or_rejected(seed):
     random = np.random.default_rng(seed)
     texts = [study.to_toml().splitlines() for study in (Study(), SURFACES, SELF_AFFINE, HALF_SPACES, AREAS, LINES)]
-    taken = 0
+    used = 0
     for _ in range(300):
         lines = list(texts[random.integers(len(texts))])
         for _ in range(random.integers(1, 4)):
@@ -355,11 +355,11 @@ def test_mutated_study_file_is_read_or_rejected(seed):
             study = study_from_text("\n".join(lines), "changed")
         except StudyError:
             continue
-        taken += 1
+        used += 1
         assert study_from_text(study.to_toml(), "itself") == study
         assert study.contact.steps().size
         assert set(study.motions()) <= {"sliding", "direction"}
-    assert taken
+    assert used
 
 
 def test_figures_7_and_8_have_amplitudes_of_the_paper():
@@ -381,8 +381,8 @@ class TestLoadsAskedFor:
     def test_listed_loads_are_inside_the_curve(self):
         assert [float(load) for load in self.LISTED.friction.load] == [0.04, 4.0]
         assert self.LISTED.contact.steps() == pytest.approx([0.04 / 10**0.5, 0.04, 4.0, 4.0 * 10**0.5], rel=1e-5)
-        asked = {"contact.mechanics": "half-space", "friction.load": ["0.1 mN", "0.2 mN"]}
-        study = SELF_AFFINE.with_changes(asked | {"contact.load": {"start": "0.05 mN", "stop": "1 mN", "count": 5}})
+        options = {"contact.mechanics": "half-space", "friction.load": ["0.1 mN", "0.2 mN"]}
+        study = SELF_AFFINE.with_changes(options | {"contact.load": {"start": "0.05 mN", "stop": "1 mN", "count": 5}})
         assert study.contact.steps()[0] == 0.05, "a curve that is given stays"
 
     def test_curve_around_loads_stays_below_hardness(self):

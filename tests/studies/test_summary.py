@@ -81,8 +81,8 @@ def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(folder
     point = result.summary("20 MPa", mu0=0.3).first
     at = result.at("20 MPa", mu0=0.3)["friction_combined"].sel(sliding="all").squeeze()
     np.testing.assert_allclose([point.value, point.lower, point.upper], at.values, rtol=1e-12)
-    kept = [caveat.text for caveat in result.input_caveats if point.at["cut_off"] < caveat.cut_off]
-    assert set(kept) <= {caveat.text for caveat in point.doubts}
+    stored = [caveat.text for caveat in result.input_caveats if point.at["cut_off"] < caveat.cut_off]
+    assert set(stored) <= {caveat.text for caveat in point.doubts}
 
 
 def test_at_per_member_averages_to_the_means(folder, calls):

@@ -86,8 +86,8 @@ def test_load_jumps_are_interpolated_linearly(rough_pair, load, within, share):
             curve = press(upper, lower, both, detection="cell", shear=shear)
             normal, tangential = curve.normal_load(**carrying), curve.tangential_load(**FRICTION)
             if normal[1] > 1.001 * normal[0]:
-                found = float(at["tangential_load"].sel(shear=shear)[place])
-                off.append(abs(found - np.interp(loads[place], normal, tangential)) / loads[place])
+                computed = float(at["tangential_load"].sel(shear=shear)[place])
+                off.append(abs(computed - np.interp(loads[place], normal, tangential)) / loads[place])
     assert len(off) > 4
     assert np.quantile(off, share) < within
 
@@ -97,8 +97,8 @@ def test_traverse_rounds_offset_to_nearest_point(pair):
     assert 0.29 / 0.01 < 29  # by round-off
     at = traverse(upper, lower, [0.01], offsets=[0.29], **FRICTION).sel(shear="+x")
     beneath = Profile(lower.heights[29 : 29 + len(upper)], spacing=0.01)
-    wanted = approach_at_load(upper, beneath, 0.01, detection="gap-minimum", shear="+x", **FRICTION)
-    assert float(at["approach"].squeeze()) == pytest.approx(float(wanted), rel=BETWEEN)
+    expected = approach_at_load(upper, beneath, 0.01, detection="gap-minimum", shear="+x", **FRICTION)
+    assert float(at["approach"].squeeze()) == pytest.approx(float(expected), rel=BETWEEN)
     assert float(at["offset"].squeeze()) == pytest.approx(0.29)
 
 
@@ -123,7 +123,7 @@ def test_traverse_result_has_units_names_and_history(result):
 
 
 def test_nondimensional_traverse_is_invariant_under_scaling(pair):
-    larger = [Profile(3 * each.heights, spacing=3 * each.spacing) for each in pair]
+    larger = [Profile(3 * item.heights, spacing=3 * item.spacing) for item in pair]
     one = nondimensional(traverse(*pair, [0.01], offsets=[0.0, 5.0], **FRICTION), length=1.0)
     other = traverse(
         *larger, [0.01 * 9 * 2], offsets=[0.0, 15.0], mu0=0.3, tau0=0.2, effective_modulus=20.0
@@ -243,7 +243,7 @@ def test_paired_lines_of_surfaces_are_a_third_of_their_width_apart():
         np.testing.assert_array_equal(uppers[line].heights, -surface.heights[line])
         np.testing.assert_array_equal(lowers[line].heights, surface.heights[(line + 3) % 9])
     uppers, lowers = paired_lines(surface, surface, level=None, lines=4, along="y")
-    assert [len(each) for each in uppers] == [9] * 4
+    assert [len(upper) for upper in uppers] == [9] * 4
     np.testing.assert_array_equal(uppers[1].heights, -surface.heights[:, 100])
     np.testing.assert_array_equal(lowers[1].heights, surface.heights[:, 233])
     np.testing.assert_array_equal(lowers[3].heights, surface.heights[:, 33])
@@ -263,8 +263,8 @@ def test_paired_lines_of_different_lengths_cover_the_longer():
     for lengths in ((400, 3000), (3000, 400)):
         bodies = [surface if length == 400 else scan("upper") for length in lengths]
         uppers, lowers = paired_lines(*bodies, level=None, lines=9)
-        assert {len(each) for each in (*uppers, *lowers)} == {400}
-        longer = np.array([each.heights for each in (uppers if lengths[0] == 3000 else lowers)])
+        assert {len(upper) for upper in (*uppers, *lowers)} == {400}
+        longer = np.array([item.heights for item in (uppers if lengths[0] == 3000 else lowers)])
         whole = scan("upper").heights * (-1 if lengths[0] == 3000 else 1)
         starts = [int(np.flatnonzero(np.isclose(whole, line[0], rtol=0, atol=0))[0]) for line in longer]
         np.testing.assert_array_equal(longer, [whole[start : start + 400] for start in starts])
@@ -282,8 +282,8 @@ def test_surrogates_replace_the_selected_surface():
     assert len(uppers) == 3
     np.testing.assert_array_equal(uppers[0].heights, uppers[1].heights)
     for line in range(3):
-        wanted = surrogate(levelled(lower, "line"), 9, repetition=line, side="lower")
-        np.testing.assert_array_equal(lowers[line].heights, wanted.heights)
+        expected = surrogate(levelled(lower, "line"), 9, repetition=line, side="lower")
+        np.testing.assert_array_equal(lowers[line].heights, expected.heights)
     uppers, _ = paired_lines(upper, lower, surrogates="both", lines=2)
     assert not np.array_equal(uppers[0].heights, uppers[1].heights)
 
@@ -303,9 +303,9 @@ def test_surrogates_replace_the_selected_surface():
 )
 def test_traverse_rejects_bad_arguments(pair, arguments, words):
     upper, lower = pair
-    given = {"upper": upper, "lower": lower, "loads": [0.01], "mu0": 0.3} | arguments
+    options = {"upper": upper, "lower": lower, "loads": [0.01], "mu0": 0.3} | arguments
     with pytest.raises(ValueError, match=words):
-        traverse(given.pop("upper"), given.pop("lower"), given.pop("loads"), **given)
+        traverse(options.pop("upper"), options.pop("lower"), options.pop("loads"), **options)
 
 
 def test_traverse_rejects_lists_of_different_lengths(pair):
@@ -341,9 +341,9 @@ def test_opposing_load_fraction_equals_that_of_contacts(sliding):
     assert result.attrs["sliding"] == sliding
     for shear in ("+x", "-x"):
         at = result.sel(shear=shear, line=0, offset=1.0, load=0.3)
-        found = contacts(slider, cropped(lower, 1, 16), float(at["approach"]), detection="gap-minimum", shear=shear)
-        load = found.force * found.normal[:, 2]
-        share = load[found.opposing].sum() / load.sum()
+        computed = contacts(slider, cropped(lower, 1, 16), float(at["approach"]), detection="gap-minimum", shear=shear)
+        load = computed.force * computed.normal[:, 2]
+        share = load[computed.opposing].sum() / load.sum()
         assert 0.05 < share < 0.95
         assert np.isclose(float(at["share_opposing"]), share, rtol=1e-6)
     np.testing.assert_allclose(result["share_opposing"].sum("shear"), 1.0, atol=0.02)  # but for what friction adds
@@ -362,13 +362,13 @@ def small_pair():
 @pytest.mark.parametrize("sliding", ["opposing", "all"])
 def test_traverse_of_half_planes_equals_half_space(small_pair, sliding):
     upper, lower = small_pair
-    given = {"compliance_share": 0.3, "effective_modulus": 8.0, "sliding": sliding}
-    result = traverse(upper, lower, LOADS, offsets=[0.0, 2.5], mechanics="half-space", **FRICTION, **given)
+    arguments = {"compliance_share": 0.3, "effective_modulus": 8.0, "sliding": sliding}
+    result = traverse(upper, lower, LOADS, offsets=[0.0, 2.5], mechanics="half-space", **FRICTION, **arguments)
     assert (result["status"] == "ok").all()
     for offset in (0.0, 2.5):
         for shear in ("+x", "-x"):
             at = result.sel(shear=shear, offset=offset, line=0)
-            curve = half_space(upper, cropped(lower, offset, offset + 2), LOADS, direction=shear, **given)
+            curve = half_space(upper, cropped(lower, offset, offset + 2), LOADS, direction=shear, **arguments)
             np.testing.assert_allclose(at["tangential_load"], curve.tangential_load(**FRICTION), rtol=SAME)
             np.testing.assert_allclose(at["friction_coefficient"], curve.friction_coefficient(**FRICTION), rtol=SAME)
             np.testing.assert_allclose(at["contact_area"], curve.contact_area, rtol=SAME)
@@ -382,16 +382,16 @@ def test_traverse_of_half_planes_equals_half_space(small_pair, sliding):
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("arguments", "words"),
     [
         ({"mechanics": "half-plane"}, "mechanics must be"),
         ({"mechanics": "half-space", "law": "hertz-cylinder"}, "law must not be given for half-planes"),
         ({"mechanics": "half-space", "compliance_share": 1.5}, "compliance_share must be from 0 to 1, got 1.5"),
     ],
 )
-def test_traverse_of_half_planes_rejects_asperity_options(small_pair, given, words):
+def test_traverse_of_half_planes_rejects_asperity_options(small_pair, arguments, words):
     with pytest.raises(ValueError, match=words):
-        traverse(*small_pair, LOADS, **FRICTION, **given)
+        traverse(*small_pair, LOADS, **FRICTION, **arguments)
 
 
 def test_traverse_rejects_half_space_for_surfaces():

@@ -14,49 +14,49 @@ from support.synthetic_results import generated, generated_study, measured, meas
 
 
 def one(at, study):
-    found = summarize(at, study).points
-    assert len(found) == 1
-    return found[0]
+    result = summarize(at, study).points
+    assert len(result) == 1
+    return result[0]
 
 
 def texts(said):
     return "; ".join(doubt.text for doubt in said.doubts)
 
 
-def test_measured_bodies_are_quoted_by_all_rub_first_and_with_their_inputs():
-    said = one(measured(), measured_study(hardness=3.0))
-    assert [rule.rule for rule in said.rules] == ["all", "opposing"]
-    assert (said.value, said.lower, said.upper) == pytest.approx((0.21, 0.1995, 0.2205))
-    assert (said.verdict, said.doubts) == ("Quote it", ())
+def test_measured_surfaces_quote_friction_at_all_contacts_first():
+    message = one(measured(), measured_study(hardness=3.0))
+    assert [rule.rule for rule in message.rules] == ["all", "opposing"]
+    assert (message.value, message.lower, message.upper) == pytest.approx((0.21, 0.1995, 0.2205))
+    assert (message.verdict, message.doubts) == ("Quote it", ())
     for words in (
         "μ_s = 0.21 [0.20, 0.22] if all contacts rub", "0.110 [0.104, 0.116] if only climbing contacts rub",
         "10 mN (1 MPa)", "μ0 = 0.2", "τ0 = 50 MPa", "E* = 100 GPa", "hardness 3 GPa", "points 100 nm apart",
         "the mean over 4 directions and 16 positions", "roughness contributes",
     ):  # fmt: skip
-        assert words in sentence_text(said)
-    assert sentence_text(said).endswith(".")
-    assert (said.rules[0].low, said.rules[0].high) == (0.04, 0.19)  # of several members
+        assert words in sentence_text(message)
+    assert sentence_text(message).endswith(".")
+    assert (message.rules[0].low, message.rules[0].high) == (0.04, 0.19)  # of several members
     assert one(measured(all_rub=0.1, half=1.2), measured_study()).lower == 0
     at = measured()
     at["friction_coefficient"] *= 9  # of single directions, and not of all
     assert one(at, measured_study()).value == 0.21
 
 
-def test_generated_bodies_are_quoted_by_the_papers_rule():
-    said = summarize(generated(), generated_study()).points
-    assert [each.at["fractal_dimension"] for each in said] == [1.1] * 4 + [1.4] * 4
-    assert [rule.rule for rule in said[0].rules] == ["opposing"]
-    assert "D = 1.1" in sentence_text(said[0])
-    assert "elastic" not in inputs_text(said[0])
+def test_generated_surfaces_quote_the_rule_of_the_paper():
+    message = summarize(generated(), generated_study()).points
+    assert [item.at["fractal_dimension"] for item in message] == [1.1] * 4 + [1.4] * 4
+    assert [rule.rule for rule in message[0].rules] == ["opposing"]
+    assert "D = 1.1" in sentence_text(message[0])
+    assert "elastic" not in inputs_text(message[0])
 
 
-def test_every_load_mu0_tau0_and_cut_off_has_an_answer():
-    said = summarize(measured(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study()).points
-    assert [(each.at["load"], each.at["mu0"], each.at["tau0"]) for each in said] == [
+def test_summary_has_a_point_for_every_condition():
+    message = summarize(measured(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study()).points
+    assert [(item.at["load"], item.at["mu0"], item.at["tau0"]) for item in message] == [
         (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
     ]
-    said = summarize(measured(cut_offs=(0.0, 0.5)), measured_study()).points
-    assert ["waves below 500 nm taken off" in sentence_text(each) for each in said] == [False, True]
+    message = summarize(measured(cut_offs=(0.0, 0.5)), measured_study()).points
+    assert ["waves below 500 nm taken off" in sentence_text(item) for item in message] == [False, True]
 
 
 FAULTS = {
@@ -81,13 +81,13 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_what_is_not_to_be_quoted_has_no_number_in_its_sentence(name):
+def test_point_with_fault_has_no_number_in_its_sentence(name):
     raising, silent, word = FAULTS[name]
-    said = one(measured(**raising), measured_study())
-    assert said.verdict == "Do not quote"
-    assert word in " ".join(doubt.text for doubt in said.doubts if doubt.severity == "fault")
-    assert "μ_s =" not in sentence_text(said)
-    assert word in sentence_text(said)
+    message = one(measured(**raising), measured_study())
+    assert message.verdict == "Do not quote"
+    assert word in " ".join(doubt.text for doubt in message.doubts if doubt.severity == "fault")
+    assert "μ_s =" not in sentence_text(message)
+    assert word in sentence_text(message)
     assert one(measured(**silent), measured_study()).verdict == "Quote it"
 
 
@@ -101,33 +101,33 @@ CAUTIONS = {
 
 
 @pytest.mark.parametrize("name", CAUTIONS)
-def test_what_is_to_be_quoted_with_care_says_why(name):
+def test_point_with_caution_gives_the_reason(name):
     raising, words = CAUTIONS[name]
-    said = one(measured(**raising), measured_study())
-    assert said.verdict == "Quote with care"
-    assert words in texts(said)
-    assert "μ_s = 0.21" in sentence_text(said)
+    message = one(measured(**raising), measured_study())
+    assert message.verdict == "Quote with care"
+    assert words in texts(message)
+    assert "μ_s = 0.21" in sentence_text(message)
 
 
-def test_a_scan_that_is_much_coarser_than_the_other_is_said():
+def test_much_coarser_scan_is_a_caveat():
     for spacing, words in (([0.4, 0.1], "the lower scan is 4 times coarser than the upper"), ([0.2, 0.1], "")):
         at = measured().assign_attrs(upper_spacing_um=[0.1, 0.1], lower_spacing_um=spacing)
-        said = one(at, measured_study())
-        assert words in texts(said)
-        assert said.verdict == ("Quote with care" if words else "Quote it")
+        message = one(at, measured_study())
+        assert words in texts(message)
+        assert message.verdict == ("Quote with care" if words else "Quote it")
 
 
-def test_pieces_that_are_much_smaller_than_the_scan_are_said():
-    made = measured_study()
-    made = made.with_changes({"surfaces.press": "surrogates"})
+def test_pieces_much_smaller_than_the_scan_are_a_caveat():
+    created = measured_study()
+    created = created.with_changes({"surfaces.press": "surrogates"})
     for shape, verdict in ((300, "Quote with care"), (600, "Quote it")):
         at = measured().assign_attrs(shape=[shape, shape], spacing_um=[0.1, 0.1])
         for side in ("upper", "lower"):
             at = at.assign_attrs({f"{side}_spacing_um": [0.1], f"{side}_extent_um": [100.0]})
-        said = one(at, made)
-        assert said.verdict == verdict
+        message = one(at, created)
+        assert message.verdict == verdict
         words = "pieces of 30 µm are pressed, without the longer waves that were scanned on 100 µm"
-        assert (words in texts(said)) == (shape == 300)
+        assert (words in texts(message)) == (shape == 300)
 
 
 @pytest.mark.parametrize(
@@ -138,12 +138,12 @@ def test_pieces_that_are_much_smaller_than_the_scan_are_said():
         ({"mean_pressure": 20.0}, {"mechanics": "asperities", "law": "jackson-green"}),
     ],
 )
-def test_what_would_be_doubted_is_not_where_its_reason_is_gone(numbers, study):
+def test_caveat_is_absent_without_its_reason(numbers, study):
     assert one(measured(**numbers), measured_study(**study)).verdict == "Quote it"
 
 
 @pytest.mark.parametrize("kind", ["measured", "generated"])
-def test_rubber_that_does_not_yield_is_not_doubted_by_what_other_materials_do(kind):
+def test_material_without_yield_has_no_caveat_about_pressure(kind):
     at, study = (measured(), measured_study()) if kind == "measured" else (generated(), generated_study())
     at["mean_pressure"] = 0 * at["mean_pressure"] + 2e-4
     for modulus, doubted in ((0.003, False), (0.2, False)):
@@ -154,34 +154,34 @@ def test_rubber_that_does_not_yield_is_not_doubted_by_what_other_materials_do(ki
     assert any("pressure" in doubt.text for doubt in summarize(at, study).points[0].doubts)
 
 
-def test_soft_bodies_are_compared_with_a_hardness_that_is_known():
+def test_soft_surfaces_are_compared_with_known_hardness():
     study = measured_study(mechanics="asperities")
     study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
     at = measured(mean_pressure=2.0).assign_coords(effective_modulus=0.05)
     assert any("brass yields" in doubt.text for doubt in summarize(at, study).points[0].doubts)
 
 
-def test_pressures_of_generated_bodies_are_a_caution_at_most():
+def test_pressure_of_generated_surfaces_is_at_most_a_caution():
     for pressure, verdict in ((0.4, "Quote it"), (0.6, "Quote with care")):
-        said = summarize(generated(mean_pressure=pressure), generated_study()).points
-        assert {each.verdict for each in said} == {verdict}
+        message = summarize(generated(mean_pressure=pressure), generated_study()).points
+        assert {item.verdict for item in message} == {verdict}
 
 
-def test_where_there_is_no_coefficient_its_status_is_the_reason():
-    said = one(measured(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
-    assert (said.status, said.verdict) == ("not-reached", "Do not quote")
-    assert "no solved load is as large" in sentence_text(said)
+def test_missing_coefficient_has_its_status_as_reason():
+    message = one(measured(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
+    assert (message.status, message.verdict) == ("not-reached", "Do not quote")
+    assert "no solved load is as large" in sentence_text(message)
     text = answers_text([one(measured(all_rub=np.nan, opposing=np.nan), measured_study())])
     assert text.startswith("μ_s = none")
     assert "ok" not in text.splitlines()[0]
 
 
-def test_doubts_about_the_bodies_are_told_beside_and_faults_come_first():
+def test_caveats_about_inputs_are_listed_and_faults_come_first():
     beside = Doubt("a parabola carries the load", "try --level quadratic", "caution")
     at = measured(share_at_edge=0.6)
-    said = summarize_point(next(points(at)), measured_study(), [beside])
-    assert [doubt.severity for doubt in said.doubts] == ["fault", "caution"]
-    assert said.doubts[1] == beside
+    message = summarize_point(next(points(at)), measured_study(), [beside])
+    assert [doubt.severity for doubt in message.doubts] == ["fault", "caution"]
+    assert message.doubts[1] == beside
 
 
 @pytest.mark.parametrize(
@@ -195,27 +195,27 @@ def test_doubts_about_the_bodies_are_told_beside_and_faults_come_first():
         (list(range(0, 180, 30)), "the mean over 0°, 30°, 60°, 90°, 120° and 150°"),
     ],
 )
-def test_what_was_averaged_is_said(directions, words):
+def test_averaged_members_are_described(directions, words):
     assert over_text(directions) == words
 
 
-def test_lines_have_two_directions_and_as_cylinders_or_half_planes_a_nominal_pressure():
-    said = one(measured(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities"))
-    assert "the mean over both directions and 16 positions" in sentence_text(said)
-    assert "(1 MPa)" not in sentence_text(said)  # of spheres on a strip as thick as somebody chose
+def test_profiles_have_two_directions_and_a_nominal_pressure():
+    message = one(measured(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities"))
+    assert "the mean over both directions and 16 positions" in sentence_text(message)
+    assert "(1 MPa)" not in sentence_text(message)  # of spheres on a strip as thick as somebody chose
     for study in ({"mechanics": "asperities", "law": "hertz-cylinder"}, {"mechanics": "half-space"}):
-        said = one(measured(directions=(0.0, 180.0)), measured_study(press="lines", **study))
-        assert "(1 MPa)" in sentence_text(said)
+        message = one(measured(directions=(0.0, 180.0)), measured_study(press="lines", **study))
+        assert "(1 MPa)" in sentence_text(message)
 
 
-def test_which_load_is_meant_is_said_where_it_matters():
-    for difference, said in ((2 * READINGS_DIFFER, True), (READINGS_DIFFER / 2, False)):
+def test_reading_of_load_is_given_if_it_matters():
+    for difference, message in ((2 * READINGS_DIFFER, True), (READINGS_DIFFER / 2, False)):
         sentence = sentence_text(one(measured(reading_difference=difference), measured_study()))
-        assert ("the load is that of the elastic contact" in sentence) == said
-        assert ("by another reading μ_s differs by 2 %" in sentence) == said
+        assert ("the load is that of the elastic contact" in sentence) == message
+        assert ("by another reading μ_s differs by 2 %" in sentence) == message
 
 
-def test_the_slopes_alone_say_what_they_leave_out():
+def test_small_slope_estimate_lists_neglected_effects():
     gradient, pressure = 0.2, 100 * 0.2 / KAPPA
     fitting = measured(rms_gradient=gradient, mean_pressure=pressure)
     for at, hardness, words in (
@@ -224,16 +224,16 @@ def test_the_slopes_alone_say_what_they_leave_out():
         (measured(rms_gradient=gradient, mean_pressure=pressure / 2), None, ["no check of this pair"]),
     ):
         study = measured_study(hardness=hardness)
-        said = slopes_text(one(at, study))
-        assert "predict 0.21 if all contacts rub" in said
-        for each in ("hardness", "no check of this pair"):
-            assert (each in said) == any(each in word for word in words)
+        message = slopes_text(one(at, study))
+        assert "predict 0.21 if all contacts rub" in message
+        for name in ("hardness", "no check of this pair"):
+            assert (name in message) == any(name in word for word in words)
     without = measured(rms_gradient=gradient, mean_pressure=pressure / 2, tau0=(0.0,))
     assert "no check" not in slopes_text(one(without, measured_study()))
 
 
 @pytest.mark.parametrize("is_floor", [True, False])
-def test_first_of_two_readings_is_quoted_with_an_interval_over_both(is_floor):
+def test_first_of_two_readings_has_an_interval_over_both(is_floor):
     cut_offs = (0.5, 0.0) if is_floor else (0.0, 0.5)
     at = measured(cut_offs=cut_offs, loads=(1.0, 10.0), half=0.02, all_rub=0.25)
     for name in ("friction_all_round", "friction_coefficient"):
@@ -246,10 +246,10 @@ def test_first_of_two_readings_is_quoted_with_an_interval_over_both(is_floor):
     severity = "caution" if is_floor else "fault"
     doubt = Doubt("waves below 400 nm have 40 % of the slope", "--cutoff '400 nm'", severity, 0.4, True)
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
-    found = summarize(at, study, input_caveats=[doubt]).points
-    assert [one.covered for one in found] == [False, False, True, True]
-    assert [one.at["cut_off"] for one in found] == [cut_offs[0]] * 2 + [cut_offs[1]] * 2
-    for one in [each for each in found if not each.covered]:
+    result = summarize(at, study, input_caveats=[doubt]).points
+    assert [one.covered for one in result] == [False, False, True, True]
+    assert [one.at["cut_off"] for one in result] == [cut_offs[0]] * 2 + [cut_offs[1]] * 2
+    for one in [item for item in result if not item.covered]:
         assert one.verdict == ("Quote with care" if is_floor else "Do not quote")
         assert (one.value, one.lower, one.upper) == pytest.approx((0.25, 0.21 * 0.98, 0.25 * 1.02))
         words = "with" if is_floor else "without"
@@ -263,13 +263,13 @@ def test_first_of_two_readings_is_quoted_with_an_interval_over_both(is_floor):
     assert alone.headlines == list(alone.points)
 
 
-def test_filtered_reading_keeps_the_faults_of_the_scan_as_measured():
+def test_filtered_reading_preserves_faults_of_the_unfiltered_scan():
     at = measured(cut_offs=(0.5, 0.0), half=0.02, all_rub=0.25)
     at["friction_all_round"].loc[{"cut_off": 0.0, "statistic": "upper"}] = 2.0  # an interval too wide to quote
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     quoted, other = summarize(at, study).points
     assert other.verdict == quoted.verdict == "Do not quote"
-    assert any(each.text.startswith("as measured: ") for each in quoted.faults)
+    assert any(fault.text.startswith("as measured: ") for fault in quoted.faults)
 
 
 # ---- Materials and finer scans --------------------------------------------------------------------------------------
@@ -280,7 +280,7 @@ def with_materials(hardness, names=("mild steel", "brass")):
     return study.with_changes({"contact.materials": list(names)})
 
 
-def test_with_a_hardness_every_finer_scan_lies_between_two_ends():
+def test_bracket_with_hardness_has_two_ends():
     one = summarize(measured(all_rub=0.24, half=0.01), measured_study(hardness=2.0)).points[0]
     limit = 0.2 + 0.05 / 2
     # The interval's end, and what is above the limit a fifth more for the load that moves between many contacts.
@@ -301,102 +301,102 @@ def test_with_a_hardness_every_finer_scan_lies_between_two_ends():
     assert "finer scan" not in answers_text([one])
 
 
-@pytest.mark.parametrize(("known", "said"), [("1.1 GPa", "1.1 GPa;"), ("0.9..1.3 GPa", "1.1 GPa (0.9..1.3 GPa);")])
-def test_a_hardness_has_its_range_where_it_has_one(known, said):
-    study = measured_study(hardness=1.1).with_changes({"known.hardness": known})
+@pytest.mark.parametrize(("reference", "said"), [("1.1 GPa", "1.1 GPa;"), ("0.9..1.3 GPa", "1.1 GPa (0.9..1.3 GPa);")])
+def test_hardness_is_given_with_its_range(reference, said):
+    study = measured_study(hardness=1.1).with_changes({"known.hardness": reference})
     assert f"hardness {said}" in sentence_text(one(measured(), study)).replace(", points", ";")
 
 
-def test_surfaces_that_nobody_scanned_are_said():
+def test_generated_surrogates_are_reported():
     one = summarize(measured(members=16), measured_study(press="surrogates")).points[0]
     assert "16 pairs of random surfaces with these spectra" in sentence_text(one)
     assert "random" not in sentence_text(summarize(measured(members=16), measured_study()).points[0])
 
 
-def test_materials_are_named_with_the_range_of_the_softer_hardness():
+def test_materials_are_named_with_range_of_softer_hardness():
     one = summarize(measured(load_share_at_hardness=0.9), with_materials(0.625)).points[0]
     assert "mild steel on brass" in inputs_text(one)
     assert "hardness 625 MPa (230 MPa to 1.7 GPa)" in inputs_text(one)
 
 
 @pytest.mark.parametrize(
-    ("tau0", "said"),
+    ("tau0", "message"),
     [(0.01, None), (0.05, "τ0 is 42 % of the shear strength of the softer body, 120 MPa"), (0.13, "seizure")],
 )
-def test_junction_growth_is_a_caveat_where_it_raises_friction_by_a_twentieth(tau0, said):
+def test_junction_growth_is_a_caveat_above_a_twentieth_of_friction(tau0, message):
     at = measured(load_share_at_hardness=0.9, mu0=(0.1 if tau0 < 0.02 else 0.2,), tau0=(tau0,))
     doubts = summarize(at, with_materials(0.625)).points[0].doubts
-    grown = [each.text for each in doubts if "junction growth" in each.text]
-    assert len(grown) == (said is not None)
-    assert said is None or said in grown[0]
+    grown = [doubt.text for doubt in doubts if "junction growth" in doubt.text]
+    assert len(grown) == (message is not None)
+    assert message is None or message in grown[0]
     elastic = summarize(measured(load_share_at_hardness=0.0, tau0=(tau0,)), with_materials(0.625)).points[0].doubts
-    assert not any("junction growth" in each.text for each in elastic)
+    assert not any("junction growth" in item.text for item in elastic)
 
 
-def test_without_adhesion_it_is_the_mu0_that_was_given():
+def test_zero_tau0_is_a_caveat():
     at = measured(tau0=(0.0,))
     at["friction_all_round"] = at["friction_all_round"] / 0.21 * 0.2012
-    doubts = [each.text for each in summarize(at, measured_study()).points[0].doubts]
+    doubts = [doubt.text for doubt in summarize(at, measured_study()).points[0].doubts]
     assert doubts == ["τ0 is 0, so this is the μ0 that was given; these surfaces add 0.001"]
 
 
 @pytest.mark.parametrize(
     ("pressure", "severity"), [(2.0, ["fault"]), (1.0, ["caution"]), (0.2, [])], ids=["all", "some", "none"]
 )
-def test_materials_that_must_have_yielded_are_named(pressure, severity):
+def test_materials_beyond_yield_are_named(pressure, severity):
     study = measured_study(mechanics="asperities")
     study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
     doubts = summarize(measured(mean_pressure=pressure), study).points[0].doubts
-    found = [doubt for doubt in doubts if "brass" in doubt.text]
-    assert [doubt.severity for doubt in found] == severity
-    assert all("brass yields at 230 MPa to 1.7 GPa" in doubt.text for doubt in found)
+    result = [doubt for doubt in doubts if "brass" in doubt.text]
+    assert [doubt.severity for doubt in result] == severity
+    assert all("brass yields at 230 MPa to 1.7 GPa" in doubt.text for doubt in result)
 
 
 @pytest.mark.parametrize(
     "study", [with_materials(2.0), with_materials(0.625, ("one", "another")), measured_study(hardness=2.0)]
 )
-def test_a_hardness_that_was_measured_has_no_range(study):
+def test_measured_hardness_has_no_range(study):
     one = summarize(measured(load_share_at_hardness=0.9), study).points[0]
     assert "known" not in inputs_text(one)
     assert not any("softer material" in doubt.text for doubt in one.doubts)
 
 
-def test_no_finer_scan_is_spoken_of_where_nothing_is_to_be_quoted():
+def test_bracket_is_absent_with_a_fault():
     one = summarize(measured(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (one.verdict, one.bracket) == ("Do not quote", None)
     assert "finer scan" not in answers_text([one])
 
 
-def test_the_ends_meet_where_slopes_put_the_answer_below_the_limit():
+def test_bracket_contains_value_below_plastic_limit():
     low, high = summarize(measured(all_rub=0.22, half=0.01), measured_study(hardness=2.0)).points[0].bracket
     assert low == pytest.approx(0.22)
     assert low < high
 
 
 @pytest.mark.parametrize("changes", [{"contact_count": 4.9}, {"share_on_largest": 0.51}])
-def test_few_contacts_are_no_fault_where_they_have_merged(changes):
+def test_few_merged_contacts_are_not_a_fault(changes):
     assert one(measured(**changes), measured_study()).verdict == "Do not quote"
     assert one(measured(**changes, contact_area_fraction=0.35), measured_study()).verdict != "Do not quote"
 
 
-def test_roughness_contributes_what_mu0_tau0_and_the_hardness_leave():
+def test_contribution_of_roughness_is_the_remainder():
     study = measured_study(hardness=3.0)
-    said = one(measured(all_rub=0.23), study)
-    assert said.from_roughness == pytest.approx(0.23 - 0.2 - 0.05 / 3.0)
-    assert said.hardness == 3.0
+    message = one(measured(all_rub=0.23), study)
+    assert message.from_roughness == pytest.approx(0.23 - 0.2 - 0.05 / 3.0)
+    assert message.hardness == 3.0
     assert one(measured(all_rub=0.23), measured_study()).from_roughness == pytest.approx(0.03)
     assert summarize(generated(), generated_study()).points[0].from_roughness is None
 
 
-def test_bracket_of_finer_scans_names_its_hardness():
-    said = finer_text(one(measured(), measured_study(hardness=3.0)))
-    assert said.startswith("at H = 3 GPa a finer scan would give 0.21")
+def test_bracket_names_its_hardness():
+    message = finer_text(one(measured(), measured_study(hardness=3.0)))
+    assert message.startswith("at H = 3 GPa a finer scan would give 0.21")
     assert finer_text(one(measured(), measured_study())) == ""
 
 
-def test_generated_surfaces_are_assessed_by_their_contacts_and_by_tau0_as_measured_ones():
-    said = summarize(generated(contact_count=7.0), generated_study()).points[0]
-    assert "7 contacts on average are few" in texts(said)
+def test_generated_surfaces_are_assessed_by_contacts_and_tau0():
+    message = summarize(generated(contact_count=7.0), generated_study()).points[0]
+    assert "7 contacts on average are few" in texts(message)
     assert summarize(generated(contact_count=3.0), generated_study()).points[0].verdict == "Do not quote"
     assert "τ0 is 0, so this is the μ0" in texts(summarize(generated(friction=0.4), generated_study()).points[0])
 

@@ -35,13 +35,13 @@ def names(result, picture=None):
     return [name for name, _ in figures_of(result, picture)]
 
 
-def test_a_study_has_the_figures_that_it_asks_for(result):
+def test_figures_are_those_of_the_study(result):
     assert names(result) == ["friction_mu0_0.1", "friction_mu0_0.4", "friction_mu0_1", "area"]
-    wanted = study_of(result).with_changes({"figures.draw": ["profiles", "length-scales"]})
-    assert names(result.assign_attrs(study=wanted.to_toml())) == ["profiles", "length_scales"]
+    expected = study_of(result).with_changes({"figures.draw": ["profiles", "length-scales"]})
+    assert names(result.assign_attrs(study=expected.to_toml())) == ["profiles", "length_scales"]
 
 
-def test_measured_bodies_have_the_standard_set(maps, lines):
+def test_measured_surfaces_have_the_standard_figures(maps, lines):
     of_each = ("friction", "compass", "positions", "cut_off")
     of_materials = [f"{name}{of}" for of in ("", "-2", "-3", "-4") for name in of_each]
     assert names(maps, contact_picture(maps)) == [*of_materials, "closure", "budget", "sizes", "contacts"]
@@ -49,7 +49,7 @@ def test_measured_bodies_have_the_standard_set(maps, lines):
     assert not {"compass", "contacts", "cut_off"} & set(names(lines))
 
 
-def test_every_view_has_the_combined_interval_of_the_headline(maps):
+def test_figures_have_the_combined_interval_of_the_headline(maps):
     study = study_of(maps).with_changes({"surfaces.both_readings": True})
     result = maps.assign_attrs(study=study.to_toml())
     summary, figures = Result.of(result).summary(), dict(figures_of(result))
@@ -64,31 +64,31 @@ def test_every_view_has_the_combined_interval_of_the_headline(maps):
     )
     page = re.search(r'id="facts">(.*?)</script>', report_page(result), re.DOTALL)
     facts = json.loads(page[1])
-    found = summary.headlines
-    assert len(found) == 8
-    assert any(one.upper > one.rules[0].positions[1] for one in found)
-    for one, rule in [(each, rule) for each in found for rule in each.rules]:
+    computed = summary.headlines
+    assert len(computed) == 8
+    assert any(one.upper > one.rules[0].positions[1] for one in computed)
+    for one, rule in [(item, rule) for item in computed for rule in item.rules]:
         ends = pytest.approx([rule.lower, rule.upper], rel=1e-12)
         place = one.at["load"], one.at["mu0"], 1000 * one.at["tau0"], rule.rule
         row = rows.loc[(True, *place)]
         assert [row[f"{title}: lower"], row[f"{title}: upper"]] == ends
         assert [row[f"{title}: sampling lower"], row[f"{title}: sampling upper"]] == list(rule.positions)
-        value = next(each for each in shown if each["at"] == one.at | {"sliding": rule.rule})
+        value = next(item for item in shown if item["at"] == one.at | {"sliding": rule.rule})
         assert [value["lower"], value["upper"]] == ends
         place = {"rule": rule.rule, "mu0": one.at["mu0"], "tau0": one.at["tau0"]}
-        (table_of_page,) = (each["ends"] for each in facts["combined"] if place.items() <= each.items())
+        (table_of_page,) = (fact["ends"] for fact in facts["combined"] if place.items() <= fact.items())
         assert table_of_page[facts["dimensions"].index(0)][facts["steps"].index(one.at["load"])] == ends
         number = [0.3, 0.5].index(one.at["mu0"]) * 2 + (one.at["tau0"] > 0) + 1
         figure = figures["friction" if number == 1 else f"friction-{number}"]()
-        bands = [path.vertices for each in figure.axes[0].collections for path in each.get_paths()]
+        bands = [path.vertices for collection in figure.axes[0].collections for path in collection.get_paths()]
         drawn_ends = [[band[band[:, 0] == one.at["load"], 1].min(), band[:, 1][band[:, 0] == one.at["load"]].max()]
                       for band in bands]  # fmt: skip
-        assert any(each == ends for each in drawn_ends)
+        assert any(end == ends for end in drawn_ends)
 
 
-def test_figures_are_files_of_every_format_with_something_in_them(result, tmp_path):
-    wanted = study_of(result).with_changes({"figures.draw": ["profiles"], "surfaces.points": 2000})
-    one = result.assign_attrs(study=wanted.to_toml())
+def test_figures_are_written_in_every_format(result, tmp_path):
+    expected = study_of(result).with_changes({"figures.draw": ["profiles"], "surfaces.points": 2000})
+    one = result.assign_attrs(study=expected.to_toml())
     paths = drawn(one, tmp_path, formats=FORMATS)
     assert [path.name for path in paths] == ["profiles.png", "profiles.pdf", "profiles.svg"]
     assert imread(paths[0]).std() > 0.03
@@ -100,7 +100,7 @@ def test_figures_are_files_of_every_format_with_something_in_them(result, tmp_pa
     assert [path.read_bytes() for path in paths] == before  # equal figures are equal files
 
 
-def test_files_of_others_are_not_replaced_and_nothing_to_draw_is_said(tmp_path):
+def test_foreign_files_are_not_replaced_and_empty_results_are_rejected(tmp_path):
     from matplotlib.figure import Figure
 
     for ending in FORMATS:
@@ -123,23 +123,23 @@ def panels(figure):
     return [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
 
 
-def test_friction_has_maps_of_two_strengths_and_curves_for_each_amplitude(result):
+def test_friction_figure_has_maps_and_curves(result):
     for data, rows in ((result, 2), (result.isel(amplitude=[1]), 1)):
         figure = friction_figure(data, 0.4)
-        found = panels(figure)
-        assert len(found) == 3 * rows
-        assert [ax.get_title() for ax in found[:2]] == [rf"$\tau_0$ = {mpa} MPa" for mpa in (0, 200)]
+        computed = panels(figure)
+        assert len(computed) == 3 * rows
+        assert [ax.get_title() for ax in computed[:2]] == [rf"$\tau_0$ = {mpa} MPa" for mpa in (0, 200)]
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
         assert "load not reached" in labels
         assert any("model not valid" in label for label in labels)
-        assert found[0].get_ylabel() == style.label("load")
-        assert found[3 * (rows // 2) + 2].get_ylabel() == style.label("friction_coefficient")
+        assert computed[0].get_ylabel() == style.label("load")
+        assert computed[3 * (rows // 2) + 2].get_ylabel() == style.label("friction_coefficient")
     assert not figure.get_suptitle()
     part = friction_figure(result.isel(repetition=[0, 1, 4]), 0.1)
     assert part.get_suptitle() == "unfinished: 3 of 12 repetitions"
 
 
-def test_friction_curves_are_those_of_the_map_at_a_load_that_most_dimensions_reach(result):
+def test_friction_curves_equal_the_map_at_a_common_load(result):
     one = result.isel(amplitude=[1])
     curves = panels(friction_figure(one, 0.4))[2]
     amount, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
@@ -152,17 +152,17 @@ def test_friction_curves_are_those_of_the_map_at_a_load_that_most_dimensions_rea
 
 
 @pytest.mark.parametrize("part", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str)
-def test_figures_of_little_are_drawn_without_a_warning(result, part, tmp_path):
+def test_figures_of_small_results_are_drawn_without_warning(result, part, tmp_path):
     one = result.isel(amplitude=[0], **part)
     save_picture(friction_figure(one, 0.0), tmp_path / "friction.png")
     save_picture(area_figure(one), tmp_path / "area.png")
 
 
-def test_cells_fade_with_the_width_of_their_interval_to_the_grey_that_is_as_bright():
+def test_cells_fade_to_equally_bright_grey_with_interval_width():
     cells = [(1.0, 0.9, 1.1), (1.0, 0.0, 1.0), (1.0, -3.0, 5.0), (1.0, np.nan, np.nan), (np.nan, np.nan, np.nan)]
     columns = zip(("friction_coefficient", "lower", "upper"), zip(*cells, strict=True), strict=True)
     sure, half, wide, unknown, nothing = _fading(
-        {name: SimpleNamespace(values=np.array(each)) for name, each in columns}
+        {name: SimpleNamespace(values=np.array(item)) for name, item in columns}
     )
     assert (sure, nothing) == (0, 0)
     assert wide == unknown == FADE[2]
@@ -172,7 +172,7 @@ def test_cells_fade_with_the_width_of_their_interval_to_the_grey_that_is_as_brig
     assert grey == pytest.approx([purple @ luminance] * 3)
 
 
-def test_area_has_a_named_curve_for_each_dimension_and_no_band_takes_its_axis(result):
+def test_area_figure_has_a_labelled_curve_for_each_dimension(result):
     figure = area_figure(result)
     left = figure.axes[0]
     assert len(left.lines) == 2 * 4  # as far as it is to be trusted, and beyond
@@ -183,7 +183,7 @@ def test_area_has_a_named_curve_for_each_dimension_and_no_band_takes_its_axis(re
         assert ax.get_ylim()[1] <= 2.01 * np.nanmax(values)
 
 
-def test_loads_are_those_that_every_ensemble_starts_below_and_some_reach(result):
+def test_loads_are_within_the_range_of_the_ensembles(result):
     loads = reached_loads(result)
     mean = result["normal_elastic"].mean("repetition")
     assert loads[0] >= float(mean.isel(approach=0).max()) * (1 - 1e-12)
@@ -198,16 +198,16 @@ def figure_of(result, wanted, picture=None):
     return next(draw for name, draw in figures_of(result, picture) if name == wanted)()
 
 
-def test_friction_and_area_against_load_are_the_means_of_the_result(maps):
+def test_curves_over_load_equal_means_of_the_result(maps):
     figure = figure_of(maps, "friction")
     upper, lower = figure.axes
-    wanted = at_load(maps, maps["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0, mu0=0, tau0=0)
+    reference = at_load(maps, maps["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0, mu0=0, tau0=0)
     for line, rule in zip(upper.lines, style.RULES, strict=False):
-        expected = wanted["friction_all_round"].sel(sliding=rule, statistic="mean")
+        expected = reference["friction_all_round"].sel(sliding=rule, statistic="mean")
         np.testing.assert_allclose(line.get_ydata(), expected.values)
         assert line.get_color() == style.RULES[rule]
     np.testing.assert_allclose(
-        lower.lines[0].get_ydata(), 100 * wanted["contact_area_fraction"].sel(statistic="mean").values
+        lower.lines[0].get_ydata(), 100 * reference["contact_area_fraction"].sel(statistic="mean").values
     )
     assert (upper.get_ylabel(), lower.get_ylabel()) == tuple(
         map(style.label, ("friction_coefficient", "contact_area_fraction"))
@@ -216,24 +216,24 @@ def test_friction_and_area_against_load_are_the_means_of_the_result(maps):
     assert marked == [0.1, 0.5]  # what was asked for
 
 
-def test_one_colour_has_one_meaning(maps):
+def test_colours_have_one_meaning(maps):
     for name in ("friction", "cut_off", "compass", "positions"):
         used = {line.get_color() for line in figure_of(maps, name).axes[0].lines}
         assert {style.ALL, style.OPPOSING} <= used <= {style.ALL, style.OPPOSING, "0.2", "0.5"}
 
 
-def test_the_compass_passes_through_its_points_and_rings_begin_at_zero(maps):
+def test_compass_passes_through_its_points_and_starts_at_zero(maps):
     axes = figure_of(maps, "compass").axes[0]
-    wanted = at_load(maps, [0.1], mu0=[0.3], tau0=[0.0]).isel(cut_off=0, load=0, mu0=0, tau0=0)
+    reference = at_load(maps, [0.1], mu0=[0.3], tau0=[0.0]).isel(cut_off=0, load=0, mu0=0, tau0=0)
     points, curve = axes.lines[:2]
-    expected = wanted["friction_coefficient"].sel(sliding="all", statistic="mean").values
+    expected = reference["friction_coefficient"].sel(sliding="all", statistic="mean").values
     np.testing.assert_allclose(points.get_ydata(), expected)
     np.testing.assert_allclose(curve.get_ydata()[[0, 90, 180, 270]], expected, rtol=1e-9)
     assert axes.get_ylim()[0] == 0
     assert 4 <= len(axes.get_yticks()) <= 6
 
 
-def test_members_are_in_order_and_positions_lie_at_their_offset(maps, lines):
+def test_positions_are_drawn_at_their_offset(maps, lines):
     each = figure_of(maps, "positions").axes[0].lines[0]
     assert np.array_equal(each.get_xdata(), np.arange(1, 17))  # four members in four directions
     assert (np.diff(each.get_ydata()) >= 0).all()
@@ -241,11 +241,11 @@ def test_members_are_in_order_and_positions_lie_at_their_offset(maps, lines):
     assert set(along.get_xdata()) == set(lines["x"].values)
 
 
-def test_contacts_are_marked_where_they_are_and_loads_add_up(maps):
+def test_contacts_are_drawn_at_their_position_and_loads_add_up(maps):
     picture = contact_picture(maps)
     figure = contacts_figure(picture, direction=90.0)
     axes = figure.axes[0]
-    marks = np.concatenate([each.get_offsets() for each in axes.collections[1::2]])
+    marks = np.concatenate([collection.get_offsets() for collection in axes.collections[1::2]])
     assert {tuple(mark) for mark in marks} == set(
         zip(picture["contact_x"].values, picture["contact_y"].values, strict=True)
     )
@@ -254,7 +254,7 @@ def test_contacts_are_marked_where_they_are_and_loads_add_up(maps):
     assert sum(int(text.split("with ")[1].split()[0]) for text in texts) == pytest.approx(100, abs=1)
 
 
-def test_bodies_touch_where_the_picture_has_contacts(maps, lines):
+def test_surfaces_touch_at_drawn_contacts(maps, lines):
     picture = contact_picture(maps)
     (axes,) = touching_figure(picture, direction=90.0).axes
     kind = np.ma.filled(axes.images[1].get_array(), np.nan)
@@ -271,13 +271,13 @@ def test_bodies_touch_where_the_picture_has_contacts(maps, lines):
     assert high - low < np.ptp(whole.get_xlim())
 
 
-def test_arrows_of_forces_stay_inside_of_their_frame(circular_arc, tmp_path):
+def test_force_arrows_stay_inside_their_frame(circular_arc, tmp_path):
     upper, lower = (circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
     figure = contact_figure(upper, lower, 0.02, mu0=0.3, load=0.1)
     large = figure.axes[1]
     figure.draw_without_rendering()
     frame = large.get_window_extent()
-    for arrows in [each for each in large.collections if hasattr(each, "U")]:
+    for arrows in [collection for collection in large.collections if hasattr(collection, "U")]:
         start = large.transData.transform(arrows.get_offsets())
         length = np.hypot(arrows.U, arrows.V) / arrows.scale * figure.dpi
         assert (start[:, 1] + length <= frame.y1).all()
@@ -290,7 +290,7 @@ def test_arrows_of_forces_stay_inside_of_their_frame(circular_arc, tmp_path):
 # ---- Style -----------------------------------------------------------------------------------------------------------
 
 
-def test_labels_are_apart_and_in_their_order():
+def test_labels_are_separate_and_ordered():
     places = spread_out([1.0, 1.01, 0.99, 3.0], 0.1)
     assert np.array_equal(np.argsort(places), [2, 0, 1, 3])
     assert np.diff(np.sort(places)).min() == pytest.approx(0.1)

@@ -24,7 +24,7 @@ def texts(upper, lower, *, mu0=(0.2,), loads=()):
     return [doubt.text for doubt in doubts_of_inputs(upper, lower, measured_study(mu0=mu0), loads)]
 
 
-def test_heights_beyond_the_length_are_doubted(rough):
+def test_heights_beyond_the_length_are_a_caveat(rough):
     tall = Profile(rough.heights * 1000, spacing=rough.spacing)
     assert any(text.startswith("upper: heights span") for text in texts(tall, rough))
     slab = Surface(np.eye(8), spacing=1.0)
@@ -32,11 +32,11 @@ def test_heights_beyond_the_length_are_doubted(rough):
     assert texts(Surface(10 * np.eye(8), spacing=1.0), slab) == ["upper: heights span 10 µm over 8 µm"]
     # Those that no scan has are a fault.
     tall = Profile(rough.heights * 1e6, spacing=rough.spacing)
-    found = doubts_of_inputs(tall, rough, measured_study())
-    assert [doubt.severity for doubt in found if "heights span" in doubt.text] == ["fault"]
+    result = doubts_of_inputs(tall, rough, measured_study())
+    assert [doubt.severity for doubt in result if "heights span" in doubt.text] == ["fault"]
 
 
-def test_form_is_doubted(rough):
+def test_remaining_form_is_a_caveat(rough):
     x = np.linspace(-1, 1, 2000)
     for height, doubted in ((1.0, True), (0.01, False)):
         bowed = Profile(rough.heights + height * x**2, spacing=rough.spacing)
@@ -51,40 +51,40 @@ def test_form_is_doubted(rough):
 def test_spikes_are_counted(rough):
     heights = rough.heights.copy()
     heights[[500, 1200]] += 2 * SPIKE * np.abs(np.diff(heights, 2)).max()
-    said = texts(Profile(heights, spacing=rough.spacing), rough)
-    assert [text for text in said if "points bend" in text] == [
+    message = texts(Profile(heights, spacing=rough.spacing), rough)
+    assert [text for text in message if "points bend" in text] == [
         "upper: 6 points bend more than 12 times as sharply as usual, and would touch first"
     ]
 
 
-def test_what_both_bodies_have_is_told_once(rough):
+def test_caveat_of_both_surfaces_is_listed_once(rough):
     tall = Profile(rough.heights * 1000, spacing=rough.spacing)
-    said = texts(tall, tall)
-    assert len(said) == len(set(said))
-    assert all(text.startswith("both bodies: ") for text in said)
+    message = texts(tall, tall)
+    assert len(message) == len(set(message))
+    assert all(text.startswith("both bodies: ") for text in message)
 
 
-def test_huge_coefficients_and_loads_of_larger_bodies_are_doubted(rough):
+def test_huge_coefficients_and_loads_are_caveats(rough):
     assert texts(rough, rough, mu0=(HIGHEST_MU0,), loads=[0.9 * WHOLE_PART * 100 * rough.extent]) == []
     assert "μ0 = 30" in texts(rough, rough, mu0=(0.2, 30.0))[0]
     load = 1.1 * WHOLE_PART * 100 * rough.extent
     assert "above a tenth of E*" in texts(rough, rough, loads=[load])[0]
 
 
-def test_noise_and_peaks_are_said_unless_a_cut_off_takes_them_off():
+def test_noise_and_peaks_are_caveats_without_cutoff():
     rng = np.random.default_rng(5)
-    made = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
-    noisy = Profile(made.heights + 2e-4 * rng.normal(size=4096), spacing=0.01)
-    humming = Profile(made.heights + 5e-4 * np.sin(2 * np.pi * np.arange(4096) / 8), spacing=0.01)
+    created = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
+    noisy = Profile(created.heights + 2e-4 * rng.normal(size=4096), spacing=0.01)
+    humming = Profile(created.heights + 5e-4 * np.sin(2 * np.pi * np.arange(4096) / 8), spacing=0.01)
     for body, word in ((noisy, "like noise"), (humming, "a line stands")):
-        doubt = next(each for each in doubts_of_inputs(body, body, measured_study()) if word in each.text)
+        doubt = next(item for item in doubts_of_inputs(body, body, measured_study()) if word in item.text)
         limit = instrument_limit(body)
         assert doubt.cut_off == limit.cut_off < limit.noise < 0.6
         assert doubt.severity == ("fault" if limit.slope_fraction > 0.1 else "caution")
         vouched = measured_study().with_changes({"surfaces.vouched": True})
-        assert not any(word in each.text for each in doubts_of_inputs(body, body, vouched))
+        assert not any(word in item.text for item in doubts_of_inputs(body, body, vouched))
     # A floor from which hardly any slope comes.
-    faint = Profile(made.heights + 1e-5 * np.random.default_rng(1).normal(size=4096), spacing=0.01)
+    faint = Profile(created.heights + 1e-5 * np.random.default_rng(1).normal(size=4096), spacing=0.01)
     assert instrument_limit(faint).reason == "noise floor"
     assert not any("like noise" in text for text in texts(faint, faint))
     assert any("of the mean square slope" in text for text in texts(noisy, noisy))
@@ -95,14 +95,14 @@ def test_cutoff_above_a_third_of_a_scan_is_no_cure():
     short = self_affine(3, points=200, spacing=0.5, hurst_exponent=0.7, rms=0.01, shortest_wavelength=5.0)
     cutoff = instrument_limit(noise).cut_off
     assert short.extent / 3 < cutoff < noise.extent / 3
-    (cure,) = (each.cure for each in doubts_of_inputs(noise, short, measured_study()) if "noise" in each.text)
+    (cure,) = (item.cure for item in doubts_of_inputs(noise, short, measured_study()) if "noise" in item.text)
     assert "--cutoff '" not in cure
     assert "the longest cutoff of both scans is 33.3 µm" in cure
     with pytest.raises(ValueError, match=r"cutoff must be .*, 33.3333 µm, got"):
         pair(noise, short, load="10 MPa", mu0=0.2, effective_modulus="80 GPa", cutoff=f"{cutoff:g} um")
 
 
-def test_waves_that_the_tip_cannot_follow_are_doubted_and_stay():
+def test_wavelengths_below_the_tip_are_a_caveat():
     scan = self_affine(
         3, points=3000, spacing=0.01, hurst_exponent=0.7, rms=0.01, longest_wavelength=5.0, shortest_wavelength=0.05
     )
@@ -116,12 +116,12 @@ def test_waves_that_the_tip_cannot_follow_are_doubted_and_stay():
     assert instrument_limit(scan, tip_radius=20.0).slope_fraction > 0.1
     assert doubt.severity == "fault"  # an elastic answer has no limit
     plastic = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})
-    assert [each.severity for each in doubts_of_inputs(scan, scan, plastic)] == ["caution"]
+    assert [item.severity for item in doubts_of_inputs(scan, scan, plastic)] == ["caution"]
     # A noise floor is filtered out and in, as without a tip.
     noisy = Profile(scan.heights + 1e-3 * np.random.default_rng(1).normal(size=3000), spacing=0.01)
     study = pair_study(noisy, noisy, tip="20 um", **common)
     assert study.surfaces.cells()["cut_off"].tolist() == [instrument_limit(noisy).cut_off, 0.0]
-    found = doubts_of_inputs(noisy, noisy, study)
-    assert [each.severity for each in found if "of the mean square slope" in each.text] == ["caution", "fault"]
+    result = doubts_of_inputs(noisy, noisy, study)
+    assert [item.severity for item in result if "of the mean square slope" in item.text] == ["caution", "fault"]
     with pytest.raises(ValueError, match="tip"):
         pair_study(scan, scan, tip="20", **common)

@@ -24,8 +24,8 @@ def noise(colour, random):
         "white": 1.0, "band": (q > 0.15) & (q < 0.35), "pink": 1 / np.maximum(q, 1 / POINTS),
         "line": (abs(x - 0.2) < 0.01) & (along[:, None] < 0.05),
     }[colour]  # fmt: skip
-    made = np.fft.ifft2(np.fft.fft2(random.normal(size=q.shape)) * waves).real
-    return made / made.std()
+    created = np.fft.ifft2(np.fft.fft2(random.normal(size=q.shape)) * waves).real
+    return created / created.std()
 
 
 @cache
@@ -52,9 +52,9 @@ def answers_of(seed, colour):
 
 @pytest.mark.parametrize("colour", ["white", "band", "line", "pink"])
 @pytest.mark.soak
-def test_the_bracket_of_noisy_scans_holds_the_answer_of_the_surface(colour):
-    said = [answers_of(seed, colour) for seed in range(PAIRS)]
-    told = [(truth, one.bracket) for truth, one in said if one.bracket is not None]
+def test_bracket_of_noisy_scans_contains_true_result(colour):
+    message = [answers_of(seed, colour) for seed in range(PAIRS)]
+    told = [(truth, one.bracket) for truth, one in message if one.bracket is not None]
     held = [low - 1e-9 <= truth <= high for truth, (low, high) in told]
     print(f"{colour}: the bracket of {len(told)} of {PAIRS} pairs holds {sum(held)}")
     assert len(told) > PAIRS / 2
@@ -66,19 +66,19 @@ def seen_by_a_ball(body, radius):
     away = SPACING * np.arange(-int(radius / SPACING), int(radius / SPACING) + 1)
     square = away[:, None] ** 2 + away**2
     ball = np.sqrt(np.maximum(radius**2 - square, 0)) - radius
-    there = grey_dilation(body.heights, footprint=square <= radius**2, structure=ball, mode="wrap")
-    return Surface(there, spacing=SPACING)
+    present = grey_dilation(body.heights, footprint=square <= radius**2, structure=ball, mode="wrap")
+    return Surface(present, spacing=SPACING)
 
 
 @pytest.mark.parametrize("hurst", [0.5, 0.8])
-def test_what_a_blunt_tip_hides_is_in_the_bracket(hurst):
+def test_bracket_of_blunt_tip_contains_true_result(hurst):
     rough = {
         "hurst_exponent": hurst, "rms": 0.01, "shape": (POINTS, POINTS), "spacing": SPACING,
         "longest_wavelength": POINTS * SPACING / 4, "shortest_wavelength": 6 * SPACING,
     }  # fmt: skip
     clean = rough_maps(1, **rough)
     truth = pair(*clean, cutoff="none", **ASKED).value
-    (said,) = pair(*(seen_by_a_ball(each, 0.3) for each in clean), tip="300 nm", **ASKED).summary().headlines
-    assert truth < said.value < truth + 0.25 * (truth - ASKED["mu0"])
-    assert said.bracket[0] < truth < said.bracket[1]
-    assert any("sharper than the tip follows" in doubt.text for doubt in said.doubts)
+    (message,) = pair(*(seen_by_a_ball(item, 0.3) for item in clean), tip="300 nm", **ASKED).summary().headlines
+    assert truth < message.value < truth + 0.25 * (truth - ASKED["mu0"])
+    assert message.bracket[0] < truth < message.bracket[1]
+    assert any("sharper than the tip follows" in doubt.text for doubt in message.doubts)

@@ -18,7 +18,7 @@ def rows_of(text):
     return list(csv.DictReader(text.splitlines()))
 
 
-def test_every_number_of_the_result_is_a_row():
+def test_frame_has_every_number_of_the_result():
     at = measured(**MANY)
     rows = frame(at)
     numbers = [name for name, table in at.data_vars.items() if table.dtype.kind in "if"]
@@ -34,7 +34,7 @@ def test_every_number_of_the_result_is_a_row():
     assert set(friction["sliding"]) == {"all", "opposing"}
 
 
-def test_a_status_stands_beside_the_numbers_that_it_is_of():
+def test_frame_has_status_of_numbers():
     at = measured(loads=(1.0, 10.0))
     at["status"].loc[{"load": 10.0}] = "not-reached"
     at["friction_coefficient"].loc[{"load": 10.0}] = np.nan
@@ -44,7 +44,7 @@ def test_a_status_stands_beside_the_numbers_that_it_is_of():
     assert set(rows[rows["load"] == 1.0]["status"]) == {"ok"}
 
 
-def test_csv_has_a_row_for_each_motion_with_units_verdict_and_doubts():
+def test_csv_has_a_row_for_each_motion_with_assessment_and_caveats():
     beside = Doubt("a parabola, which carries the load", "take it off", "caution")
     rows = rows_of(csv_text(summarize(measured(**MANY), measured_study(), input_caveats=[beside])))
     assert len(rows) == 2 * 2 * 2 * 2 * 2 * (1 + 2 + 4)
@@ -91,15 +91,15 @@ def test_json_has_one_schema(name):
     assert not {"sliding", "direction", "mu0", "axis"} & set(area["at"])
 
 
-def test_json_says_what_may_be_quoted_and_why_not():
+def test_json_has_value_assessment_and_reasons():
     record = json.loads(
         record_text("pair", summarize(measured(share_at_edge=0.6, half=0.02), measured_study()), positions=3)
     )
-    (said,) = record["answers"]
-    assert said["verdict"] == "Do not quote"
-    assert said["doubts"][0]["severity"] == "fault"
-    assert {"text", "cure", "severity"} == set(said["doubts"][0])
-    assert said["sentence"].startswith("There is no coefficient to quote")
-    assert [rule["rule"] for rule in said["rules"]] == ["all", "opposing"]
-    assert said["rules"][0]["value"] == 0.21
+    (message,) = record["answers"]
+    assert message["verdict"] == "Do not quote"
+    assert message["doubts"][0]["severity"] == "fault"
+    assert {"text", "cure", "severity"} == set(message["doubts"][0])
+    assert message["sentence"].startswith("There is no coefficient to quote")
+    assert [rule["rule"] for rule in message["rules"]] == ["all", "opposing"]
+    assert message["rules"][0]["value"] == 0.21
     assert (record["kind"], record["positions"], record["nominal_area"]) == ("pair", 3, 10_000.0)

@@ -35,7 +35,7 @@ RESULTS = {
 
 @pytest.mark.parametrize("verbose", [False, True])
 @pytest.mark.parametrize("name", RESULTS)
-def test_nothing_is_wider_than_the_terminal(name, verbose):
+def test_text_fits_the_terminal_width(name, verbose):
     at, study = RESULTS[name]
     beside = [Doubt("a parabola is 82 % of its mean square height, and carries the load", "take it off", "caution")]
     text = result_text(summarize(at, study, input_caveats=beside), verbose=verbose)
@@ -43,7 +43,7 @@ def test_nothing_is_wider_than_the_terminal(name, verbose):
     assert not any(line != line.rstrip() for line in text.splitlines())
 
 
-def test_the_answer_comes_first_and_the_verdict_after_it():
+def test_text_starts_with_value_and_assessment():
     lines = result_text(summarize(*RESULTS["doubted"])).splitlines()
     assert lines[0].startswith("μ_s = 0.21 [0.20, 0.22]  if all contacts rub")
     verdict = lines.index("Do not quote")
@@ -51,7 +51,7 @@ def test_the_answer_comes_first_and_the_verdict_after_it():
     assert lines[verdict + 1].startswith("  ! 60 % of the load is on contacts that the edge cuts")
 
 
-def test_a_pair_of_maps_is_about_a_screen():
+def test_text_of_maps_fits_24_lines():
     text = result_text(summarize(*RESULTS["maps"]))
     assert len(text.splitlines()) <= 24
     for words in ("No grooves", "read from a.di"):
@@ -59,13 +59,13 @@ def test_a_pair_of_maps_is_about_a_screen():
         assert words in result_text(summarize(*RESULTS["maps"]), verbose=True)
 
 
-def test_spheres_on_a_strip_have_no_nominal_area():
+def test_spheres_on_a_strip_have_no_area_fraction():
     for mechanics, shown in (("asperities", False), ("half-space", True)):
         study = measured_study(press="lines", mechanics=mechanics)
         assert ("A/A0" in result_text(summarize(RESULTS["lines"][0], study))) == shown
 
 
-def test_several_loads_and_materials_are_a_line_each():
+def test_several_conditions_have_a_line_each():
     lines = result_text(summarize(measured(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study())).splitlines()
     assert lines[0].split()[:2] == ["load", "τ0"]
     assert [line.split()[:2] for line in lines[1:5]] == [["1", "mN"], ["1", "mN"], ["10", "mN"], ["10", "mN"]]
@@ -73,7 +73,7 @@ def test_several_loads_and_materials_are_a_line_each():
     assert "with μ0 = 0.2, E* = 100 GPa" in " ".join(lines[5:7])
 
 
-def test_doubts_of_several_answers_say_of_how_many():
+def test_caveats_of_several_points_give_their_count():
     at = measured(loads=(1.0, 10.0))
     at["share_at_edge"].loc[{"load": 1.0}] = 0.6
     text = result_text(summarize(at, measured_study()))
@@ -82,15 +82,15 @@ def test_doubts_of_several_answers_say_of_how_many():
     assert "cuts (1 of 2)" in " ".join(text.split())
 
 
-def test_a_remedy_that_changes_no_digit_is_none():
+def test_remedy_without_visible_effect_is_left_out():
     one = summarize(measured(), measured_study()).points[0]
-    for ends, said in (((0.205, 0.215), True), ((one.lower, one.upper - 1e-6), False)):
-        asked = replace(one, budget=(Left("finer waves", *ends, 0.0),))
-        assert asked.most is not None
-        assert ("becomes" in doubts_text([asked])) == said
+    for ends, message in (((0.205, 0.215), True), ((one.lower, one.upper - 1e-6), False)):
+        options = replace(one, budget=(Left("finer waves", *ends, 0.0),))
+        assert options.most is not None
+        assert ("becomes" in doubts_text([options])) == message
 
 
-def test_columns_that_do_not_fit_go_below():
+def test_columns_that_do_not_fit_are_wrapped():
     rows = [["name", "first column", "second column"], ["a", "1", "2"]]
     assert aligned(rows, 80).splitlines() == ["name  first column  second column", "a     1             2"]
     assert aligned(rows, 20).splitlines() == [
@@ -98,12 +98,12 @@ def test_columns_that_do_not_fit_go_below():
     ]  # fmt: skip
 
 
-def test_a_number_is_not_parted_from_its_unit():
+def test_wrapped_text_keeps_number_and_unit_together():
     text = fitted("x" * 33 + " τ0 = 50 MPa and more words that fill the line up to its end", 40)
     assert "τ0 = 50 MPa" in text.splitlines()[1]
 
 
-def test_every_quantity_of_a_verbose_table_is_that_of_the_result():
+def test_verbose_table_equals_the_result():
     at = measured(contact_count=123.0, share_on_largest=0.0421)
     text = quantities_text(at.isel(cut_off=0), measured_study(), verbose=True)
     rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}
@@ -124,7 +124,7 @@ def test_every_quantity_of_a_verbose_table_is_that_of_the_result():
         ([interval(0.16, np.nan), interval(0.15, np.nan)], "is not known"),
     ],
 )
-def test_grooves_are_found_where_the_intervals_of_axes_are_apart(by_axis, words):
+def test_grooves_are_reported_if_intervals_of_axes_are_separate(by_axis, words):
     at = measured(by_axis=by_axis).isel(cut_off=0, load=0, mu0=0, tau0=0)
     text = axes_text(at, verbose=True)
     assert words in " ".join(text.split())
@@ -134,7 +134,7 @@ def test_grooves_are_found_where_the_intervals_of_axes_are_apart(by_axis, words)
     assert axes_text(measured(directions=(0.0, 180.0)).isel(cut_off=0, load=0, mu0=0, tau0=0)) == ""
 
 
-def test_overview_has_a_row_for_each_cell_and_tau0_and_marks_values_beyond_the_model():
+def test_overview_has_a_row_for_each_cell_and_marks_invalid_values():
     at = generated(dimensions=(1.1, 1.2, 1.3, 1.4, 1.5))
     at["share_beyond_hertz"].loc[{"fractal_dimension": 1.4}] = 0.6
     at["status"].loc[{"fractal_dimension": 1.5, "load": 0.01}] = "not-reached"
@@ -156,7 +156,7 @@ def test_quantities_of_several_cells_name_the_cell_that_they_are_of():
         assert ("D = 1.1" in table) == (len(dimensions) > 1)
 
 
-def test_numbers_have_the_digits_that_their_interval_carries():
+def test_numbers_have_digits_that_their_interval_justifies():
     assert with_interval(0.1552, 0.07024, 0.3431) == "0.16 [0.07, 0.34]"
     assert with_interval(2.188, 1.192, 4.013) == "2.2 [1.2, 4.0]"
     assert with_interval(0.123456, 0.1234, 0.1235) == "0.1235 [0.1234, 0.1235]"
@@ -166,7 +166,7 @@ def test_numbers_have_the_digits_that_their_interval_carries():
     assert with_interval(1.0, 1.0, 1.0) == "1"
 
 
-def test_numbers_to_quote_have_quoted():
+def test_numbers_have_documented_forms():
     assert quoted(0.2093, 0.1911, 0.2302) == "0.21 [0.19, 0.23]"
     assert quoted(0.1147, 0.1136, 0.1158) == "0.115 [0.114, 0.116]"
     assert quoted(0.1147, 0.1141, 0.1149) == "0.1147 [0.1141, 0.1149]"
@@ -175,10 +175,10 @@ def test_numbers_to_quote_have_quoted():
     assert quoted(0.0, 0.0, 0.0) == "0"
     assert quoted(np.nan) == "none"
     assert [from_to(0.0413, 0.188), from_to(0.2192, 0.2213)] == ["0.04 to 0.19", "0.219 to 0.221"]
-    assert [significant(each) for each in (128.0, 96.4, 2.04e-5, 0.2, 0.0)] == ["130", "96", "0.00002", "0.2", "0"]
+    assert [significant(value) for value in (128.0, 96.4, 2.04e-5, 0.2, 0.0)] == ["130", "96", "0.00002", "0.2", "0"]
     assert [significant(96.4, 1), significant(0.00002036, 3)] == ["100", "0.0000204"]
-    assert [with_unit(each, "pJ") for each in (0.0204, 102.0, 2040.0)] == ["20.4 fJ", "102 pJ", "2.04 nJ"]
-    assert [percent(each) for each in (3.4e-7, 0.0042, 0.0421, 0.37, np.nan)] == [
+    assert [with_unit(value, "pJ") for value in (0.0204, 102.0, 2040.0)] == ["20.4 fJ", "102 pJ", "2.04 nJ"]
+    assert [percent(item) for item in (3.4e-7, 0.0042, 0.0421, 0.37, np.nan)] == [
         "less than 0.001 %", "0.42 %", "4.21 %", "37 %", "none",
     ]  # fmt: skip
 
@@ -192,11 +192,11 @@ def test_numbers_to_quote_have_quoted():
         (123456.0, "GPa", "123000 GPa"), (8.68e-8, "GPa", "86.8 Pa"),
     ],
 )  # fmt: skip
-def test_a_quantity_is_written_in_the_unit_with_the_fewest_zeros(value, unit, text):
+def test_quantity_uses_unit_with_fewest_zeros(value, unit, text):
     assert with_unit(value, unit) == text
 
 
-def test_large_quantities_are_in_units_of_few_digits():
+def test_large_quantities_use_larger_units():
     lines = quantities_text(measured(contact_area=1.01e7, contact_area_fraction=None), measured_study(), verbose=True)
     assert "true contact area (mm²)" in lines
     row = next(line for line in lines.splitlines() if line.startswith("true contact area"))
