@@ -194,7 +194,7 @@ def test_csv_columns_are_the_quantities_shown_in_csv_in_their_order(at_loads):
     assert places == sorted(places)
 
 
-def test_no_module_reads_a_property_from_the_spelling_of_a_quantity():
+def test_modules_read_no_property_from_the_name_of_a_quantity():
     parts = "share|fraction|count|load|area|pull_off|slipped|stiffness|unloaded|friction|pressure"
     tests = "startswith|endswith|replace|removeprefix|removesuffix"
     pattern = re.compile(rf"""["']_?({parts})\w*["'] in (str\()?name\b|\bname\)?\.({tests})\(\(?["']_?({parts})""")

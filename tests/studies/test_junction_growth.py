@@ -55,7 +55,7 @@ def test_coefficient_equals_pair_solved_at_hardness_under_shear(rule, hardness):
     assert float(area) == pytest.approx(float(direct.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02)
 
 
-def test_no_growth_changes_no_bit(unsheared):
+def test_zero_growth_changes_no_bits(unsheared):
     default = pair(*bodies(), **PLASTIC | STRENGTH)
     assert unsheared.study.contact.junction_growth == 0
     assert default.study.contact.junction_growth is None

@@ -31,7 +31,7 @@ def test_stored_study_with_a_key_of_another_case_is_rejected_with_the_reason():
     )  # fmt: skip
 
 
-def test_every_case_of_a_contact_has_its_own_class_and_place():
+def test_contact_tables_have_a_class_for_each_case():
     cases = [case for cases in CONTACTS.values() for case in cases.values()]
     assert len(set(cases)) == len({case.place for case in cases}) == 8
     for bodies, by_model in CONTACTS.items():
