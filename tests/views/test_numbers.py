@@ -67,13 +67,13 @@ def test_script_interpolates_as_the_library(numbers):
         name: {"rising": axis.rising.tolist(), "bounds": axis.bounds}
         for name, axis in zip(("mu0", "tau0"), axes, strict=True)
     }
-    values = [None if np.isnan(each) else each for each in table.ravel()]
+    values = [None if np.isnan(item) else item for item in table.ravel()]
     for mu0, tau0 in itertools.product((0.0, 0.1, 0.15, 0.2, 0.5, 1.0), (0.0, 3.0, 10.0, 34.0, 50.0)):
-        found = numbers(
+        result = numbers(
             "(axes, values, mu0, tau0) => between(values.map((each) => each ?? NaN), 0, placeAt(axes, mu0, tau0))",
             facts, values, mu0, tau0,
         )  # fmt: skip
-        assert found == pytest.approx(float(interpolated(axes, table, mu0, tau0)), rel=1e-12, nan_ok=True)
+        assert result == pytest.approx(float(interpolated(axes, table, mu0, tau0)), rel=1e-12, nan_ok=True)
 
 
 def test_interval_has_no_upper_end_beside_a_node_without_one(numbers):
@@ -105,7 +105,7 @@ def test_numbers_are_printed_by_the_decimals_of_the_terminal(numbers, scale):
     lower[5:8] = upper[5:8] = np.nan
     upper[8:12] = 300 * value[8:12]
     decimals, of_upper = decimals_of(value, lower, upper)
-    found = numbers(
+    result = numbers(
         "(points) => points.map(([value, lower, upper, decimals, upperDecimals]) => quoted({value, lower: lower ?? NaN,"
         " upper: upper === 'inf' ? Infinity : upper ?? NaN, decimals, upperDecimals}))",
         [
@@ -113,11 +113,11 @@ def test_numbers_are_printed_by_the_decimals_of_the_terminal(numbers, scale):
             for v, a, b, d, u in zip(value.tolist(), lower.tolist(), upper.tolist(), decimals, of_upper, strict=True)
         ],
     )
-    wanted = [
-        quoted(*each).replace("-", "\u2212")
-        for each in zip(value.tolist(), lower.tolist(), upper.tolist(), strict=True)
+    expected = [
+        quoted(*item).replace("-", "\u2212")
+        for item in zip(value.tolist(), lower.tolist(), upper.tolist(), strict=True)
     ]
-    assert found == wanted
+    assert result == expected
 
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
@@ -146,9 +146,9 @@ def of_generated(data, numbers, settings):
         elif point["status"] != status:
             status = f"{point['status']} for {status}"
         elif status == "ok":
-            given = np.array([point[name] for name in ("value", "lower", "upper")])
-            wanted = np.array([float(at[name]) for name in ("friction_coefficient", "lower", "upper")])
-            errors.append(float(excess(given, wanted)))
+            arguments = np.array([point[name] for name in ("value", "lower", "upper")])
+            expected = np.array([float(at[name]) for name in ("friction_coefficient", "lower", "upper")])
+            errors.append(float(excess(arguments, expected)))
         statuses.append(status)
     return statuses, errors
 
@@ -169,7 +169,7 @@ def test_friction_of_generated_bodies_is_that_of_the_library(result, numbers, na
         numbers = ReportNumbers(report_page(result))
     statuses, errors = of_generated(result, numbers, settings_of(numbers, 60, 5))
     expected = {"ok", "not-reached", "self-locked", "below-range", "between-nodes"}
-    assert np.mean([each in expected for each in statuses]) > 0.9
+    assert np.mean([statuse in expected for statuse in statuses]) > 0.9
     assert len(errors) > 15
     assert np.quantile(errors, 0.8) < MOST_EXCESS
 
@@ -192,7 +192,7 @@ def test_nodes_of_any_sums_are_those_of_the_library(reached):
         for m, t in itertools.product(range(0, len(axes["mu0"]["rising"]), 2), range(0, len(axes["tau0"]["rising"]), 2))
     ]
     statuses, errors = of_generated(data, numbers, settings * 2)
-    assert not [each for each in statuses if " for " in each or each == "between-nodes"]
+    assert not [statuse for statuse in statuses if " for " in statuse or statuse == "between-nodes"]
     assert max(errors, default=0.0) < 0.1
 
 
@@ -227,9 +227,9 @@ def test_assessments_of_generated_bodies_are_those_of_the_library(result, case):
         for one in summarize(at, study).points:
             place = [data[name].values.tolist().index(one.at[name]) for name in ("fractal_dimension", "amplitude")]
             load = int(np.argmin(np.abs(np.array(loads) - one.at["load"])))
-            found = numbers.judgement(mu0, float(tau0), cell=place[0], amplitude=place[1], way=0, load=load)
-            assert found["verdict"] == one.verdict
-            assert [each["cure"] for each in found["doubts"]] == [each.cure for each in one.doubts]
+            computed = numbers.judgement(mu0, float(tau0), cell=place[0], amplitude=place[1], way=0, load=load)
+            assert computed["verdict"] == one.verdict
+            assert [item["cure"] for item in computed["doubts"]] == [doubt.cure for doubt in one.doubts]
             verdicts.add(one.verdict)
     assert "Do not quote" in verdicts
 
@@ -244,7 +244,7 @@ def measured(request):
     return data, ReportNumbers(report_page(data))
 
 
-def test_friction_of_measured_bodies_is_that_of_the_library(measured):
+def test_friction_of_measured_surfaces_equals_the_library(measured):
     data, numbers = measured
     facts, errors = numbers.facts, []
     study = study_of(data)
@@ -255,16 +255,16 @@ def test_friction_of_measured_bodies_is_that_of_the_library(measured):
         is_whole = facts["ways"][way]["isWhole"]
         place = {"rule": rule, "way": way, "load": load}
         point = numbers.point("friction" if is_whole else "sampling", mu0, tau0, **place)
-        wanted = (
+        expected = (
             at["friction_combined"]
             if is_whole
             else at["friction_coefficient"].isel(direction=facts["ways"][way]["directions"][0])
         )
         assert point["status"] == "ok"
-        given = np.array([point[name] for name in ("value", "lower", "upper")])
-        errors.append(float(excess(given, wanted.values)))
+        arguments = np.array([point[name] for name in ("value", "lower", "upper")])
+        errors.append(float(excess(arguments, expected.values)))
         if (mu0, tau0) == own[4:]:
-            assert point["text"] == quoted(*wanted.values.tolist())
+            assert point["text"] == quoted(*expected.values.tolist())
             assert errors[-1] < 0.1
         if not is_whole:  # no interval that would be surer than that over all directions
             shown = numbers.point("friction", mu0, tau0, **place)
@@ -285,15 +285,15 @@ def test_headline_of_a_report_is_that_of_the_answers(measured):
             assert point["text"] == quoted(value.value, value.lower, value.upper)
 
 
-def test_contacts_of_measured_bodies_are_those_of_the_library(measured):
+def test_contacts_of_measured_surfaces_equal_the_library(measured):
     data, numbers = measured
-    wanted = at_load(data, data["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0)
-    names = [each["name"] for each in numbers.facts["quantities"]]
+    reference = at_load(data, data["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0)
+    names = [fact["name"] for fact in numbers.facts["quantities"]]
     assert {"contact_area_fraction", "contact_count", "mean_pressure", "normal_stiffness"} <= set(names)
-    factors = {each["of"]: each["factor"] for each in numbers.facts["curves"].values()}
-    for each in numbers.facts["quantities"]:
-        expected = factors.get(each["name"], 1) * wanted[each["name"]].transpose("load", "statistic").values
-        assert np.array(each["points"][0][0], float) == pytest.approx(expected, rel=1e-12, nan_ok=True)
+    factors = {value["of"]: value["factor"] for value in numbers.facts["curves"].values()}
+    for fact in numbers.facts["quantities"]:
+        expected = factors.get(fact["name"], 1) * reference[fact["name"]].transpose("load", "statistic").values
+        assert np.array(fact["points"][0][0], float) == pytest.approx(expected, rel=1e-12, nan_ok=True)
 
 
 # ---- Drawing ---------------------------------------------------------------------------------------------------------
@@ -324,9 +324,9 @@ def drawing(numbers):
     ],
 )
 def test_ticks_are_round(drawing, low, high, is_log, texts):
-    found = drawing("(...at) => ticksOf(...at)", low, high, is_log, 6)
-    assert [tick["text"] for tick in found if tick["text"]] == texts
-    assert all(low * (1 - 1e-9) <= tick["value"] <= high * (1 + 1e-9) for tick in found)
+    result = drawing("(...at) => ticksOf(...at)", low, high, is_log, 6)
+    assert [tick["text"] for tick in result if tick["text"]] == texts
+    assert all(low * (1 - 1e-9) <= tick["value"] <= high * (1 + 1e-9) for tick in result)
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-4, 1e4])

@@ -28,14 +28,14 @@ TABLE = {"name": "scan.csv", "command": "stiction characterise scan.csv"}
 
 @pytest.fixture(scope="module")
 def profile():
-    made = self_affine(1, hurst_exponent=0.7, rms=0.05, points=6001, spacing=0.01)
-    return levelled(made, "line")
+    created = self_affine(1, hurst_exponent=0.7, rms=0.05, points=6001, spacing=0.01)
+    return levelled(created, "line")
 
 
 @pytest.fixture(scope="module")
 def surface():
-    made = self_affine_surface(1, hurst_exponent=0.7, rms=0.05, shape=(60, 90), spacing=0.1)
-    return levelled(made, "plane")
+    created = self_affine_surface(1, hurst_exponent=0.7, rms=0.05, shape=(60, 90), spacing=0.1)
+    return levelled(created, "plane")
 
 
 @pytest.fixture(scope="module")
@@ -105,8 +105,8 @@ def pointer(driver, x, y):
 
 def said(driver):
     """Status, value and ends of the interval of what the panel says."""
-    found = driver.execute_script("return {...document.getElementById('readout').dataset}")
-    return found["status"], [float(found[name]) for name in ("value", "lower", "upper")]
+    result = driver.execute_script("return {...document.getElementById('readout').dataset}")
+    return result["status"], [float(result[name]) for name in ("value", "lower", "upper")]
 
 
 def picked(driver):
@@ -149,7 +149,7 @@ def wheel(driver, plot):
 
 
 @pytest.mark.parametrize(("kind", "plot"), [(kind, plot) for kind, plots in KINDS.items() for plot in sorted(plots)])
-def test_every_plot_is_looked_at_closer_and_moved(driver, pages, kind, plot):
+def test_plots_zoom_and_pan(driver, pages, kind, plot):
     from selenium.webdriver.common.keys import Keys
 
     browser.open_page(driver, pages[kind])
@@ -186,7 +186,7 @@ def test_every_plot_is_looked_at_closer_and_moved(driver, pages, kind, plot):
     left, top, width, height = browser.frame(driver, plot)
     for kind_of_event, times in (("touchStart", 1), ("touchMove", 1.5), ("touchMove", 2)):
         x = [left + width * (0.5 + 0.1 * side * times) for side in (-1, 1)]
-        touch(driver, kind_of_event, *((each, top + height / 2) for each in x))
+        touch(driver, kind_of_event, *((item, top + height / 2) for item in x))
     touch(driver, "touchEnd")
     browser.settle(driver)
     driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
@@ -196,7 +196,7 @@ def test_every_plot_is_looked_at_closer_and_moved(driver, pages, kind, plot):
     assert no_complaints(driver)
 
 
-def test_a_page_has_the_table_and_what_slopes_say(driver, pages, profile):
+def test_report_of_surface_has_table_and_slope_estimate(driver, pages, profile):
     browser.open_page(driver, pages["profile"])
     said = driver.execute_script(
         "return [...document.querySelectorAll('tr')].map((row) => [...row.cells].map((cell) => cell.innerText))"
@@ -213,10 +213,10 @@ def test_a_page_has_the_table_and_what_slopes_say(driver, pages, profile):
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
 
 
-def test_numbers_under_the_pointer_are_those_of_the_library(opened, result):
+def test_numbers_under_pointer_equal_the_library(opened, result):
     random = np.random.default_rng(5)
     dimensions, loads = result["fractal_dimension"].values, np.array(opened.execute_script("return loads"))
-    seen = set()
+    recorded = set()
     errors = []
     for _ in range(10):
         mu0, tau0 = round(random.uniform(0, 1), 3), round(random.uniform(0, 200), 2)
@@ -228,21 +228,21 @@ def test_numbers_under_the_pointer_are_those_of_the_library(opened, result):
         x, y = left + width * (d + 0.5) / dimensions.size, top + height * (1 - (row + 0.5) / loads.size)
         pointer(opened, x, y).pause(0.2).perform()
         browser.settle(opened)
-        wanted = friction_map(result, [loads[row]], mu0=[mu0], tau0=[tau0 / 1000])
-        wanted = wanted.isel(fractal_dimension=d, amplitude=0, load=0, mu0=0, tau0=0)
+        reference = friction_map(result, [loads[row]], mu0=[mu0], tau0=[tau0 / 1000])
+        reference = reference.isel(fractal_dimension=d, amplitude=0, load=0, mu0=0, tau0=0)
         status, numbers = said(opened)
-        seen.add(status)
+        recorded.add(status)
         if status == "between-nodes":
             continue
-        assert status == str(wanted["status"].values)
-        expected = [float(wanted[name]) for name in ("friction_coefficient", "lower", "upper")]
+        assert status == str(reference["status"].values)
+        expected = [float(reference[name]) for name in ("friction_coefficient", "lower", "upper")]
         errors.append(float(excess(np.array(numbers), np.array(expected))))
     assert np.median(errors) < 1.0
     assert np.max(errors) < MOST_EXCESS
-    assert len(seen) > 1
+    assert len(recorded) > 1
 
 
-def test_a_click_picks_and_two_clicks_pick_nothing_and_show_all(opened):
+def test_click_selects_and_double_click_resets(opened):
     whole = ends(opened)
     for _ in range(5):  # on a busy machine two clicks may be too far apart to be a double one
         left, top, width, height = browser.frame(opened, "map")
@@ -262,7 +262,7 @@ def test_a_click_picks_and_two_clicks_pick_nothing_and_show_all(opened):
     assert ends(opened) == pytest.approx(whole)
 
 
-def test_one_looks_closer_by_rectangle_and_buttons(opened):
+def test_rectangle_and_buttons_zoom(opened):
     whole = ends(opened)
     left, top, width, height = browser.frame(opened, "map")
     chain = pointer(opened, left + 0.3 * width, top + 0.3 * height)
@@ -286,7 +286,7 @@ def test_one_looks_closer_by_rectangle_and_buttons(opened):
     assert ends(opened, "friction") == pytest.approx(before)
 
 
-def test_arrow_keys_move_what_is_picked(opened):
+def test_arrow_keys_move_the_selection(opened):
     from selenium.webdriver.common.keys import Keys
 
     opened.execute_script("pick(2, 20)")
@@ -302,7 +302,7 @@ def test_arrow_keys_move_what_is_picked(opened):
     assert float(by_id(opened, "mu0-number").get_attribute("value")) == pytest.approx(0.45)
 
 
-def test_cells_beyond_the_model_are_hatched_and_keep_their_colour_and_a_view_begins_elsewhere(opened):
+def test_cells_beyond_the_model_are_hatched(opened):
     assert opened.find_elements("css selector", "dd.beyond") == []
     assert by_id(opened, "readout").get_attribute("data-status") == "ok"
     hatched, colours = opened.execute_script(
@@ -317,18 +317,18 @@ def test_cells_beyond_the_model_are_hatched_and_keep_their_colour_and_a_view_beg
     assert opened.execute_script("return document.querySelectorAll('#map [style*=fill-opacity]').length") == 0
 
 
-def test_an_address_is_a_view(driver, pages):
+def test_address_restores_the_view(driver, pages):
     browser.open_page(driver, pages["study"])
     enter(driver, "mu0-number", 0.37)
     enter(driver, "tau0-number", 41)
     browser.press(driver, "map", "\ue012\ue013\ue013")
     browser.rest(driver)
-    address, seen = driver.current_url, by_id(driver, "answer").text
+    address, recorded = driver.current_url, by_id(driver, "answer").text
     assert "mu0=0.37" in address
     driver.get("about:blank")
     driver.get(address)
     browser.wait_until_drawn(driver)
-    assert by_id(driver, "answer").text == seen
+    assert by_id(driver, "answer").text == recorded
     assert driver.execute_script("return [state.mu0, state.tau0]") == [0.37, 41]
     # What is no view begins as without it.
     driver.get("about:blank")
@@ -338,7 +338,7 @@ def test_an_address_is_a_view(driver, pages):
     assert no_complaints(driver)
 
 
-def test_pictures_have_a_title_and_parameters_and_numbers_are_saved(driver, pages, tmp_path):
+def test_figures_and_numbers_are_saved(driver, pages, tmp_path):
     driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(tmp_path)})
     browser.open_page(driver, pages["study"])
     for name in ("map", "friction"):
@@ -353,8 +353,8 @@ def test_pictures_have_a_title_and_parameters_and_numbers_are_saved(driver, page
     assert "var(" not in text
     words = " ".join(xml.etree.ElementTree.fromstring(text).itertext())
     assert "study: Friction coefficient against normal load" in words
-    for each in ("μ0 = 0.4", "τ0 = 0 MPa", "D = ", "95 % interval", "View: #mu0=0.4"):
-        assert each in words
+    for item in ("μ0 = 0.4", "τ0 = 0 MPa", "D = ", "95 % interval", "View: #mu0=0.4"):
+        assert item in words
     assert (tmp_path / "study_map.png").read_bytes().startswith(b"\x89PNG")
     with (tmp_path / "study_friction.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -364,27 +364,31 @@ def test_pictures_have_a_title_and_parameters_and_numbers_are_saved(driver, page
     assert [float(row["mu_s"]) for row in rows if row["mu_s"]] == known
 
 
-def test_other_quantities_and_amplitudes_are_picked(opened):
+def test_other_quantities_and_amplitudes_are_selected(opened):
     from selenium.webdriver.support.ui import Select
 
     def drawn():
         browser.rest(opened)
         return opened.execute_script("return document.getElementById('map').innerHTML")
 
-    seen = [drawn()]
+    recorded = [drawn()]
     for what in ("width", "area", "stiffness", "friction"):
         Select(by_id(opened, "quantity")).select_by_value(what)
-        seen.append(drawn())
-    assert len(set(seen)) == 4  # the last is the first
+        recorded.append(drawn())
+    assert len(set(recorded)) == 4  # the last is the first
     Select(by_id(opened, "amplitude")).select_by_visible_text("100 nm")
-    assert drawn() not in seen
+    assert drawn() not in recorded
     for name, wrong in (("mu0-number", "-1"), ("tau0-number", "e")):
         enter(opened, name, wrong)
-    shown = [each.get_attribute("id") for each in opened.find_elements("css selector", ".wrong") if each.is_displayed()]
+    shown = [
+        element.get_attribute("id")
+        for element in opened.find_elements("css selector", ".wrong")
+        if element.is_displayed()
+    ]
     assert shown == ["mu0-wrong", "tau0-wrong"]
 
 
-def test_what_is_missing_is_said(driver, tmp_path, result):
+def test_missing_results_are_reported(driver, tmp_path, result):
     unsolved = result.copy(deep=True)
     unsolved["normal_elastic"].values[0, 0, 3, 2] = np.nan
     for data, words in (
@@ -408,12 +412,12 @@ def rules_said(driver):
     """Value of each rule."""
     values = driver.find_elements("css selector", "#answer .value")
     return {
-        each.get_attribute("data-rule"): float(each.find_element("tag name", "data").get_attribute("value"))
-        for each in values
+        value.get_attribute("data-rule"): float(value.find_element("tag name", "data").get_attribute("value"))
+        for value in values
     }
 
 
-def test_the_answer_of_maps_is_that_of_the_library_and_moves_with_everything(opened_maps, maps):
+def test_result_of_maps_equals_the_library_for_all_controls(opened_maps, maps):
     from selenium.webdriver.support.ui import Select
 
     study = study_of(maps)
@@ -433,15 +437,15 @@ def test_the_answer_of_maps_is_that_of_the_library_and_moves_with_everything(ope
         name = "friction_all_round" if way == 0 else "friction_coefficient"
         at = at[name].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(statistic="mean")
         at = at if way == 0 else at.isel(direction=way - 1)
-        wanted = {rule: float(at.sel(sliding=rule)) for rule in ("all", "opposing")}
-        assert rules_said(opened_maps) == pytest.approx(wanted, rel=1e-4)
+        expected = {rule: float(at.sel(sliding=rule)) for rule in ("all", "opposing")}
+        assert rules_said(opened_maps) == pytest.approx(expected, rel=1e-4)
     # What the library has not judged is not judged; one goes back to what it has.
     opened_maps.find_element("css selector", "#judgement button").click()
     browser.settle(opened_maps)
     assert opened_maps.find_element("css selector", ".verdict").text == first.verdict
 
 
-def test_the_compass_turns_the_direction_and_pointing_at_a_curve_tells_its_numbers(opened_maps):
+def test_compass_sets_direction_and_curve_shows_numbers(opened_maps):
     from selenium.webdriver.common.keys import Keys
 
     for words in ("to +x", "to +y"):
@@ -459,7 +463,7 @@ def test_the_compass_turns_the_direction_and_pointing_at_a_curve_tells_its_numbe
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_no_serious_fault_for_those_who_cannot_see_and_nothing_is_asked_of_anybody(driver, pages, scheme):
+def test_report_is_accessible_and_sends_no_requests(driver, pages, scheme):
     axe = browser.axe()
     media = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", media)
@@ -473,7 +477,7 @@ def test_no_serious_fault_for_those_who_cannot_see_and_nothing_is_asked_of_anybo
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
-def test_paper_has_all_that_the_screen_has(driver, pages):
+def test_printed_report_has_the_content_of_the_screen(driver, pages):
     paper = 720  # pixels between the margins of A4
     for path in (pages["study"], pages["maps"]):
         browser.open_page(driver, path, width=1280)
@@ -504,7 +508,7 @@ def test_paper_has_all_that_the_screen_has(driver, pages):
         driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
 
 
-def test_text_is_read_twice_as_large_and_on_a_phone(driver, pages):
+def test_report_is_readable_at_double_size_and_on_a_phone(driver, pages):
     for kind, path in pages.items():
         browser.open_page(driver, path, width=360, height=740)
         assert driver.execute_script("return [innerWidth, document.documentElement.scrollWidth]") == [360, 360]
@@ -519,7 +523,7 @@ def test_text_is_read_twice_as_large_and_on_a_phone(driver, pages):
         assert driver.execute_script("return document.documentElement.scrollWidth") <= 1280
 
 
-def test_the_tabulator_reaches_every_control(opened):
+def test_tab_key_reaches_every_control(opened):
     from selenium.webdriver import ActionChains
     from selenium.webdriver.common.keys import Keys
 

@@ -19,7 +19,7 @@ from support.measured_studies import write_maps
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_text_of_a_study_is_text_on_the_page(result, maps):
+def test_report_escapes_text_of_study(result, maps):
     page = report_page(result.assign_attrs(stiction_version="<b>"), name="</script><script>alert(1)</script>")
     assert "alert(1)</script>" not in page
     assert "stiction &lt;b&gt;" in page
@@ -28,7 +28,7 @@ def test_text_of_a_study_is_text_on_the_page(result, maps):
     assert "<script>alert(2)" not in report_page(nasty)
 
 
-def test_a_page_is_little_more_than_its_numbers_and_its_licence(result):
+def test_report_is_small_and_contains_its_licence(result):
     text = report_page(result)
     assert text.startswith(MARK)
     for words in ("GNU GENERAL PUBLIC LICENSE", "How to Apply These Terms to Your New Programs"):
@@ -37,7 +37,7 @@ def test_a_page_is_little_more_than_its_numbers_and_its_licence(result):
     assert len(text.encode()) < 250_000 + 6 * 20 * cells * LOAD_STEPS * MAX_NODES**2
 
 
-def test_what_is_too_large_for_a_page_is_said(monkeypatch, result, maps):
+def test_report_rejects_too_large_result(monkeypatch, result, maps):
     monkeypatch.setattr("stiction.views.report.generated.MAX_POINTS", 79)
     with pytest.raises(ReportError, match="more than the 79"):
         report_page(result)
@@ -46,13 +46,13 @@ def test_what_is_too_large_for_a_page_is_said(monkeypatch, result, maps):
         report_page(maps)
 
 
-def test_nothing_makes_no_page(result):
+def test_report_rejects_empty_result(result):
     with pytest.raises(ReportError, match="no member of the result has a solution"):
         report_page(result.isel(repetition=[]))
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_page_is_called_by_its_study_or_its_files(result, maps):
+def test_report_title_names_study_or_files(result, maps):
     assert "<title>study – static friction – stiction</title>" in report_page(result)
     assert "<title>mine – " in report_page(result, name="mine")
     quick = empty_dataset(Study.named("quick")).assign_attrs(study=Study.named("quick").to_toml())
@@ -61,12 +61,12 @@ def test_a_page_is_called_by_its_study_or_its_files(result, maps):
     assert "<title>upper-maps.npy on lower-maps.npy (mine) – " in report_page(maps, name="mine")
 
 
-def test_a_page_is_of_a_result(result):
+def test_report_rejects_dataset_without_study(result):
     with pytest.raises(ReportError):
         report_page(result.drop_attrs())
 
 
-def test_only_reports_are_replaced(result, tmp_path):
+def test_save_report_replaces_only_reports(result, tmp_path):
     path = tmp_path / "report.html"
     path.write_text(f"{MARK}old")
     save_report(result, path)
@@ -80,10 +80,10 @@ def test_only_reports_are_replaced(result, tmp_path):
         with pytest.raises(ReportError):
             save_report(result, bad)
     assert other.read_text() == "years of work"
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["pipe", "report.html", "thesis.html"]
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["pipe", "report.html", "thesis.html"]
 
 
-def test_a_page_of_a_scan_doubts_what_pair_would_doubt_and_text_of_a_file_is_text_on_it():
+def test_report_of_scan_has_caveats_and_escapes_text():
     profile = levelled(self_affine(1, hurst_exponent=0.7, rms=0.05, points=6001, spacing=0.01), "line")
     scan = {"name": "<b>.npy", "command": "<i>"}
     bowed = profile.heights + np.linspace(-1, 1, len(profile)) ** 2
@@ -95,7 +95,7 @@ def test_a_page_of_a_scan_doubts_what_pair_would_doubt_and_text_of_a_file_is_tex
     assert "<code>&lt;i&gt;</code>" in page
 
 
-def test_page_lists_how_each_file_was_read(tmp_path):
+def test_report_lists_how_each_file_was_read(tmp_path):
     rows = np.column_stack([0.5 * np.arange(64), np.random.default_rng(0).standard_normal(64)])
     np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header="x (um),height (um)", comments="")
     (tmp_path / "b.csv").write_text((tmp_path / "a.csv").read_text().replace("(um)", "(nm)"))
