@@ -1,5 +1,4 @@
 import json
-import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -7,6 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 from stiction import Profile, Result
+from stiction._number_format import quoted
 from stiction.studies.at_load import at_load, reached_loads
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.maps import friction_map
@@ -21,6 +21,7 @@ from stiction.views.rows import record_text, table_of
 from stiction.views.style import FORMATS, save_picture, spread_out
 from support.generated_studies import SMALL, empty_dataset
 from support.measured_studies import maps_result
+from support.report_numbers import ReportNumbers
 
 
 @pytest.fixture(scope="module")
@@ -62,8 +63,8 @@ def test_figures_have_the_combined_interval_of_the_headline(maps):
     rows = table[table["upper body to (degree)"] == "all directions"].set_index(
         ["headline", "normal load (mN)", "mu0", "tau0 (MPa)", "sliding"]
     )
-    page = re.search(r'id="facts">(.*?)</script>', report_page(result), re.DOTALL)
-    facts = json.loads(page[1])
+    report = ReportNumbers(report_page(result))
+    rules, loads = report.facts["rules"], report.facts["loads"]["values"]
     computed = summary.headlines
     assert len(computed) == 8
     assert any(one.upper > one.rules[0].positions[1] for one in computed)
@@ -75,9 +76,9 @@ def test_figures_have_the_combined_interval_of_the_headline(maps):
         assert [row[f"{title}: sampling lower"], row[f"{title}: sampling upper"]] == list(rule.positions)
         value = next(item for item in shown if item["at"] == one.at | {"sliding": rule.rule})
         assert [value["lower"], value["upper"]] == ends
-        place = {"rule": rule.rule, "mu0": one.at["mu0"], "tau0": one.at["tau0"]}
-        (table_of_page,) = (fact["ends"] for fact in facts["combined"] if place.items() <= fact.items())
-        assert table_of_page[facts["dimensions"].index(0)][facts["steps"].index(one.at["load"])] == ends
+        place = {"rule": rules.index(rule.rule), "load": loads.index(one.at["load"])}
+        point = report.point("friction", one.at["mu0"], one.at["tau0"], **place)
+        assert point["text"] == quoted(rule.value, rule.lower, rule.upper)
         number = [0.3, 0.5].index(one.at["mu0"]) * 2 + (one.at["tau0"] > 0) + 1
         figure = figures["friction" if number == 1 else f"friction-{number}"]()
         bands = [path.vertices for collection in figure.axes[0].collections for path in collection.get_paths()]
