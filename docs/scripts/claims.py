@@ -263,10 +263,10 @@ class Resampled:
     ) -> Floats:
         """(resample, D): a quantity where the mean load reaches one load, or one for each D; NaN where it does not."""
         pair: Any = SimpleNamespace(**{name: self.sums(name, amplitude or self.amplitude) for name in _SUMS})
-        normal = friction.load_of("normal", pair, mu0, tau0)
+        normal = friction.compute_load("normal", pair, mu0, tau0)
         match what:
             case "friction":
-                values = friction.load_of("tangential", pair, mu0, tau0)
+                values = friction.compute_load("tangential", pair, mu0, tau0)
             case "area":
                 values = pair.contact_area
             case "stiffness":

@@ -36,7 +36,7 @@ from stiction import (
     weierstrass_mandelbrot_surface,
 )
 from stiction._core import patches_of
-from stiction.mechanics.friction import load_of
+from stiction.mechanics.friction import compute_load
 from stiction.mechanics.patches import patch_sums, slopes
 
 DOCS = Path(__file__).parents[1]
@@ -244,7 +244,7 @@ def of_pair(case: dict, upper, lower, boundary: str) -> dict:
     each = Loads(patch_sums(pressure[touching] * cell, area, leaning, alone, senses).total("opposing"))
     for name, tau0 in TAU0.items():
         row[f"mu points {name}"] = float(
-            np.mean(load_of("tangential", each, MU0, tau0) / load_of("normal", each, MU0, tau0))
+            np.mean(compute_load("tangential", each, MU0, tau0) / compute_load("normal", each, MU0, tau0))
         )
     for name, keywords in asperities(upper):
         row |= by_asperities(upper, lower, load, ways, name, keywords, steep)

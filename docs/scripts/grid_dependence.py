@@ -6,7 +6,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import Study, run
-from stiction.mechanics.friction import load_of
+from stiction.mechanics.friction import compute_load
 from stiction.studies.intervals import Powers
 from stiction.views.style import FULL_WIDTH, MILLIMETRE, STYLE, dimension_colours, save_picture
 
@@ -31,8 +31,8 @@ def measured(detection: str) -> dict[str, np.ndarray]:
         )
         data = run(study).dataset.isel(amplitude=0, approach=0).transpose("fractal_dimension", "repetition")
         columns["load"].append(data["normal_elastic"].values)
-        columns["normal"].append(load_of("normal", data, MU0, 0.0))
-        columns["tangential"].append(load_of("tangential", data, MU0, 0.0))
+        columns["normal"].append(compute_load("normal", data, MU0, 0.0))
+        columns["tangential"].append(compute_load("tangential", data, MU0, 0.0))
         columns["area"].append(data["contact_area"].values)
         columns["below"].append((data["load_below_grid"] / data["normal_elastic"].sum("repetition")).values)
     return {name: np.stack(values, axis=1) for name, values in columns.items()}

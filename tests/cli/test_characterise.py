@@ -196,8 +196,8 @@ def test_characterise_of_several_files_prints_one_table(folder):
     [
         (["none.csv"], "none.csv: cannot be read: No such file or directory"),
         (["empty.csv"], "empty.csv: is empty"),
-        (["scan.csv", "--columns", "x,z,q,r"], "columns must be one of heights, or two of positions and heights"),
-        (["heights.npy", "--spacing", "1 um"], "does not say in which unit its heights are; give the unit"),
+        (["scan.csv", "--columns", "x,z,q,r"], "columns must be one for heights, two for positions and heights"),
+        (["heights.npy", "--spacing", "1 um"], "does not contain the unit of its heights; give the unit"),
         (["scan.csv", "--missing", "zero"], "missing must be one of 'error', 'interpolate', 'mask', got 'zero'"),
         (["scan.csv", "--level", "plane"], "--level must be one of 'none', 'mean', 'line',"),
         (["scan.csv", "--lc", "1 um", "--repeated"], "--repeated is for two scans"),

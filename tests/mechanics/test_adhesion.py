@@ -402,7 +402,7 @@ def test_half_space_rejects_bad_adhesion():
     bodies, adhesive = ball(1.0)
     with pytest.raises(ValueError, match="strictly increasing or strictly decreasing"):
         half_space(*bodies, [1.0, 0.0, 1.0], **adhesive)
-    with pytest.raises(ValueError, match="approaches are for bodies without adhesion"):
+    with pytest.raises(ValueError, match="approaches require surfaces without adhesion"):
         half_space(*bodies, approaches=[1e-3], **adhesive)
     with pytest.raises(ValueError, match="work_of_adhesion must be"):
         half_space(*bodies, [1.0], work_of_adhesion=-1.0)
@@ -416,7 +416,7 @@ def test_half_space_rejects_bad_adhesion():
 
 def test_adhesion_range_below_grid_resolution_is_increased_with_warning():
     bodies, adhesive = ball(1.0)
-    with pytest.warns(UserWarning, match="adhesion_range = 0.1 nm is raised to"):
+    with pytest.warns(UserWarning, match="adhesion_range = 0.1 nm is increased to"):
         curve = half_space(*bodies, [0.0], **adhesive | {"adhesion_range": 1e-4})
     assert curve.adhesion_range > 1e-4
 

@@ -490,9 +490,9 @@ class TestBadInput:
                 press(*bad, [0.1])
             with pytest.raises(ValueError, match=match):
                 contacts(*bad, 0.1)
-        with pytest.raises(ValueError, match="direction must be one"):
+        with pytest.raises(ValueError, match="direction must be a single one"):
             contacts(upper, lower, 0.1, direction=[0, 90])
-        with pytest.raises(ValueError, match="direction must be one"):
+        with pytest.raises(ValueError, match="direction must be a single one"):
             approach_at_load(upper, lower, 0.1, mu0=0.3, direction=[0, 90])
 
     def test_contact_model_leaves_unset_fields_none(self):

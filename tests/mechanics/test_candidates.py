@@ -20,8 +20,8 @@ from stiction import (
     weierstrass_mandelbrot,
     weierstrass_mandelbrot_surface,
 )
-from stiction.mechanics.friction import STATUS_DTYPE, Sums, status_of
-from stiction.mechanics.law import LAWS, NAMED, LawName
+from stiction.mechanics.friction import STATUS_DTYPE, Sums, combine_status
+from stiction.mechanics.law import LAWS, LAWS_BY_NAME, LawName
 from stiction.mechanics.model import ContactKeywords
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY
 
@@ -83,7 +83,7 @@ class TestCandidates:
             contacts(points, 0.01, curvature="signed")
         with pytest.raises(ValueError, match="deepest"):
             candidates(*pair, deepest="deep")
-        with pytest.raises(ValueError, match="takes no lower body"):
+        with pytest.raises(ValueError, match="takes no lower surface"):
             press(points, pair[1], [0.01])
         with pytest.raises(ValueError, match="must have equal spacings"):
             candidates(pair[0], Profile(pair[1].heights, spacing=1.0), deepest=0.1)
@@ -125,7 +125,7 @@ class TestContactModel:
 def test_quantities_and_laws_have_unique_names():
     assert tuple(field.name for field in dataclasses.fields(Sums)) == SUMS
     assert all(name in QUANTITIES for name in (*SUMS, *VALIDITY))
-    assert tuple(NAMED) == LawName.__args__
+    assert tuple(LAWS_BY_NAME) == LawName.__args__
     assert len({law.name for law in LAWS}) == len(LAWS)
     for law in LAWS:
         with pytest.raises(ValueError, match=f"law {law.name} requires the parameter effective_modulus"):
@@ -138,7 +138,7 @@ def test_status_of_returns_first_failed_condition():
         (True, False, False, True), (True, False, False, False),
     ]  # fmt: skip
     touched, reached, below, locked = np.array(arguments).T
-    status = status_of(touched=touched, reached=reached, below=below, locked=locked)
+    status = combine_status(touched=touched, reached=reached, below=below, locked=locked)
     assert status.tolist() == ["no-contact", "ok", "below-range", "self-locked", "not-reached"]
     assert status.dtype == STATUS_DTYPE
 

@@ -106,7 +106,7 @@ def test_missing_points_have_no_contact(shape, boundary, hardness, pressed):
     np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
     by_pressure = half_space(flat_like(lower), lower, "1 MPa", boundary=boundary).load
     np.testing.assert_allclose(by_pressure, 1e-3 * (1 - missing.mean()), rtol=ROUND_OFF)
-    with pytest.raises(ValueError, match="all but half_space takes whole scans"):
+    with pytest.raises(ValueError, match="every model except half_space requires complete scans"):
         press(flat_like(lower), lower, [0.1])
 
 
@@ -749,12 +749,12 @@ def test_approach_of_sphere_equals_hertz():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({}, "half_space takes loads or approaches, one of them"),
-        ({"loads": [1.0], "approaches": [1.0]}, "half_space takes loads or approaches, one of them"),
+        ({}, "half_space requires either loads or approaches"),
+        ({"loads": [1.0], "approaches": [1.0]}, "half_space requires either loads or approaches"),
         ({"approaches": [0.0]}, "approaches must be above 0 µm and strictly increasing"),
         ({"approaches": [2e-3, 1e-3]}, "approaches must be above 0 µm and strictly increasing"),
-        ({"approaches": [1e-3], "boundary": "free"}, "a free half-plane has none"),
-        ({"approaches": [1e-3], "hardness": 1.0}, "approaches are for bodies without hardness"),
+        ({"approaches": [1e-3], "boundary": "free"}, "approaches do not exist on a free half-plane"),
+        ({"approaches": [1e-3], "hardness": 1.0}, "approaches require surfaces without hardness"),
         ({"approaches": [1.0]}, "approaches must be below .* where all points touch"),
     ],
 )

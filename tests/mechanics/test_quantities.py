@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import stiction
 from stiction import Profile, Study, Surface, pair, pressed_maps, resolution, run, traverse
-from stiction.mechanics.friction import RATIOS, SIX, Sums, SurfaceValidity, Validity
+from stiction.mechanics.friction import RATIOS, SIX_SUMS, Sums, SurfaceValidity, Validity
 from stiction.mechanics.quantities import (
     ADHESION,
     AREAL_VALIDITY,
@@ -152,20 +152,20 @@ def test_functions_on_bodies_in_memory_return_quantities_of_the_table():
 def test_resolution_uses_units_of_the_table():
     result = resolution(*maps(), [1.0], mu0=0.2, effective_modulus=10.0, hardness=1.0)
     shared = {*map(str, result.data_vars)} & {*QUANTITIES}
-    assert {"contact_area", "contact_count", "mean_pressure", "error", *SIX} <= shared
+    assert {"contact_area", "contact_count", "mean_pressure", "error", *SIX_SUMS} <= shared
     for name in shared:
         assert result[name].attrs["units"] == QUANTITIES[name].unit
 
 
 def test_table_of_quantities_agrees_with_the_core_and_the_classes_of_sums():
-    assert set(SIX) < set(SUMS)
+    assert set(SIX_SUMS) < set(SUMS)
     assert {*SUMS} == {*Sums.__dataclass_fields__}
     assert {*VALIDITY} == {*Validity.__dataclass_fields__}
     assert {*VALIDITY, *AREAL_VALIDITY} == {*SurfaceValidity.__dataclass_fields__} == {*RATIOS}
     assert {*OF_CONTACTS} <= {name for name, quantity in QUANTITIES.items() if "measured" in quantity.stored}
     assert ADHESION[0] == "contact_load"
     assert not {*HALF_SPACE_SUMS} & {*ADHESION}
-    assert [QUANTITIES[name].numerator for name in UNLOADED] == list(SIX[3:])
+    assert [QUANTITIES[name].numerator for name in UNLOADED] == list(SIX_SUMS[3:])
 
 
 @pytest.mark.parametrize("name", QUANTITIES)

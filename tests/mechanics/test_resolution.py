@@ -15,7 +15,7 @@ from stiction import (
     scale_dependent_roughness,
     self_affine,
 )
-from stiction.mechanics.brackets import kappa_spread, most_area
+from stiction.mechanics.brackets import kappa_spread, max_area
 from support.rough_surfaces import rough_maps
 
 ROUND_OFF = 1e-12
@@ -93,8 +93,8 @@ def test_bracket_contains_finer_results(seen):
     count, least = result.contact_count[:, 0].values, float(result.plastic_area_fraction[0])
     above = result.contact_area_fraction[:, 0].values - least
     assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(least + above * kappa_spread(count) ** 2)
-    assert float(most_area(100.0, 1000)) == pytest.approx(100 * math.exp(0.1))
-    assert float(most_area(0.9, 1000)) == 1.0
+    assert float(max_area(100.0, 1000)) == pytest.approx(100 * math.exp(0.1))
+    assert float(max_area(0.9, 1000)) == 1.0
 
 
 def test_bracket_of_few_contacts_allows_decreasing_area():

@@ -65,15 +65,15 @@ def test_closure_is_decrease_of_mean_gap(boundary):
 
 
 def test_tilt_response_agrees_with_dense_matrices():
-    from stiction.mechanics.half_space_problem import Answer, arms_of
+    from stiction.mechanics.half_space_problem import TiltResponse, lever_arms
 
     one = half_space(*pair_of(3, (24, 32)), [1.0]).at(0)
     problem, free = one.problem, one.on_grid(one.free)
-    result, points = Answer.of(problem, free), np.flatnonzero(free)
+    result, points = TiltResponse.solve(problem, free), np.flatnonzero(free)
     unit = np.eye(free.size).reshape(-1, *free.shape)
     kernel = np.array([problem.grids.displacement(unit[point]).ravel()[points] for point in points])
     whole = np.block([[kernel, -np.ones((points.size, 1))], [np.ones((1, points.size)), np.zeros((1, 1))]])
-    arms = [np.broadcast_to(arm, free.shape).ravel()[points] for arm in arms_of(problem)]
+    arms = [np.broadcast_to(arm, free.shape).ravel()[points] for arm in lever_arms(problem)]
     level = np.linalg.solve(whole, np.r_[np.zeros(points.size), free.size])
     turned = [np.linalg.solve(whole, np.r_[-arm, 0.0])[:-1] for arm in arms]
     turning = [[item @ arm / free.size for arm in arms] for item in turned]
@@ -103,9 +103,9 @@ def test_free_tilt_balances_single_contact_point():
     ("arguments", "message"),
     [
         ({"tilt": "loose"}, "tilt must be one of 'fixed', 'free'"),
-        ({"boundary": "periodic"}, "tilt must be 'fixed' but for loads of free bodies without adhesion, got 'free'"),
-        ({"work_of_adhesion": 1e-8}, "tilt must be 'fixed' but"),
-        ({"loads": None, "approaches": [0.01]}, "tilt must be 'fixed' but"),
+        ({"boundary": "periodic"}, "tilt must be 'fixed' except for loads of free bodies without adhesion, got 'free'"),
+        ({"work_of_adhesion": 1e-8}, "tilt must be 'fixed' except"),
+        ({"loads": None, "approaches": [0.01]}, "tilt must be 'fixed' except"),
     ],
 )
 def test_half_space_rejects_bad_tilt(arguments, message):

@@ -207,7 +207,7 @@ def test_pair_rejects_bad_adhesion(changes, words):
 
 def test_adhesion_range_limited_by_grid_is_a_caveat():
     options = ASKED | {"effective_modulus": "1.5..2.5 GPa", "load": "2 MPa"}
-    with pytest.warns(UserWarning, match="adhesion_range = 0.5 nm is raised to"):
+    with pytest.warns(UserWarning, match="adhesion_range = 0.5 nm is increased to"):
         result = pair(rough("upper", 0.01), rough("lower", 0.01), **options, **WORK)
     doubts = " ".join(caveat.text for caveat in result.caveats)
     assert "the least on this grid, not 0.5 nm" in doubts

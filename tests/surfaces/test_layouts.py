@@ -9,7 +9,7 @@ import pytest
 from stiction import FormatError, FormatWarning, Surface, read_measurement, write_surface
 from stiction.surfaces.measured.decode import decode
 from stiction.surfaces.measured.layouts import LAYOUTS
-from stiction.surfaces.measured.reading import reading_of
+from stiction.surfaces.measured.reading import load_reading
 from support import fuzzing
 
 random = np.random.default_rng(8)
@@ -356,9 +356,9 @@ def test_first_number_with_fewer_decimals_is_a_caveat(tmp_path):
     path.write_text("0.5\n" + "".join(f"{z:.4f}\n" for z in LINE))
     with pytest.warns(FormatWarning, match="first-number"):
         read_measurement(path, **options)
-    assert not reading_of(path, **options, accept="first-number").caveats
+    assert not load_reading(path, **options, accept="first-number").caveats
     path.write_text("0.5\n" + "".join(f"{z:g}\n" for z in LINE))
-    assert not reading_of(path, **options).caveats
+    assert not load_reading(path, **options).caveats
 
 
 def test_lines_as_wide_as_the_data_are_data(tmp_path):
@@ -368,7 +368,9 @@ def test_lines_as_wide_as_the_data_are_data(tmp_path):
         changed = lines.copy()
         changed[place] = changed[place].split(",")[0] + ",Err"
         path.write_text("x (um),z (um)\n" + "\n".join(changed))
-        with pytest.raises(FormatError, match=rf"line {place + 2} .*'Err' is no number; --missing-value Err takes it"):
+        with pytest.raises(
+            FormatError, match=rf"line {place + 2} .*'Err' is not a number; --missing-value Err treats it"
+        ):
             read_measurement(path)
         body = read_measurement(path, missing="interpolate", missing_value="Err")
         assert body.heights.size == (60 if place == 30 else 59)
@@ -379,16 +381,16 @@ def test_codes_for_missing_points_are_named_and_masked(tmp_path):
     for code in ("-9999", "-32768", "99999.0", "0.000"):
         body = [f"{0.5 * at},{code if at in (7, 8, 33) else z + 500}" for at, z in enumerate(LINE)]
         path.write_text("x (um),z (um)\n" + "\n".join(body))
-        reading = reading_of(path)
+        reading = load_reading(path)
         assert "repeated-extreme" in [caveat.name for caveat in reading.caveats]
         assert f"--missing-value {float(code):g}" in reading.caveats[0].cure
         with pytest.warns(FormatWarning, match="repeated-extreme"):
             read_measurement(path)
-        masked = reading_of(path, missing_value=float(code), missing="mask", accept="tall")
+        masked = load_reading(path, missing_value=float(code), missing="mask", accept="tall")
         assert masked.missing == 3
         assert np.flatnonzero(masked.body.missing).tolist() == [7, 8, 33]
         assert not masked.caveats
-        assert reading_of(path, accept="repeated-extreme,tall").caveats == ()
+        assert load_reading(path, accept="repeated-extreme,tall").caveats == ()
 
 
 def test_flag_columns_mask_points(tmp_path):
@@ -423,7 +425,7 @@ def test_ambiguous_commas_are_resolved_by_names_or_rejected(tmp_path):
 def test_blocks_of_one_width_are_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(["Height", *rows(HEIGHTS), "Phase", *rows(2 * HEIGHTS)]))
-    with pytest.raises(FormatError, match=r"holds 0 \(Height\), 1 \(Phase\); choose one by channel"):
+    with pytest.raises(FormatError, match=r"contains 0 (Height\), 1 \(Phase\); choose one by channel"):
         read_measurement(path, unit="um", spacing="0.5 um")
     body = read_measurement(path, unit="um", spacing="9 um", channel="Phase")
     assert np.array_equal(body.heights, 2 * HEIGHTS)
@@ -432,7 +434,7 @@ def test_blocks_of_one_width_are_channels(tmp_path):
 def test_blocks_of_one_line_are_all_read(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(f"Trace {at}\n{line}" for at, line in enumerate(rows(HEIGHTS))))
-    with pytest.raises(FormatError, match=rf"holds 0 \(Trace 0\), .*{ROWS - 1} \(Trace {ROWS - 1}\); choose one"):
+    with pytest.raises(FormatError, match=rf"contains 0 (Trace 0\), .*{ROWS - 1} \(Trace {ROWS - 1}\); choose one"):
         read_measurement(path, unit="um", spacing="0.5 um")
 
 
@@ -467,7 +469,7 @@ def test_reading_reports_layout_units_and_points(tmp_path):
     path.write_text(
         "made by hand\nx (um);z (um)\n" + "\n".join(f"{0.5 * at};{z}" for at, z in enumerate(LINE)) + "\nend\n"
     )
-    reading = reading_of(path)
+    reading = load_reading(path)
     record = reading.record()
     assert record["layout"] == "positions and heights"
     assert record["points"] == [60]
@@ -572,7 +574,7 @@ def test_declared_facts_are_applied_to_every_shape_of_table(tmp_path, shape, fac
         options["spacing"] = "0.5 um"
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *shaped(shape, heights)]), encoding="utf-8")
-    reading = reading_of(path, **options)
+    reading = load_reading(path, **options)
     body, flat = reading.body, shape in ("column", "positions")
     expected = heights.ravel() if flat else heights
     scale = {"factor": 1e-3, "unit": 1e-3}.get(fact, 1.0)
@@ -591,7 +593,7 @@ def test_declared_facts_are_applied_to_every_shape_of_table(tmp_path, shape, fac
 def test_unit_of_heights_differs_from_that_of_positions(tmp_path, shape, line):
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *shaped(shape, HEIGHTS)]))
-    with pytest.raises(FormatError, match="in which unit its positions are"):
+    with pytest.raises(FormatError, match="the unit of its positions"):
         read_measurement(path)
     body = read_measurement(path, unit=("um", "nm"))
     assert body.spacing == pytest.approx((0.5, 0.5))
@@ -619,11 +621,11 @@ def test_scale_is_a_factor_only_with_evidence_of_a_conversion(tmp_path, line, fa
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *rows(HEIGHTS)]))
     if factor is None:
-        with pytest.raises(FormatError, match="in which unit its heights are"):
+        with pytest.raises(FormatError, match="the unit of its heights"):
             read_measurement(path, spacing="0.5 um")
         with pytest.warns(FormatWarning, match="scale"):
             body = read_measurement(path, unit="nm", spacing="0.5 um")
-        assert not reading_of(path, unit="nm", spacing="0.5 um", accept="scale").caveats
+        assert not load_reading(path, unit="nm", spacing="0.5 um", accept="scale").caveats
     else:
         body = read_measurement(path, spacing="0.5 um")
     assert np.allclose(body.heights, (factor or 1e-3) * HEIGHTS, rtol=1e-12)
@@ -634,10 +636,10 @@ def test_positions_are_not_heights_with_declared_spacings(tmp_path):
     head = ["# x spacing: 0.25 um", "# y spacing: 0.5 um"]
     for first in (0.5 * np.arange(ROWS), 3 + 0.5 * np.arange(ROWS)):
         path.write_text("\n".join([*head, *rows(np.column_stack([first, HEIGHTS]))]))
-        body = reading_of(path, unit="um", accept="tall").body
+        body = load_reading(path, unit="um", accept="tall").body
         assert np.array_equal(body.heights, HEIGHTS)
         assert body.spacing == (0.5, 0.25)
-        assert "the first column left out: positions 0.5 um apart, as its header says" in body.history
+        assert "the first column removed: positions 0.5 um apart, as its header declares" in body.history
     for first in (np.arange(ROWS), 1 + np.arange(ROWS), 0.3 * np.arange(ROWS), -0.5 * np.arange(ROWS)):
         path.write_text("\n".join([*head, *rows(np.column_stack([first, HEIGHTS]))]))
         with pytest.raises(FormatError, match="first column counts evenly"):
@@ -653,12 +655,12 @@ def test_short_rows_above_a_matrix_are_rejected(tmp_path):
         lines = rows(HEIGHTS)
         lines[:count] = [line.rsplit("\t", 1)[0] for line in lines[:count]]
         path.write_text("\n".join(lines))
-        with pytest.raises(FormatError, match=r"line 1 .* has 8 cells, and most lines have 9"):
+        with pytest.raises(FormatError, match=r"line 1 .* has 8 cells, but most lines have 9"):
             read_measurement(path, unit="um", spacing="0.5 um")
     path.write_text("\n".join([f"{COLUMNS} {ROWS}", *rows(HEIGHTS, " ")]))
     body = read_measurement(path, unit="um", spacing="0.5 um")
     assert np.array_equal(body.heights, HEIGHTS)
-    assert f"line 1 ('{COLUMNS} {ROWS}') left out as a count or a size" in body.history
+    assert f"line 1 ('{COLUMNS} {ROWS}') skipped as a count or a size" in body.history
 
 
 def test_counts_of_missing_points_are_not_codes(tmp_path):
@@ -769,7 +771,7 @@ def test_points_off_a_grid_by_more_than_rounding_are_rejected(tmp_path):
     places = np.array([0.0, 0.25, 0.5, 0.9, 1.0, 1.25, 1.5])
     y, x = np.meshgrid(places, places, indexing="ij")
     path.write_text("\n".join(f"{a:.2f} {b:.2f} 1.{at}" for at, (a, b) in enumerate(zip(x.flat, y.flat, strict=True))))
-    with pytest.raises(FormatError, match="on no grid"):
+    with pytest.raises(FormatError, match="not on a grid"):
         read_measurement(path, unit="um")
 
 
@@ -784,5 +786,5 @@ def test_status_column_of_an_olympus_map_is_no_height(tmp_path):
     plain.write_text(olympus())
     assert np.array_equal(read(path, missing="mask").heights, read(plain, missing="mask").heights)
     path.write_text("\n".join([*alike[:-1], alike[-1][:-1] + "0"]))
-    with pytest.raises(FormatError, match="does not say which are missing points"):
+    with pytest.raises(FormatError, match="without a meaning"):
         read_measurement(path, missing="mask")

@@ -95,7 +95,7 @@ def test_crop_ignores_missing_points_outside(whole, path):
     piece = read_surface(path, crop="0 um, 2.5 um, 1 um, 6.4 um", **READ)
     assert np.array_equal(piece.heights, whole.heights[10:, :25])
     assert piece.history[-1] == "cropped to 0 to 2.5 µm along x and 1 to 6.4 µm along y"
-    for crop, why in (("1 um,9 um,0 um,1 um", "within the extent"), ("0 um,1 um", "by 4 positions, got 2"),
+    for crop, why in (("1 um,9 um,0 um,1 um", "within the extent"), ("0 um,1 um", "4 positions for crop, got 2"),
                       ("0 um,1 um,2 um", "x0,x1"), ("0,1", "unit of length")):  # fmt: skip
         with pytest.raises(ValueError, match=why):
             read_measurement(path, crop=crop, **READ)

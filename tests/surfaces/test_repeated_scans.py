@@ -74,7 +74,7 @@ def test_compare_repeated_scans_rejects_identical_and_unrelated_scans():
     holes = Profile(first.heights, spacing=0.1, missing=np.arange(2000) == 7)
     for one, two, why in (
         (first, first, "identical"), (first, other, "of the same area"), (first, area, "two of a kind"),
-        (first, Profile(first.heights, spacing=0.2), "equal spacings"), (first, holes, "takes whole scans"),
+        (first, Profile(first.heights, spacing=0.2), "equal spacings"), (first, holes, "requires complete scans"),
         (first, 3, "second must be a Profile or a Surface"), (Profile(np.zeros(9), spacing=0.1), first, "not be flat"),
     ):  # fmt: skip
         with pytest.raises(ValueError, match=why):

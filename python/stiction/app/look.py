@@ -18,7 +18,7 @@ from stiction._checks import Floats
 from stiction._drawing import HEIGHT_MAP
 from stiction._number_format import with_unit
 from stiction.studies.pair_options import split_list
-from stiction.surfaces.measured.reading import reading_of
+from stiction.surfaces.measured.reading import load_reading
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import check_roughness, rms_gradient, roughness_parameters
@@ -34,7 +34,7 @@ def look(file: str, reading: dict[str, str]) -> dict[str, Any]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            scan = reading_of(file, **given)
+            scan = load_reading(file, **given)
             body = scan.body
             level = levelled(body, "line" if isinstance(body, Profile) else "plane")  # type: ignore[call-overload]
             if isinstance(level, Profile):

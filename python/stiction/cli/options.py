@@ -41,7 +41,7 @@ Verbose = Annotated[bool, _output("--verbose -v", "Show all: inputs, directions,
 def measurement(file: Path, asked: Mapping[str, str | None]) -> Reading[Profile | Surface]:
     """Return the profile or surface in a file, and what was understood of it, by options that are texts."""
     from stiction.studies.pair_options import split_list
-    from stiction.surfaces.measured.reading import reading_of
+    from stiction.surfaces.measured.reading import load_reading
     from stiction.surfaces.measured.spectrum_file import is_spectrum
 
     if is_spectrum(file):
@@ -50,7 +50,7 @@ def measurement(file: Path, asked: Mapping[str, str | None]) -> Reading[Profile 
         )
     announce_reader(file)
     given: dict[str, Any] = {name: split_list(name, text) for name, text in asked.items() if text is not None}
-    return reading_of(file, **given)
+    return load_reading(file, **given)
 
 
 def announce_reader(file: Path) -> None:

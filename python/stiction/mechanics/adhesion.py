@@ -18,7 +18,7 @@ import numpy as np
 
 import stiction._core as _core
 from stiction._checks import Floats
-from stiction.mechanics.half_space_problem import Pressed, Problem, State, pressed_of, threads
+from stiction.mechanics.half_space_problem import ContactSolution, Problem, State, threads, to_contact_solution
 
 PLAIN = 2  # plain steps between two longer ones, which damp the shapes that these overshoot
 LONGEST = 10.0  # length of a longer step over that of a plain one
@@ -279,9 +279,9 @@ def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tu
 
 def sticking(
     problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
-) -> list[Pressed]:
+) -> list[ContactSolution]:
     """The contact at each external load (mN), one after the other on its branch."""
-    contacts: list[Pressed] = []
+    contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     attraction = Attraction(problem, tolerance=tolerance, report=report)
     whole = problem.cell * problem.gap.size
@@ -291,11 +291,11 @@ def sticking(
             state = attraction.at(load / whole, state)
         except RuntimeError as error:
             raise RuntimeError(f"no solution at {load:g} mN: {error}") from None
-        contacts.append(pressed_of(problem, state, load, state.attraction))
+        contacts.append(to_contact_solution(problem, state, load, state.attraction))
     return contacts
 
 
-def drawn_apart(pressed: Pressed, *, tolerance: float) -> tuple[list[Pressed], str]:
+def drawn_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
     """The contacts from one on as bodies are drawn apart, that of the least load the last, and why they ended early."""
     problem, whole = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)
@@ -308,5 +308,5 @@ def drawn_apart(pressed: Pressed, *, tolerance: float) -> tuple[list[Pressed], s
         if state.load < least:
             ways.append(state)
             least = state.load
-    later = [pressed_of(problem, state, state.load * whole, state.attraction) for state in ways]
+    later = [to_contact_solution(problem, state, state.load * whole, state.attraction) for state in ways]
     return [pressed, *later], attraction.uncertain

@@ -1,4 +1,4 @@
-"""How an elastic answer goes on below the finest wave that was seen, and brackets of area and friction."""
+"""Brackets of area and friction at finer resolution, and extrapolation of the elastic result below it."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-LEAST_SPREAD = 0.1  # of the logarithm of κ = A E* h'/F, by which two resolutions differ however many contacts there are
-FINER = tuple(2.0**-power for power in range(11))  # wavelengths of continued answers over the shortest of the scan
+MIN_LOG_SPREAD = 0.1  # smallest spread of ln κ, κ = A E* h'/F, between two resolutions, for any number of contacts
+WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))  # extrapolated wavelengths over the shortest of the scan
 
 
 def kappa_spread(contact_count: Floats) -> Floats:
-    """Factor within which κ of a finer scan is that of this one, in 95 of 100 pairs, from the number of contacts.
+    """Return the factor within which κ of a finer scan agrees with this scan in 95 % of pairs, from the contact count.
 
-    Measured as mean and two standard deviations of logarithms: 0.6 with 2 contacts, 0.35 with 5, 0.2 with 16, 0.1 with
-    40, of pairs of Hurst exponents 0.4 and 0.8 seen with waves from 32 points on and from 4 points on.
+    Fitted to mean plus two standard deviations of ln κ: 0.6 with 2 contacts, 0.35 with 5, 0.2 with 16 and 0.1 with 40.
+    The pairs had Hurst exponents of 0.4 and 0.8, and shortest wavelengths of 32 and of 4 points.
     """
-    return np.asarray(np.exp(np.maximum(1 / np.sqrt(np.maximum(contact_count, 1)), LEAST_SPREAD)))
+    return np.asarray(np.exp(np.maximum(1 / np.sqrt(np.maximum(contact_count, 1)), MIN_LOG_SPREAD)))
 
 
 def rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
-    """Root-mean-square gradient of a gap, of slopes as the half-space takes them."""
+    """Return the root-mean-square gradient of a gap, with the slopes of the half-space model."""
     from stiction.mechanics.patches import slopes
 
-    each_way = slopes(gap.heights, gap.spacings, periodic=periodic)
-    return math.sqrt(sum(float(np.mean(np.square(each))) for each in each_way))
+    gap_slopes = slopes(gap.heights, gap.spacings, periodic=periodic)
+    return math.sqrt(sum(float(np.mean(np.square(slope))) for slope in gap_slopes))
 
 
 def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None:
-    """The Hurst exponent of a gap; None where its spectrum has no self-affine band."""
+    """Estimate the Hurst exponent of a gap; return None if its spectrum has no self-affine band."""
     try:
         return estimate_hurst_exponent(gap, periodic=periodic)
     except ValueError:
@@ -49,7 +49,7 @@ def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Wavelength down to which waves have a gradient, known within a factor, and its interval; NaN without one."""
+    """Find the wavelength down to which the gap has a gradient known within a factor, with its interval, or NaN."""
     if math.isnan(gradient):
         return math.nan, math.nan, math.nan
     middle, rougher, smoother = (None,) * 3 if estimate is None else interval_power_laws(estimate)
@@ -60,86 +60,101 @@ def plastic_wavelength(
     )
 
 
-def continued(
+def extrapolated_gradients(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
 ) -> Floats:
-    """Gradients of finer scans from that of this one on, (wavelength, statistic); NaN without an exponent."""
-    finer = np.array(FINER) * shortest
+    """Extrapolate the gradients of finer scans (wavelength, statistic) from this scan; NaN without an exponent."""
+    finer = np.array(WAVELENGTH_RATIOS) * shortest
     if estimate is None:
         return np.full((finer.size, 3), np.nan)
-    # Of the scan's own slopes, so that the line begins where they end.
-    own = gradient / float(roughness.gradient_at(shortest))
-    gradients = own * np.stack([roughness.continued(finer, line) for line in interval_power_laws(estimate)], axis=1)
+    # Scaled to the slopes of this scan, so that the extrapolation is continuous.
+    scale = gradient / float(roughness.gradient_at(shortest))
+    gradients = scale * np.stack([roughness.continued(finer, line) for line in interval_power_laws(estimate)], axis=1)
     gradients[:, 1:] = np.sort(gradients[:, 1:], axis=1)
     return gradients
 
 
 def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Area fractions (wavelength, load, statistic) of the ground plan, from those at a gradient of one."""
+    """Return projected area fractions (wavelength, load, statistic) from those at a gradient of one."""
     within = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
     return area_of_slope[:, np.newaxis] * within / gradients[:, np.newaxis, [0, 2, 1]]
 
 
 def interface_stretch(gradient: Floats) -> Floats:
-    """Area of the interface over its ground plan, 1 + h'²/8, where both bodies share the gap's slope equally."""
+    """Return interface area over projected area, 1 + h'²/8, if both surfaces share the slope of the gap equally."""
     return np.asarray(1 + np.square(gradient) / 8)
 
 
 def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
-    """Factor on mu_s where all contacts rub: 1 + h'²/16, for the slopes across the motion; 1 on lines, without any."""
+    """Return the factor on mu_s for friction at all contacts: 1 + h'²/16 from slopes across the motion; 1 on lines."""
     return np.asarray(1 + np.square(gradient) / 16 if dimensions == 2 else np.ones(np.shape(gradient)))
 
 
-def most_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
-    """Largest true area of finer scans of a pair that yields, in F/H, from that of this scan and its contacts.
+def max_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
+    """Return the largest real contact area of finer scans of a yielding pair, in F/H.
 
-    Finer waves move the load from one contact to another, so that elastic rims of those that yield may grow; a scan of
-    which all is elastic is bound by κ alone. Measured: all of 300 pairs of 256² points with 2 to 40 contacts.
+    Shorter wavelengths redistribute the load between contacts, so elastic rims of yielding contacts may grow. A scan
+    without yielding is limited by κ alone. In a test, the limit was exceeded by none of 300 pairs of 256² points with
+    2 to 40 contacts.
     """
-    own = np.maximum(np.asarray(area, dtype=np.float64), 1.0)
+    area_ratio = np.maximum(np.asarray(area, dtype=np.float64), 1.0)
     spread = kappa_spread(np.asarray(contact_count, dtype=np.float64))
-    return np.asarray(np.minimum(own * spread, 1 + (own - 1) * np.square(spread)))
+    return np.asarray(np.minimum(area_ratio * spread, 1 + (area_ratio - 1) * np.square(spread)))
 
 
 def friction_bracket(
     value: float, mu0: float, adhesion: float, contacts: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Ends of mu_s of every finer scan of a pair that yields, from mu_s where all rubs, mu0, tau0/H and contacts.
+    """Return the bracket of mu_s of every finer scan of a yielding pair, with friction at all contacts.
 
-    The upper end is by default that of the value, and otherwise that of an upper end of its interval.
+    `value` is mu_s of this scan; `adhesion` is tau0/H. The upper end refers to the value, or to `upper` if given.
     """
-    most = value if upper is None else upper
+    highest = value if upper is None else upper
     if adhesion > 0:
-        most += adhesion * float(most_area((most - mu0) / adhesion, contacts)) - max(most - mu0, adhesion)
-    return min(mu0 + adhesion, value), most
+        highest += adhesion * float(max_area((highest - mu0) / adhesion, contacts)) - max(highest - mu0, adhesion)
+    return min(mu0 + adhesion, value), highest
 
 
 def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
-    """A dataset of `resolution` with the plastic limit and the ends between which finer scans lie, where all rubs."""
+    """Add plastic limit and brackets, with friction at all contacts, to a `resolution` dataset."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal = result.attrs["nominal_area_um2"]
-    least = loads / hardness
-    most = least * most_area(area / least, result.contact_count.values)
-    over = ("cut_off", "normal_load", "end")
-    found: dict[str, tuple[tuple[str, ...], Floats, str, str]] = {
-        "plastic_area": (over[1:2], least, "µm²", "least true area, F/H"),
-        "plastic_area_fraction": (over[1:2], least / nominal, "1", "least true over nominal area, F/(H A0)"),
+    plastic_area = loads / hardness
+    largest_area = plastic_area * max_area(area / plastic_area, result.contact_count.values)
+    dimensions = ("cut_off", "normal_load", "end")
+    variables: dict[str, tuple[tuple[str, ...], Floats, str, str]] = {
+        "plastic_area": (dimensions[1:2], plastic_area, "µm²", "smallest real contact area, F/H"),
+        "plastic_area_fraction": (
+            dimensions[1:2], plastic_area / nominal, "1", "smallest real over nominal area, F/(H A0)"
+        ),
         "bracket_area_fraction": (
-            over, _ends(least / nominal, most / nominal), "1", "true over nominal area of every finer scan"
+            dimensions, _ends(plastic_area / nominal, largest_area / nominal), "1",
+            "real over nominal area of every finer scan",
         ),
     }  # fmt: skip
     if parameters is not None:
         mu0, tau0 = parameters
         limit = np.full(loads.size, mu0 + tau0 / hardness)
-        friction = result.friction_coefficient.sel(sliding="all").transpose(*over[:2]).values
-        ends = _ends(limit, friction + tau0 * (most - area) / loads)
-        found["plastic_friction_coefficient"] = over[1:2], limit, "1", "mu0 + tau0/H, least where all contacts rub"
-        found["bracket_friction_coefficient"] = over, ends, "1", "mu_s of every finer scan where all contacts rub"
-    said = {
-        name: (dims, values, {"units": unit, "long_name": words}) for name, (dims, values, unit, words) in found.items()
+        friction = result.friction_coefficient.sel(sliding="all").transpose(*dimensions[:2]).values
+        ends = _ends(limit, friction + tau0 * (largest_area - area) / loads)
+        variables["plastic_friction_coefficient"] = (
+            dimensions[1:2],
+            limit,
+            "1",
+            "mu0 + tau0/H, smallest with friction at all contacts",
+        )
+        variables["bracket_friction_coefficient"] = (
+            dimensions,
+            ends,
+            "1",
+            "mu_s of every finer scan with friction at all contacts",
+        )
+    labelled = {
+        name: (dims, values, {"units": unit, "long_name": description})
+        for name, (dims, values, unit, description) in variables.items()
     }
-    return result.assign(said).assign_coords(end=("end", ["lower", "upper"]))
+    return result.assign(labelled).assign_coords(end=("end", ["lower", "upper"]))
 
 
-def _ends(least: Floats, most: Floats) -> Floats:
-    return np.stack([np.broadcast_to(least, most.shape), most], axis=-1)
+def _ends(lower: Floats, upper: Floats) -> Floats:
+    return np.stack([np.broadcast_to(lower, upper.shape), upper], axis=-1)

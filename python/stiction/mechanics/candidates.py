@@ -1,4 +1,4 @@
-"""Places where two bodies may touch, found once and pressed many times."""
+"""Contact candidates: places where two surfaces may touch, found once and used at many approaches."""
 
 from __future__ import annotations
 
@@ -16,41 +16,41 @@ from stiction.mechanics.model import (
     ContactModel,
     Curvature,
     check_pair,
+    make_model,
     measured_source,
     model_for_pair,
-    model_of,
-    refuse_no_modulus,
+    reject_missing_modulus,
 )
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-_GROOVED = 1e-9  # of its depth: a gap that changes by less along x or y is one of grooves
+_GROOVE_TOLERANCE = 1e-9  # change of a grooved gap along its grooves, over its total range
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Candidates:
-    """The local minima of the splined gap between two bodies, in the order of the grid; all arrays are read-only.
+    """Local minima of the splined gap between two surfaces, in grid order; all arrays are read-only.
 
-    What `candidates` returns, and `contacts` and `press` take in place of two bodies. Positions are in the frame of the
-    lower body.
+    Returned by `candidates`; `contacts` and `press` accept it instead of two surfaces. Positions are in the frame of
+    the lower surface.
 
     Attributes
     ----------
     index : (c,) ndarray of int
-        Grid point on the left of the minimum; on surfaces that below it on the left, counted row by row.
+        Grid point to the left of the minimum, or on surfaces below it to the left, counted row by row.
     position : (c, 3) ndarray, µm
-        Of the lower body there.
+        Position on the lower surface.
     gap : (c,) ndarray, µm
-        Above the first touch of grid points: a candidate touches at approaches above it. Slightly negative where a
-        minimum between grid points is lower than all of them.
+        Gap above that at first contact of the grid points: a candidate touches at larger approaches. Slightly
+        negative if a minimum between grid points is lower than all grid points.
     radii : (c, 2) ndarray, µm
-        Principal radii of the relative curvature, the larger first.
+        Principal radii of the relative curvature, the larger one first.
     deepest : float, µm
-        Approach up to which they were looked for.
+        Largest approach that the search covered.
     curvature : {"convex", "signed"}
-        By which they were chosen.
+        Criterion of the search.
     sources : tuple of str
-        Files that the bodies were read from, if any.
+        Files of the surfaces, if they were read from files.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class Candidates:
         return len(self.core)
 
     def __repr__(self) -> str:
-        """Show how many there are, and by what they were found."""
+        """Return the number of candidates and the criteria of the search."""
         return f"Candidates: {len(self)} up to an approach of {self.deepest:.4g} µm, {self.curvature} curvature"
 
     @property
@@ -101,17 +101,17 @@ class Candidates:
 def candidates(
     upper: Profile | Surface, lower: Profile | Surface, *, deepest: float, curvature: Curvature | None = None
 ) -> Candidates:
-    """Where two bodies may touch at approaches up to a deepest one: the local minima of their splined gap.
+    """Find the places where two surfaces may touch up to a largest approach: the local minima of their splined gap.
 
     Parameters
     ----------
     upper, lower : Profile or Surface
-        Both of one kind, on the same grid. A profile whose points lie on a line, to round-off, is a straight body.
+        Two profiles or two surfaces on the same grid. A profile that is straight to round-off is treated as flat.
     deepest : float, µm
-        At least 0.
+        Largest approach, at least 0.
     curvature : {"convex", "signed"}, optional
-        Whether both bodies must be convex, or one may be a wider cup. By default "convex" for profiles and "signed" for
-        surfaces.
+        Whether both surfaces must be convex at a contact, or only their relative curvature. The default is "convex"
+        for profiles and "signed" for surfaces.
 
     Examples
     --------
@@ -134,27 +134,29 @@ def candidates(
         curvature=curvature,
     )  # fmt: skip
     if isinstance(upper, Surface) and len(core) == 0:
-        # A gap that does not change along x or y has valleys for minima, of which none is a point.
+        # If the gap is constant along x or y, its minima are lines instead of points.
         gap = upper.heights - lower.heights
         for axis, along, across in ((0, "y", "rows"), (1, "x", "columns")):
-            if float(np.ptp(gap, axis=axis).max()) < _GROOVED * float(np.ptp(gap)):
+            if float(np.ptp(gap, axis=axis).max()) < _GROOVE_TOLERANCE * float(np.ptp(gap)):
                 raise ValueError(
-                    f"the gap between upper and lower does not change along {along}, so that its minima are lines and "
-                    f"not points: press {across} of both as profiles, or use half_space"
+                    f"the gap between upper and lower does not change along {along}, so its minima are lines instead "
+                    f"of points: press {across} of both as profiles, or use half_space"
                 )
     return Candidates(core, curvature, tuple(filter(None, map(measured_source, (upper, lower)))))
 
 
-def known_of(upper: Any, lower: Any, contact: Mapping[str, object]) -> tuple[Candidates | None, ContactModel]:
-    """The candidates that stand in place of both bodies, if they do, and the model by which these are pressed."""
+def candidates_and_model(
+    upper: Any, lower: Any, contact: Mapping[str, object]
+) -> tuple[Candidates | None, ContactModel]:
+    """Return the candidates, if given instead of two surfaces, and the contact model."""
     if not isinstance(upper, Candidates):
         return None, model_for_pair(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:
-        refuse_no_modulus(*upper.sources)
-    model = model_of(contact)
-    for name, own in (("detection", "gap-minimum"), ("curvature", upper.curvature)):
-        if getattr(model, name) not in (None, own):
-            raise ValueError(f"{name} must be that of the candidates, {own!r}, got {getattr(model, name)!r}")
+        reject_missing_modulus(*upper.sources)
+    model = make_model(contact)
+    for name, expected in (("detection", "gap-minimum"), ("curvature", upper.curvature)):
+        if getattr(model, name) not in (None, expected):
+            raise ValueError(f"{name} must be that of the candidates, {expected!r}, got {getattr(model, name)!r}")
     model = replace(model, detection="gap-minimum", curvature=upper.curvature)
     areal = isinstance(upper.core, stiction._core.ArealCandidates)
     return upper, model.for_surfaces() if areal else model.for_profiles()

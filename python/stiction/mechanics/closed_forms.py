@@ -1,6 +1,6 @@
-"""Exact answers: for users who need one contact or one wave, and for the tests that hold the model to them.
+"""Exact solutions of single contacts and of sinusoidal surfaces, also used as references in the tests.
 
-Plain NumPy, independent of the core. Every argument broadcasts.
+Plain NumPy, independent of the core. All arguments broadcast.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from stiction.mechanics.friction import check_shear_strength, friction_parameter
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import Sliding
 
-_BISECTIONS = 64  # of the logarithm of an aspect ratio, to the last bit
-_ROUND_OFF = 1e-9  # by which a slope may be above the gradient that it is a part of
-_GENTLE = 1e-3  # deviation of slopes below which two terms of a series are exact to the last bit
+_BISECTIONS = 64  # number of bisections: resolves the logarithm of an aspect ratio to the last bit
+_SLOPE_TOLERANCE = 1e-9  # tolerance by which a slope may exceed the gradient
+_SMALL_SLOPE = 1e-3  # deviation of slopes below which two terms of a series are exact to the last bit
 
 
 def positive(**arguments: ArrayLike) -> list[Floats]:
-    """Arrays of numbers above 0, by their names."""
+    """Check that all arguments are above 0, and return them as arrays."""
     arrays = []
     for name, values in arguments.items():
         array = float_array(name, values)
@@ -42,13 +42,13 @@ def effective_modulus(
 def effective_modulus(
     young_upper: Any, poisson_upper: Any, young_lower: Any = None, poisson_lower: Any = None
 ) -> Floats | float:
-    """E* of two bodies: 1/E* = (1 - ν_u²)/E_u + (1 - ν_l²)/E_l.
+    """Compute E* of two bodies: 1/E* = (1 - ν_u²)/E_u + (1 - ν_l²)/E_l.
 
     Parameters
     ----------
     young_upper, poisson_upper, young_lower, poisson_lower : array_like of float
-        Young's moduli in one unit, which is that of E*, and Poisson's ratios; or two of `Material`, upper and lower,
-        in place of the four: then E* is a float in GPa, of the middle of their ranges.
+        Young's moduli in the same unit, that of E*, and Poisson's ratios. Alternatively two `Material`s, upper and
+        lower: E* is then a float in GPa, from the representative values of their ranges.
 
     Examples
     --------
@@ -60,9 +60,9 @@ def effective_modulus(
     """
     if isinstance(young_upper, Material) or isinstance(poisson_upper, Material):
         if not (isinstance(young_upper, Material) and isinstance(poisson_upper, Material)):
-            raise ValueError("effective_modulus takes two materials, or two moduli and two ratios, not some of each")
+            raise ValueError("effective_modulus requires two materials, or two moduli and two ratios, not a mixture")
         if young_lower is not None or poisson_lower is not None:
-            raise ValueError("effective_modulus takes two materials alone")
+            raise ValueError("effective_modulus accepts no other arguments with two materials")
         return 1 / (1 / young_upper.plane_strain_modulus + 1 / poisson_upper.plane_strain_modulus)
     upper, lower = positive(young_upper=young_upper, young_lower=young_lower)
     ratios = []
@@ -76,7 +76,7 @@ def effective_modulus(
 
 
 def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike) -> tuple[Floats, Floats]:
-    """Force (mN) and area (µm²) of elastic spheres: 4/3 E* R^(1/2) overlap^(3/2) and π R overlap.
+    """Compute force (mN) and area (µm²) of elastic spheres: 4/3 E* R^(1/2) overlap^(3/2) and π R overlap.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: Array
 def tabor_parameter(
     radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike, adhesion_range: ArrayLike
 ) -> Floats:
-    """How much a ball that sticks is drawn out of shape: (R w²/(E*² ρ³))^(1/3), `dmt` far below 1 and `jkr` far above.
+    """Compute the Tabor parameter (R w²/(E*² ρ³))^(1/3) of an adhering sphere: `dmt` far below 1, `jkr` far above.
 
     Parameters
     ----------
@@ -120,16 +120,17 @@ def tabor_parameter(
     >>> float(tabor_parameter(1.0, 80.0, work_of_adhesion=5e-5, adhesion_range=5e-4).round(2))  # silicon, 1 µm
     0.15
     """
-    r, e, w, length = _sticky(radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range)
+    r, e, w, length = _check_adhesive(radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range)
     return np.asarray((r * w**2 / (e**2 * length**3)) ** (1 / 3))
 
 
 def jkr(
     load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """Contact radius (µm) and pull-off force (mN) of a soft ball: a³ = 3R/(4E*) (F + P + sqrt(2PF + P²)), 3/2 π w R.
+    """Compute contact radius (µm) and pull-off force (mN) of a soft sphere (JKR).
 
-    P is 3 π w R. The radius is NaN at loads below minus the pull-off force.
+    a³ = 3R/(4E*) (F + P + sqrt(2PF + P²)) with P = 3 π w R; the pull-off force is P/2. The radius is NaN at loads below
+    minus the pull-off force.
 
     Parameters
     ----------
@@ -149,7 +150,7 @@ def jkr(
     >>> radius.round(1), pull_off.round(3)
     (np.float64(70.7), np.float64(0.236))
     """
-    r, e, w = _sticky(radius, effective_modulus, work_of_adhesion)
+    r, e, w = _check_adhesive(radius, effective_modulus, work_of_adhesion)
     f, pull = np.broadcast_arrays(float_array("load", load), 1.5 * np.pi * w * r)
     with np.errstate(invalid="ignore"):
         cube = 3 * r / (4 * e) * (f + 2 * pull + np.sqrt(4 * pull * (f + pull)))
@@ -159,14 +160,14 @@ def jkr(
 def dmt(
     load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """Contact radius (µm) and pull-off force (mN) of a hard ball: a³ = 3R/(4E*) (F + 2 π w R), and 2 π w R.
+    """Compute contact radius (µm) and pull-off force (mN) of a hard sphere (DMT).
 
-    Parameters and NaN as for `jkr`.
+    a³ = 3R/(4E*) (F + 2 π w R); the pull-off force is 2 π w R. Parameters and NaN are as for `jkr`.
 
     Notes
     -----
-    Derjaguin, Muller & Toporov, Journal of Colloid and Interface Science 53 (1975) 314, as Maugis (1992) has it: the
-    attraction outside the contact adds to the load of Hertz.
+    Derjaguin, Muller & Toporov, Journal of Colloid and Interface Science 53 (1975) 314, in the form of Maugis (1992):
+    the attraction outside the contact adds to the load of Hertz.
 
     Examples
     --------
@@ -175,7 +176,7 @@ def dmt(
     >>> radius.round(4), pull_off.round(6)
     (np.float64(0.0143), np.float64(0.000314))
     """
-    r, e, w = _sticky(radius, effective_modulus, work_of_adhesion)
+    r, e, w = _check_adhesive(radius, effective_modulus, work_of_adhesion)
     f, pull = np.broadcast_arrays(float_array("load", load), 2 * np.pi * w * r)
     cube = 3 * r / (4 * e) * (f + pull)
     return np.cbrt(np.where(cube >= 0, cube, np.nan)), pull.copy()
@@ -189,15 +190,15 @@ def maugis_dugdale(
     work_of_adhesion: ArrayLike,
     adhesion_range: ArrayLike,
 ) -> tuple[Floats, Floats]:
-    """Contact radius (µm) and pull-off force (mN) of a ball whose attraction is w/ρ up to a gap of ρ and 0 beyond.
+    """Compute contact radius (µm) and pull-off force (mN) of a sphere with attraction w/ρ up to a gap of ρ, 0 beyond.
 
-    Parameters and NaN as for `jkr`, and the range ρ in µm. `half_space` lets the attraction fall off exponentially.
+    Parameters and NaN are as for `jkr`, with the range ρ in µm. The attraction of `half_space` decreases exponentially.
 
     Notes
     -----
     Maugis, Journal of Colloid and Interface Science 150 (1992) 243, eqs. 6.13 to 6.17. In his units λ is 1.127 times
-    `tabor_parameter`; over the ratio of the radii of attraction and contact the latter is the root of a square, and the
-    load follows.
+    `tabor_parameter`. For a given ratio of the radii of attraction and contact, the contact radius is the root of a
+    quadratic equation, and the load follows.
 
     Examples
     --------
@@ -208,11 +209,11 @@ def maugis_dugdale(
     """
     from scipy.optimize import brentq, minimize_scalar
 
-    r, e, w, length = _sticky(radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range)
+    r, e, w, length = _check_adhesive(radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range)
     arrays = np.broadcast_arrays(float_array("load", load), r, e, w, length)
     radii, pulls = np.empty(arrays[0].shape), np.empty(arrays[0].shape)
     for place in np.ndindex(radii.shape):
-        force, r1, e1, w1, l1 = (float(each[place]) for each in arrays)
+        force, r1, e1, w1, l1 = (float(array[place]) for array in arrays)
         modulus = 4 / 3 * e1
         unit, strength = np.pi * w1 * r1, 2 * (r1 * w1**2 / (np.pi * modulus**2 * l1**3)) ** (1 / 3)
         least = minimize_scalar(lambda x, s=strength: _maugis(x, s)[1], bounds=(-20, 40), method="bounded")
@@ -222,13 +223,13 @@ def maugis_dugdale(
             outer = least.x - 1
             while outer > -30 and _maugis(outer, strength)[1] < force / unit:
                 outer -= 1
-            found = brentq(lambda x, s=strength, f=force / unit: _maugis(x, s)[1] - f, outer, least.x)
-            radii[place] = _maugis(found, strength)[0] * (unit * r1 / modulus) ** (1 / 3)
+            result = brentq(lambda x, s=strength, f=force / unit: _maugis(x, s)[1] - f, outer, least.x)
+            radii[place] = _maugis(result, strength)[0] * (unit * r1 / modulus) ** (1 / 3)
     return np.asarray(radii), np.asarray(pulls)
 
 
 def _maugis(logarithm: float, strength: float) -> tuple[float, float]:
-    """Radius and load in Maugis' units, over the logarithm of m - 1, m being the ratio of both radii."""
+    """Return radius and load in Maugis' units for the logarithm of m - 1, with m the ratio of both radii."""
     m = 1 + np.exp(logarithm)
     root = np.sqrt(np.exp(logarithm) * (m + 1))
     angle = np.arctan(root)
@@ -241,10 +242,13 @@ def _maugis(logarithm: float, strength: float) -> tuple[float, float]:
 def fuller_tabor(
     deviation: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """What the spread of summits' heights leaves of adhesion: σ/δ, and the pull-off force over that of level summits.
+    """Compute the effect of the summit height distribution on adhesion: σ/δ, and the relative pull-off force.
 
-    Soft summits of one radius R, with normal heights of deviation σ, let go when they are stretched by
-    δ = 3/4 (π² w² R/E*²)^(1/3). Level ones are held by 3/2 π w R each; from σ/δ = 3 on little is left.
+    The relative pull-off force is that over the pull-off force of equally high summits.
+
+    Summits of one radius R, with normally distributed heights of deviation σ, separate when they are stretched by
+    δ = 3/4 (π² w² R/E*²)^(1/3). Equally high summits have a pull-off force of 3/2 π w R each; above σ/δ = 3 little of
+    it is left.
 
     Parameters
     ----------
@@ -254,8 +258,8 @@ def fuller_tabor(
 
     Notes
     -----
-    Fuller & Tabor, Proceedings of the Royal Society A 345 (1975) 327; σ/δ is their 1/Δc. Summits are those of `jkr` and
-    do not feel each other.
+    Fuller & Tabor, Proceedings of the Royal Society A 345 (1975) 327; σ/δ is their 1/Δc. Summits behave as in `jkr` and
+    do not interact.
 
     Examples
     --------
@@ -267,18 +271,18 @@ def fuller_tabor(
     from scipy.integrate import trapezoid
     from scipy.optimize import minimize_scalar
 
-    r, e, w = _sticky(radius, effective_modulus, work_of_adhesion)
+    r, e, w = _check_adhesive(radius, effective_modulus, work_of_adhesion)
     parameter = positive(deviation=deviation)[0] / (0.75 * np.cbrt((np.pi * w / e) ** 2 * r))
     left = np.empty(parameter.shape)
     for place in np.ndindex(left.shape):
         spread = float(parameter[place])
-        # A contact's radius over that at no load; its load over 3/2 π w R, and its height over δ.
+        # Relative to the contact radius at zero load, to the load 3/2 π w R, and to the height δ.
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * spread), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 
         def load(gap: float, spread: float = spread, force: Floats = force, height: Floats = height) -> float:
-            share = np.exp(-(((height + gap) / spread) ** 2) / 2) / (spread * np.sqrt(2 * np.pi))
-            return float(trapezoid(force * share, height))
+            fraction = np.exp(-(((height + gap) / spread) ** 2) / 2) / (spread * np.sqrt(2 * np.pi))
+            return float(trapezoid(force * fraction, height))
 
         gaps = np.linspace(-4 * spread, 6 * spread + 1, 200)
         first = gaps[int(np.argmin([load(gap) for gap in gaps]))]
@@ -287,7 +291,7 @@ def fuller_tabor(
     return np.asarray(parameter), left
 
 
-def _sticky(
+def _check_adhesive(
     radius: ArrayLike, effective_modulus: ArrayLike, work_of_adhesion: ArrayLike, **others: ArrayLike
 ) -> list[Floats]:
     return positive(radius=radius, effective_modulus=effective_modulus, work_of_adhesion=work_of_adhesion, **others)
@@ -296,12 +300,12 @@ def _sticky(
 def hertz_cylinder(
     overlap: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, width: ArrayLike = 1.0
 ) -> tuple[Floats, Floats]:
-    """Force (mN) and area (µm²) of elastic parallel cylinders: π/4 E* overlap w and 2 w (R overlap)^(1/2).
+    """Compute force (mN) and area (µm²) of parallel cylinders: π/4 E* overlap w and 2 w (R overlap)^(1/2).
 
     Parameters
     ----------
     overlap, radius, width : array_like of float, µm
-        The overlap of the undeformed circles, a²/R for a half-width a of contact.
+        Overlap of the undeformed circles, a²/R for a contact half-width a.
     effective_modulus : array_like of float, GPa
 
     Notes
@@ -323,18 +327,18 @@ def hertz_cylinder(
 def hertz_line(
     load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, width: ArrayLike = 1.0
 ) -> tuple[Floats, Floats]:
-    """Half-width (µm) and peak pressure (GPa) of parallel cylinders: a² = 4 F R/(π E* w) and 2 F/(π a w).
+    """Compute half-width (µm) and peak pressure (GPa) of parallel cylinders: a² = 4 F R/(π E* w) and 2 F/(π a w).
 
     Parameters
     ----------
     load : array_like of float, mN
     radius, width : array_like of float, µm
-        1/R = 1/R_u + 1/R_l; the length of the cylinders.
+        1/R = 1/R_u + 1/R_l; length of the cylinders.
     effective_modulus : array_like of float, GPa
 
     Notes
     -----
-    Johnson, Contact Mechanics (1985), eqs. 4.43-4.45. The pressure is that of the peak times sqrt(1 - (x/a)²).
+    Johnson, Contact Mechanics (1985), eqs. 4.43-4.45. The pressure is the peak pressure times sqrt(1 - (x/a)²).
 
     Examples
     --------
@@ -351,20 +355,20 @@ def hertz_line(
 def hertz_ellipse(
     overlap: ArrayLike, radius_1: ArrayLike, radius_2: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, tuple[Floats, Floats]]:
-    """Force (mN), area (µm²) and semi-axes (µm) of the elliptic contact of bodies with two relative radii.
+    """Compute force (mN), area (µm²) and semi-axes (µm) of an elliptic contact with two relative radii.
 
     Parameters
     ----------
     overlap : array_like of float, µm
     radius_1, radius_2 : array_like of float, µm
-        Of the gap along its two principal directions; the semi-axes are along the same.
+        Radii of the gap along its principal directions; the semi-axes are along the same directions.
     effective_modulus : array_like of float, GPa
 
     Notes
     -----
     Johnson, Contact Mechanics (1985), section 4.2. With κ1 <= κ2 the curvatures, k = b/a, m = 1 - k², and K and E the
     complete elliptic integrals of m: κ1/κ2 = k² (K - E)/(E - k² K), a² = 2 d (K - E)/(κ1 K m), F = 2/3 π a d E*/K. The
-    differences are Carlson's R_D, so that nothing cancels.
+    differences are computed as Carlson's R_D to avoid cancellation.
 
     Examples
     --------
@@ -379,8 +383,8 @@ def hertz_ellipse(
         *positive(overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus)
     )
     larger, smaller = np.maximum(r1, r2), np.minimum(r1, r2)
-    ratio = smaller / larger  # of the curvatures, the smaller over the larger
-    # R_D(0, k², 1)/R_D(0, 1, k²) grows with k, and lies below k.
+    ratio = smaller / larger  # of the curvatures
+    # R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is below k.
     low, high = np.log(ratio), np.zeros(ratio.shape)
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
@@ -398,7 +402,7 @@ def hertz_ellipse(
 def slope_friction(
     slope_angle: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike = 0.0, mean_pressure: ArrayLike | None = None
 ) -> Floats:
-    """Friction coefficient of one contact that slides up a slope: tan(θ + arctan(mu0 + tau0 A/F)).
+    """Compute the friction coefficient of a contact that slides up a slope: tan(θ + arctan(mu0 + tau0 A/F)).
 
     Parameters
     ----------
@@ -409,12 +413,12 @@ def slope_friction(
     tau0 : array_like of float, GPa
         Adhesive shear strength.
     mean_pressure : array_like of float, GPa
-        F/A of the contact; needed with a tau0 other than 0.
+        F/A of the contact; required if tau0 is not 0.
 
     Returns
     -------
     ndarray
-        NaN where the contact locks itself, (mu0 + tau0 A/F) tan θ >= 1.
+        NaN if the contact is self-locked, (mu0 + tau0 A/F) tan θ >= 1.
 
     Examples
     --------
@@ -429,21 +433,21 @@ def slope_friction(
     if mean_pressure is not None:
         mu = mu + tau / positive(mean_pressure=mean_pressure)[0]
     elif (tau > 0).any():
-        raise ValueError("mean_pressure must be given with a tau0 other than 0")
+        raise ValueError("mean_pressure must be given if tau0 is not 0")
     locked: NDArray[np.bool_] = mu * np.tan(theta) >= 1
     return np.where(locked, np.nan, np.tan(theta + np.arctan(mu)))
 
 
 def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Largest pressure H' that a plastic contact carries while it slides, after its junctions have grown.
+    """Compute the largest pressure H' of a plastic contact that slides, after junction growth.
 
-    Pressure p and shear traction s act on the same material, which yields at p² + α s² = H² (Tabor 1959). While the
-    contact slides, s = mu0 p + tau0. `half_space` with H' as its hardness is the contact at the onset of sliding.
+    Pressure p and shear traction s act on the same material, which yields at p² + α s² = H² (Tabor 1959), with
+    s = mu0 p + tau0 during sliding. `half_space` with hardness H' gives the contact at the onset of sliding.
 
     Parameters
     ----------
     hardness : array_like of float, GPa
-        H, the pressure that the contact carries without shear.
+        H, the largest pressure of the contact without shear.
     mu0 : array_like of float
         Molecular friction coefficient.
     tau0 : array_like of float, GPa
@@ -477,7 +481,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
 
 
 def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Friction coefficient t of contacts that all yield, after their junctions have grown.
+    """Compute the friction coefficient t of contacts that all yield, after junction growth.
 
     The coefficient solves t = mu0 + (tau0/H) sqrt(1 + α t²), and equals mu0 + tau0/H' with H' of
     `hardness_under_shear`.
@@ -522,7 +526,7 @@ def gentle_friction(
     slope_ratio: ArrayLike = 1.0,
     order: Literal[1, 2] = 1,
 ) -> Floats:
-    """Friction coefficient of gentle, independent surfaces on an elastic half-space, from their slopes alone.
+    """Estimate the friction coefficient of independent surfaces with small slopes on an elastic half-space.
 
     Parameters
     ----------
@@ -531,44 +535,45 @@ def gentle_friction(
     tau0 : array_like of float, GPa
         Adhesive shear strength.
     rms_gradient : array_like of float
-        h' of the gap, over all directions; on a line its root-mean-square slope.
+        h' of the gap, over all directions; on a line the root-mean-square slope.
     rms_slope : array_like of float, optional
-        g_s of the gap along the motion: h'/sqrt(2) where isotropic, which is what None means; h' on a line.
+        g_s of the gap along the motion. None means isotropic, h'/sqrt(2); on a line it is h'.
     effective_modulus : array_like of float, GPa
     kappa : array_like of float
-        A E* h'/F: 2.1 to 2.4 on Gaussian areas at light load, 2 to 3.5 on lines. For the second order, A is the area
-        on the ground plan.
+        A E* h'/F: 2.1 to 2.4 on Gaussian surfaces at small loads, 2 to 3.5 on lines. For the second order, A is the
+        projected area.
     sliding : {"opposing", "all"}
-        Whether only contacts rub whose force opposes the motion, or all.
+        Contacts with friction: those whose normal force opposes the motion, or all.
     slope_ratio : array_like of float
-        r, the root-mean-square slope of one body over the other's, whichever; 0 is a rough body on a flat.
+        r, ratio of the root-mean-square slopes of the two surfaces, in either order; 0 for a rough surface on a flat.
     order : {1, 2}
-        1 for gentle slopes; 2 counts that contacts on slopes across the motion are longer than their ground plan.
+        1 for small slopes; 2 includes the larger interface of contacts on slopes across the motion.
 
     Returns
     -------
     ndarray
-        NaN where the contact locks itself, m S >= 1.
+        NaN if the contact is self-locked, m S >= 1.
 
     Notes
     -----
-    With m = mu0 + κ tau0/(E* h') and S = g_s/sqrt(2π) r/(1 + r²), which is g_s/(2 sqrt(2π)) for bodies that are equally
-    rough: half of the load leans against the motion, at a mean slope S each, so that mu_s = (m/2 + S)/(1 - m S). Where
-    all contacts rub, mu_s = m.
+    With m = mu0 + κ tau0/(E* h') and S = g_s/sqrt(2π) r/(1 + r²), which is g_s/(2 sqrt(2π)) for equally rough surfaces:
+    half of the load is on opposing slopes with the mean slope S, so mu_s = (m/2 + S)/(1 - m S). With friction at all
+    contacts, mu_s = m.
 
-    Why it holds: the gap decides where the bodies touch. Where two Gaussian bodies have spectra of one shape, the part
-    of their slopes that both share is independent of the gap, so contacts lean as if picked at random, with a variance
-    of (g_s r/(1 + r²))². What the gap adds to the slope of the deformed interface comes to nothing over a contact,
-    which cannot push itself sideways; so how the bodies share the compliance hardly matters.
+    Derivation: the gap determines where the surfaces touch. If two Gaussian surfaces have spectra of the same shape,
+    the common part of their slopes is independent of the gap. Contact slopes are then a random sample with the variance
+    (g_s r/(1 + r²))². The gap's contribution to the slope of the deformed interface averages to zero over a contact,
+    which cannot push itself sideways. The fraction of the compliance therefore has almost no effect.
 
-    The second order is w m for all contacts and (w m/2 + S)/(1 - v m S) for opposing ones, w and v being the means of
-    (1 + s²)^(1/2) and (1 + s²)^(-1/2) over normal slopes s across the motion, of variance (h'² - g_s²) r²/(1 + r²)². It
-    is exact for contacts of equal load that lean so, and made for bodies of equal roughness and compliance.
+    The second order is w m for all contacts and (w m/2 + S)/(1 - v m S) for opposing ones. w and v are the means of
+    (1 + s²)^(1/2) and (1 + s²)^(-1/2) over normally distributed slopes s across the motion, of variance
+    (h'² - g_s²) r²/(1 + r²)². It is exact for contacts of equal load with these slopes, and intended for surfaces of
+    equal roughness and compliance.
 
-    S is the mean slope of points under pressure. A contact that spans several slopes opposes as a whole, by less: with
-    waves of many lengths S is down to two thirds, which lowers friction by 1 % at h' = 0.1 and by 10 % at 0.8. Beyond
-    its reach are contacts so few that their mean is not that of many, contacts that grow together under high loads, and
-    slopes that are not normal.
+    S is the mean slope of points under pressure. A contact that spans several slopes opposes as a whole, with a smaller
+    mean slope: with wavelengths of many scales, S decreases to two thirds, which lowers friction by 1 % at h' = 0.1 and
+    by 10 % at 0.8. Not included are few contacts, whose mean differs from the ensemble mean, contacts that merge at
+    high loads, and slopes that are not normally distributed.
 
     Examples
     --------
@@ -594,7 +599,7 @@ def gentle_friction(
     longer, lower = np.ones(()), np.ones(())
     if order == 2:
         across = gradient**2 - slope**2
-        if not (across >= -_ROUND_OFF * gradient**2).all():
+        if not (across >= -_SLOPE_TOLERANCE * gradient**2).all():
             raise ValueError(f"rms_slope must be at most rms_gradient, got {rms_slope!r} and {rms_gradient!r}")
         longer, lower = _stretch(shared * np.sqrt(np.maximum(across, 0)))
     if sliding == "all":
@@ -605,11 +610,11 @@ def gentle_friction(
 
 
 def _stretch(deviation: Floats) -> tuple[Floats, Floats]:
-    """Means of (1 + s²)^(1/2) and (1 + s²)^(-1/2) over a normal s of some standard deviation."""
+    """Return the means of (1 + s²)^(1/2) and (1 + s²)^(-1/2) over a normally distributed s."""
     from scipy import special
 
-    gentle = deviation < _GENTLE
-    spread = np.maximum(deviation, _GENTLE)
+    gentle = deviation < _SMALL_SLOPE
+    spread = np.maximum(deviation, _SMALL_SLOPE)
     x = 1 / (4 * spread**2)
     factor = 1 / (spread * np.sqrt(2 * np.pi))
     zeroth, first = special.kve(0, x), special.kve(1, x)
@@ -618,28 +623,28 @@ def _stretch(deviation: Floats) -> tuple[Floats, Floats]:
     return longer, np.where(gentle, 1 - square / 2 + 9 * square**2 / 8, zeroth * factor)
 
 
-# ---- Westergaard's wave ---------------------------------------------------------------------------------------------
+# ---- Sinusoidal surface (Westergaard) -------------------------------------------------------------------------------
 
 
 def westergaard_contact_fraction(
     mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> Floats:
-    """Fraction of a flat that an elastic sinusoid touches: 2/π arcsin (p̄/p*)^(1/2), p* = π E* Δ / λ; 1 from p* on.
+    """Compute the contact fraction of an elastic sinusoid on a flat: 2/π arcsin (p̄/p*)^(1/2), p* = π E* Δ / λ, up to 1.
 
     Parameters
     ----------
     mean_pressure : array_like of float, GPa
         p̄, load per nominal area.
     amplitude : array_like of float, µm
-        Δ of heights Δ cos(2πx/λ): half the total height.
+        Δ of heights Δ cos(2πx/λ): half of the total height.
     wavelength : array_like of float, µm
         λ.
     effective_modulus : array_like of float, GPa
 
     Notes
     -----
-    Westergaard 1939; Johnson, Contact Mechanics (1985), eqs. 13.7-13.8. Exact for a half-space in plane strain; the
-    crests interact.
+    Westergaard 1939; Johnson, Contact Mechanics (1985), eqs. 13.7-13.8. Exact for a half-space in plane strain,
+    including the interaction of the crests.
 
     Examples
     --------
@@ -649,14 +654,14 @@ def westergaard_contact_fraction(
     >>> westergaard_contact_fraction(np.array([0.25, 0.5, 1.0]) * np.pi * 0.1, **wave).round(3)
     array([0.333, 0.5  , 1.   ])
     """
-    _, _, p, full, _ = _wave(0.0, mean_pressure, amplitude, wavelength, effective_modulus)
+    _, _, p, full, _ = _sinusoid(0.0, mean_pressure, amplitude, wavelength, effective_modulus)
     return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / full, 1))))
 
 
 def westergaard_pressure(
     x: ArrayLike, mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> Floats:
-    """Pressure (GPa) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 out of contact.
+    """Compute the pressure (GPa) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 out of contact.
 
     Parameters
     ----------
@@ -666,7 +671,7 @@ def westergaard_pressure(
 
     Notes
     -----
-    2 p̄ cos ψ / sin² ψ_a (sin² ψ_a - sin² ψ)^(1/2) with ψ = πx/λ and sin² ψ_a = p̄/p*; p̄ + p* cos 2ψ from p* on.
+    2 p̄ cos ψ / sin² ψ_a (sin² ψ_a - sin² ψ)^(1/2) with ψ = πx/λ and sin² ψ_a = p̄/p*; p̄ + p* cos 2ψ above p*.
     Westergaard 1939; Johnson, Contact Mechanics (1985), eqs. 13.7-13.8.
 
     Examples
@@ -676,16 +681,16 @@ def westergaard_pressure(
     >>> westergaard_pressure([0.0, 0.1, 0.5], 0.1, **wave).round(4)
     array([0.3545, 0.2821, 0.    ])
     """
-    sine, cosine, p, full, _ = _wave(x, mean_pressure, amplitude, wavelength, effective_modulus)
-    share = np.minimum(p / full, 1)
-    partial = 2 * full * np.abs(cosine) * np.sqrt(np.maximum(share - sine**2, 0))
+    sine, cosine, p, full, _ = _sinusoid(x, mean_pressure, amplitude, wavelength, effective_modulus)
+    fraction = np.minimum(p / full, 1)
+    partial = 2 * full * np.abs(cosine) * np.sqrt(np.maximum(fraction - sine**2, 0))
     return np.asarray(np.where(p < full, partial, p + full * (1 - 2 * sine**2)))
 
 
 def westergaard_gap(
     x: ArrayLike, mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> Floats:
-    """Gap (µm) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 in contact.
+    """Compute the gap (µm) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 in contact.
 
     Parameters
     ----------
@@ -695,8 +700,8 @@ def westergaard_gap(
 
     Notes
     -----
-    With s the magnitude of sin(πx/λ) and s_a = (p̄/p*)^(1/2): 2 Δ [s (s² - s_a²)^(1/2) - s_a² arcosh(s/s_a)]. Its slope,
-    4 p*/E* cos ψ (s² - s_a²)^(1/2), continues the pressure analytically beyond the contact.
+    With s the magnitude of sin(πx/λ) and s_a = (p̄/p*)^(1/2): 2 Δ [s (s² - s_a²)^(1/2) - s_a² arcosh(s/s_a)]. Its
+    slope, 4 p*/E* cos ψ (s² - s_a²)^(1/2), continues the pressure analytically beyond the contact.
 
     Examples
     --------
@@ -705,16 +710,16 @@ def westergaard_gap(
     >>> westergaard_gap([0.0, 0.25, 0.5], 0.1, **wave).round(5)
     array([0.     , 0.00159, 0.00904])
     """
-    sine, _, p, full, d = _wave(x, mean_pressure, amplitude, wavelength, effective_modulus)
+    sine, _, p, full, d = _sinusoid(x, mean_pressure, amplitude, wavelength, effective_modulus)
     edge = np.sqrt(np.minimum(p / full, 1))
     s = np.maximum(np.abs(sine), edge)
     return np.asarray(2 * d * (s * np.sqrt(s**2 - edge**2) - edge**2 * np.arccosh(s / edge)))
 
 
-def _wave(
+def _sinusoid(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Sine and cosine of πx/λ, mean pressure, pressure of full contact, amplitude."""
+    """Return sine and cosine of πx/λ, mean pressure, pressure of full contact, and amplitude."""
     p, d, wave, e = positive(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )

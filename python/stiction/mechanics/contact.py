@@ -1,4 +1,4 @@
-"""Asperities of profiles, and the contacts of two bodies at one approach.
+"""Asperities of profiles, and contacts of two surfaces at one approach.
 
 Hanaor, Gan & Einav (2016), Eqs. 2 to 5.
 """
@@ -15,44 +15,44 @@ import stiction._core
 from stiction._checks import Floats, check_choice, number, read_only
 from stiction._repr import TextRepr
 from stiction._units import to_core_units
-from stiction.mechanics.candidates import Candidates, candidates, known_of
-from stiction.mechanics.model import ContactKeywords, shows_model, warn_of_one_body
+from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
+from stiction.mechanics.model import ContactKeywords, shows_model, warn_if_same_body
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.surface import Surface
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contacts(TextRepr):
-    """Every contact of a pair at one approach, one row each, in the order of the grid; all arrays are read-only.
+    """All contacts of a pair at one approach, one per row, in grid order; all arrays are read-only.
 
-    Vectors are (x, y, z), z being height; y is 0 on profiles. Positions are in the frame of the lower body.
+    Vectors are (x, y, z) with z as height; y is 0 on profiles. Positions are in the frame of the lower surface.
 
     Attributes
     ----------
     index : (c,) ndarray of int
-        Grid point that owns the contact: its own (cell), or the one on its left (gap-minimum). On surfaces the one
-        below it on its left, counted row by row.
+        Grid point of the contact: its cell ("cell"), or the point to its left ("gap-minimum"). On surfaces the point
+        below it to the left, counted row by row.
     centre : (c, 3) ndarray, µm
     normal : (c, 3) ndarray
-        Unit vector from the lower to the upper body.
+        Unit vector from the lower to the upper surface.
     tangent : (c, 3) ndarray
-        Unit vector of the friction on the upper body, were the contact to oppose the motion.
+        Unit vector of the friction force on the upper surface if the contact opposes the motion.
     radius : (c,) ndarray, µm
         Effective radius, 1/R = 1/R_u + 1/R_l; on surfaces the geometric mean of the radii.
     radii : (c, 2) ndarray, µm
-        Principal radii of the relative curvature, the larger first; of two spheres both are the effective radius.
+        Principal radii of the relative curvature, the larger one first; for spheres both are the effective radius.
     axes : (c, 2) ndarray, µm
-        Semi-axes of the patch of contact, the larger first; of Hertz spheres both are (R overlap)^(1/2). Of a patch
-        that the edge of a map cuts, those of the like ellipse with the area that lies inside.
+        Semi-axes of the contact patch, the larger one first; for Hertz spheres both are (R overlap)^(1/2). If the
+        edge of the map cuts the patch, they belong to the similar ellipse with the area inside.
     along : (c, 3) ndarray
-        Unit vector of the larger semi-axis; on profiles that of y.
+        Unit vector of the larger semi-axis; on profiles the y axis.
     overlap : (c,) ndarray, µm
     force : (c,) ndarray, mN
         Normal force of the contact law.
     area : (c,) ndarray, µm²
     opposing : (c,) ndarray of bool
-        Whether the normal force on the upper body points against the motion: only these carry friction, unless
-        ``sliding="all"``.
+        Whether the normal force on the upper surface points against the motion. Only these contacts have friction,
+        unless ``sliding="all"``.
 
     Examples
     --------
@@ -94,35 +94,35 @@ def contacts(found: Candidates, approach: float | str, /, **contact: Unpack[Cont
 
 @shows_model
 def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any) -> Contacts:
-    """Every contact at one approach: ``contacts(upper, lower, approach)`` or ``contacts(candidates, approach)``.
+    """Compute all contacts at one approach: ``contacts(upper, lower, approach)`` or ``contacts(candidates, approach)``.
 
     Parameters
     ----------
     upper, lower : Profile or Surface
-        Both of one kind, on the same grid, or `Candidates` in place of both. A profile whose points lie on a line, to
-        round-off, is a straight body.
+        Two profiles or two surfaces on the same grid, or `Candidates` instead of both. A profile that is straight to
+        round-off is treated as flat.
     approach : float, µm
-        Displacement of the upper body since first touch of the grid points, at least 0; or text, "5 nm".
+        Displacement of the upper surface since first contact of the grid points, at least 0; or a string, "5 nm".
     **contact
-        effective_modulus, law, detection, curvature, shear or direction, and sliding, as `ContactModel` has them, or
-        `model`, a whole one; bodies that were read from files need an effective_modulus (GPa). Candidates have a
-        detection and a curvature of their own. One direction only.
+        effective_modulus, law, detection, curvature, shear or direction, and sliding, as in `ContactModel`, or a
+        complete `model`. Surfaces that were read from files require an effective_modulus (GPa). Candidates determine
+        detection and curvature. Only one direction.
 
     Raises
     ------
     ValueError
-        If the grids differ, an argument is outside its range, or the approach is beyond the candidates' deepest.
+        If the grids differ, an argument is outside its range, or the approach exceeds that of the candidates.
 
     Notes
     -----
-    With X = O_u - O_l between the sphere centres and d its length, the normal is ±X/d, the overlap R_u + R_l - d, or
-    d less the difference of the radii for a ball in a cup, and the centre O_l + X/2 - (R_u - R_l) n/2 (Eq. 4).
-    Refused are centres that have crossed, n_z <= 0.
+    With X = O_u - O_l between the sphere centres and d its length, the normal is ±X/d. The overlap is R_u + R_l - d, or
+    the distance minus the difference of the radii for a sphere in a cup, and the centre O_l + X/2 - (R_u - R_l) n/2
+    (Eq. 4). Contacts with crossed centres, n_z <= 0, are rejected.
 
     On surfaces contacts are the local minima of the splined gap g, whose common slope p = ∇z gives the normal
     (-p, 1)/q, q² = 1 + p². The relative curvatures κ1 <= κ2 are the eigenvalues of the Hessian of g over q in the
     metric I + p pᵀ, the overlap is (δ - g)/q, and the contact is the ellipse of Hertz (Johnson, Contact Mechanics,
-    section 4.2). Refused are ellipses that leave the map.
+    section 4.2). Ellipses that leave the map are rejected.
 
     Examples
     --------
@@ -135,22 +135,22 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     >>> len(one), one.force.round(4)  # Hertz: 4/3 E* R^(1/2) overlap^(3/2)
     (1, array([0.0133]))
     """
-    found, model = known_of(upper, lower, contact)
-    if found is not None and approach is None:
+    points, model = candidates_and_model(upper, lower, contact)
+    if points is not None and approach is None:
         approach = lower
     approach = number("approach", to_core_units("approach", approach, "length"), unit="µm")
     if model.angles().ndim > 0:
-        raise ValueError(f"direction must be one, because a contact has one tangent, got {model.direction!r}")
+        raise ValueError(f"direction must be a single one, because a contact has one tangent, got {model.direction!r}")
     if isinstance(upper, Surface):
-        found = candidates(upper, lower, deepest=max(0.0, float(approach)), curvature=model.curvature)
-    if found is not None:
-        columns = stiction._core.contacts(found.core, approach=approach, model=model.core())
+        points = candidates(upper, lower, deepest=max(0.0, float(approach)), curvature=model.curvature)
+    if points is not None:
+        columns = stiction._core.contacts(points.core, approach=approach, model=model.core())
     else:
         columns = stiction._core.contacts(
             upper.heights, lower.heights, spacing=upper.spacing, approach=approach, model=model.core()
         )
     if not isinstance(upper, Candidates):
-        warn_of_one_body(upper, lower)
+        warn_if_same_body(upper, lower)
     columns["opposing"] = columns["opposing"].astype(np.bool_)
     return Contacts(**{name: read_only(column) for name, column in columns.items()})
 
@@ -166,11 +166,11 @@ class Asperities(TextRepr):
     curvature : (n,) ndarray, 1/µm
         f'' of the spline; zero at both ends.
     normal : (n, 3) ndarray
-        Unit vector (x, y, z) out of the solid, z being height; y is 0.
+        Unit vector (x, y, z) out of the solid, with z as height; y is 0.
     radius : (n,) ndarray, µm
         Positive where the solid is convex, infinite where the curvature is zero.
     centre : (n, 3) ndarray, µm
-        Sphere centre; not finite where the radius is not.
+        Sphere centre; not finite if the radius is not finite.
 
     Examples
     --------
@@ -187,17 +187,17 @@ class Asperities(TextRepr):
 
 
 def asperities(profile: Profile, side: Side) -> Asperities:
-    """Sphere at every point of a profile.
+    """Compute the osculating sphere at every point of a profile.
 
     Parameters
     ----------
     profile : Profile
     side : {"lower", "upper"}
-        Whether the solid lies below the profile (the lower body) or above it.
+        Whether the solid is below the profile ("lower") or above it.
 
     Notes
     -----
-    With q = sqrt(1 + f'²), the lower body has n = (-f', 0, 1)/q and R = -q³/f'', the upper one both negated, and the
+    With q = sqrt(1 + f'²), the lower surface has n = (-f', 0, 1)/q and R = -q³/f'', the upper one both negated. The
     centre is x - R n. The end condition f'' = 0 makes radii within about ten points of an end unreliable.
 
     Examples

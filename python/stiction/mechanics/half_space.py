@@ -1,7 +1,7 @@
-"""Two rough bodies as one elastic half-space: the exact elastic answer, and friction from it.
+"""Two rough surfaces as one elastic half-space: the boundary-element solution, and friction from it.
 
-For small slopes two elastic bodies in frictionless contact are one gap over one half-space of modulus E*. Friction from
-half-space pressures and the slopes that they act on: Karpenko & Akay, Tribology International 34 (2001) 531.
+For small slopes, two elastic bodies in frictionless contact are equivalent to one gap over a half-space of modulus E*.
+Friction from half-space pressures and local slopes: Karpenko & Akay, Tribology International 34 (2001) 531.
 """
 
 from __future__ import annotations
@@ -19,56 +19,56 @@ from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, fraction, number, read_only
 from stiction._repr import PlotRepr, axes_for
 from stiction._units import loads_to_core_units, to_core_units
-from stiction.mechanics.friction import Curve
-from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_for, warn_of_one_body
-from stiction.mechanics.onset import Onset, heading, onset_of, place_of, strengths
+from stiction.mechanics.friction import FrictionCurve
+from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_for, warn_if_same_body
+from stiction.mechanics.onset import Onset, check_nonzero_strengths, compute_onset, parse_direction, resolve_index
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import BodyLike, as_bodies
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from stiction.mechanics.half_space_problem import Asked, Pressed, Problem
+    from stiction.mechanics.half_space_problem import ContactSolution, Problem, StepKind
     from stiction.mechanics.patches import PatchSums
 
-# The solver brings SciPy along, which takes longer to import than all else: where it is used.
+# The solver imports SciPy, which takes longer than all other imports, so it is imported where it is used.
 
 Boundary = Literal["free", "periodic"]
 Tilt = Literal["fixed", "free"]
 
 ADHESION_RANGE = 5e-4
-"""µm over which the attraction of solids falls off unless another range is given: one to two distances of atoms."""
+"""Default decay length (µm) of the attraction between solids: one to two atomic distances."""
 
-PROCESS_ZONE = 2.0  # points in E* ρ²/w, where the attraction falls off at an edge; with fewer the grid decides
+PROCESS_ZONE = 2.0  # points in the process zone E* ρ²/w at an edge; with fewer points the result depends on the grid
 
 
 def resolved_range(work: float, spacing: float, effective_modulus: float) -> float:
-    """The least range (µm) that a grid resolves, of a work of adhesion in mN/µm, a spacing in µm and E* in GPa."""
+    """Return the smallest range (µm) that a grid resolves, from work of adhesion (mN/µm), spacing (µm) and E* (GPa)."""
     return math.sqrt(PROCESS_ZONE * spacing * work / effective_modulus)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceContact(PlotRepr):
-    """The contact at one load, over the grid; all arrays are read-only.
+    """Contact at one load, over the grid; all arrays are read-only.
 
     Attributes
     ----------
     pressure : ndarray, GPa
     gap : ndarray, µm
-        Between the deformed bodies: 0 in contact, to the tolerance; below 0 where the hardness caps the pressure; NaN
-        where points are missing.
+        Gap between the deformed surfaces: 0 in contact, to the tolerance; below 0 where the hardness limits the
+        pressure; NaN at missing points.
     patches : ndarray of int
-        Number of the patch that a point under pressure belongs to, from 1 on; 0 where there is no pressure. Points
-        are connected with all their neighbours, on areas eight, and over the edges where periodic.
+        Patch number of every point under pressure, from 1; 0 without pressure. Points are connected with all
+        neighbours, eight on surfaces, and across the edges if periodic.
     opposing : ndarray of bool
-        Where a point's patch opposes the motion; a first axis of d directions where they were given.
+        Whether the point's patch opposes the motion, with a first axis for d directions if several are given.
     share : ndarray
-        Of a point's cell that is in contact: 0 where there is no pressure, below 1 at the edges of patches. With the
-        area of a cell its sum is the true area on the ground plan.
+        Fraction of the point's cell in contact: 0 without pressure, below 1 at patch edges. The sum times the cell
+        area is the projected real contact area.
     heights : ndarray, µm
-        Of the lower body, before it is deformed.
+        Heights of the lower surface before deformation.
     spacing : tuple of float, µm
-        Of the points along y and x, or x.
+        Spacing of the points along y and x, or x.
 
     Examples
     --------
@@ -89,9 +89,9 @@ class HalfSpaceContact(PlotRepr):
     spacing: tuple[float, ...] = field(metadata={"unit": "µm"})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the pressure over the heights of the lower body: a map with a bar for its scale, or both over x.
+        """Draw the pressure over the heights of the lower surface, as a map or over x.
 
-        Into given axes, or by default new ones, which are returned.
+        Draws into given axes or new ones, and returns them.
         """
         from stiction._drawing import draw_contact
 
@@ -99,45 +99,44 @@ class HalfSpaceContact(PlotRepr):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HalfSpaceCurve(Curve):
-    """Contact of two bodies as an elastic half-space at each load, for every mu0 and tau0; all arrays are read-only.
+class HalfSpaceCurve(FrictionCurve):
+    """Half-space contact of two surfaces at each load, for every mu0 and tau0; all arrays are read-only.
 
-    Sums over points under pressure, as `LoadCurve` has them over asperities: n is the normal of the deformed interface
-    at a point, t the tangent, s the direction; a patch opposes where its force on the upper body points against s. What
-    depends on the direction is (k,), or (d, k) where d directions were given.
+    The sums are over points under pressure, analogous to those of `LoadCurve` over asperities: n is the normal of the
+    deformed interface at a point, t the tangent, s the direction. A patch opposes if its force on the upper surface
+    points against s. Quantities that depend on the direction are (k,), or (d, k) for d directions.
 
     Attributes
     ----------
     load : (k,) ndarray, mN
-        What was asked for, or what the approaches take.
+        The given load, or the load at the given approach.
     approach : (k,) ndarray, µm
-        Displacement of the upper body since first touch: of its far points, or of its mean plane where periodic. NaN on
-        a free half-plane, whose far points have no limit.
+        Displacement of the upper surface since first contact: of its far points, or of its mean plane if periodic.
+        NaN on a free half-plane, whose far points have no finite displacement.
     closure : (k,) ndarray, µm
-        Mean gap that was lost since first touch: the approach less the mean displacement, without the bending of free
-        bodies under the load, which is what is measured across a joint. Of periodic bodies it is the approach.
+        Decrease of the mean gap since first contact: the approach minus the mean displacement, without the bending of
+        free bodies. This is what is measured across a joint. For periodic surfaces it equals the approach.
     error : (k,) ndarray
-        No point under pressure is open by more than this, and no point overlaps by more (but where the pressure is at
-        the hardness), in root-mean-square deviations of the gap (of the displacements under an even pressure, where
-        that is more).
+        Largest gap at a point under pressure, or largest overlap (except where the pressure is the hardness), in
+        root-mean-square deviations of the gap, or of the displacements under a uniform pressure if that is larger.
     iterations : (k,) ndarray of int
-        On the finest grid.
+        Iterations on the finest grid.
     contact_count : (k,) ndarray of int
-        Patches of connected points.
+        Number of patches of connected points.
     contact_area : (k,) ndarray, µm²
-        True area along the interface, less what a grid's edges add; never below load over hardness.
+        Real contact area along the interface, corrected for grid edges; never below load over hardness.
     normal_elastic : (k,) ndarray, mN
-        Σ F n_z, less the attraction.
+        Σ F n_z minus the attraction.
     tangential_elastic : (k,) or (d, k) ndarray, mN
-        -Σ F s·n over opposing patches, or all.
+        -Σ F s·n over opposing patches, or over all.
     normal_frictional, tangential_frictional : (k,) or (d, k) ndarray, mN per unit mu0
-        Σ F t_z and -Σ F s·t over opposing patches, or all.
+        Σ F t_z and -Σ F s·t over opposing patches, or over all.
     normal_adhesive, tangential_adhesive : (k,) or (d, k) ndarray, mN per GPa of tau0
-        Σ A t_z and -Σ A s·t over opposing patches, or all.
+        Σ A t_z and -Σ A s·t over opposing patches, or over all.
     load_share_at_hardness, area_share_at_hardness : (k,) ndarray
-        Of the load and of the points under pressure where the pressure is the hardness.
+        Fractions of the load and of the points under pressure where the pressure is the hardness.
     contact_load : (k,) ndarray, mN
-        Of the pressures: the load and, where bodies adhere, the attraction between them.
+        Total of the pressures: the load plus the attraction between adhering surfaces.
     effective_modulus : float, GPa
 
     Examples
@@ -170,16 +169,16 @@ class HalfSpaceCurve(Curve):
     effective_modulus: float = field(metadata={"unit": "GPa"})
     _problem: Problem = field(repr=False)
     _model: ContactModel = field(repr=False)
-    _pressed: tuple[Pressed, ...] = field(repr=False)
+    _pressed: tuple[ContactSolution, ...] = field(repr=False)
     _sums: tuple[PatchSums, ...] = field(repr=False)
     _tolerance: float = field(repr=False)
 
     @property
     def pull_off(self) -> float:
-        """Largest tension in mN that the bodies bear from the contact of the least load on; 0 without adhesion.
+        """Largest tension (mN) that the surfaces support, from the contact of the smallest load; 0 without adhesion.
 
-        Computed when first needed. The bodies come off at a tension 1 % above it. Where that is not certain, a warning
-        says "at least", and `pull_off_is_bound` is True.
+        Computed on first use. The surfaces separate at a tension 1 % above it. If that is not certain, a warning
+        contains "at least", and `pull_off_is_bound` is True.
         """
         force, is_bound = self.pull_off_bound
         if is_bound:
@@ -188,7 +187,7 @@ class HalfSpaceCurve(Curve):
 
     @property
     def pull_off_is_bound(self) -> bool:
-        """Whether the pull-off force is at least `pull_off`, because a larger one is not excluded."""
+        """Whether the pull-off force may be larger than `pull_off`."""
         return self.pull_off_bound[1]
 
     @property
@@ -200,99 +199,102 @@ class HalfSpaceCurve(Curve):
 
     @property
     def parting(self) -> HalfSpaceCurve:
-        """The contacts through which bodies go that are drawn apart from that of the least load, to the pull-off force.
+        """Contacts during separation, from the smallest load to the pull-off force.
 
-        Raises a `ValueError` without adhesion, where nothing holds them.
+        Raises a `ValueError` without adhesion.
         """
         if self.work_of_adhesion == 0:
-            raise ValueError("parting is of bodies that adhere; give half_space a work_of_adhesion above 0")
+            raise ValueError("parting requires adhesion; give half_space a work_of_adhesion above 0")
         return _curve(self._problem, self._model, self._apart[0], self._tolerance)
 
     @cached_property
-    def _apart(self) -> tuple[list[Pressed], str]:
-        """The contacts on the way apart, and why they end before the bodies part, if they do."""
+    def _apart(self) -> tuple[list[ContactSolution], str]:
+        """Contacts during separation, and the reason if they end before the surfaces separate."""
         from stiction.mechanics.adhesion import drawn_apart
 
         return drawn_apart(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
 
     @property
     def work_of_adhesion(self) -> float:
-        """Energy in mN/µm (kJ/m²) that it takes to part an area in contact."""
+        """Energy in mN/µm (kJ/m²) required to separate a unit area in contact."""
         return self._problem.work_of_adhesion
 
     @property
     def adhesion_range(self) -> float:
-        """Gap in µm over which the attraction falls off by 1/e: that given, or the least that the grid resolves."""
+        """Decay length (µm) of the attraction: the given range, or the smallest that the grid resolves."""
         return self._problem.adhesion_range
 
     @cached_property
     def stiffness(self) -> Floats:
-        """(k,) dF/dδ, mN/µm, of the patches as they are; infinite at full contact of periodic bodies.
+        """(k,) dF/dδ (mN/µm) at constant contact points; infinite at full contact of periodic surfaces.
 
-        NaN on a free half-plane, and where all pressure is at the hardness. Computed when first asked for.
+        NaN on a free half-plane, and if all pressure is at the hardness. Computed on first use.
         """
-        return read_only(np.array([one.stiffness for one in self._pressed]))
+        return read_only(np.array([solution.stiffness for solution in self._pressed]))
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """(k,) dp/dc of the nominal pressure over the closure in the first loading, GPa/µm. Computed when first needed.
+        """(k,) dp/dc (GPa/µm), nominal pressure over closure, in first loading. Computed on first use.
 
-        1 GPa/µm is 1e6 MPa/mm, the unit in which the normal stiffness of joints is given.
+        1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
-        return read_only(np.array([one.closure_stiffness for one in self._pressed]))
+        return read_only(np.array([solution.closure_stiffness for solution in self._pressed]))
 
     @property
     def tilt(self) -> Floats:
-        """(k, 2) or (k, 1) slopes along y and x, or x, by which the upper body has turned; 0 where it is fixed."""
-        return read_only(np.array([np.zeros(self._problem.gap.ndim) + one.problem.tilt for one in self._pressed]))
+        """(k, 2) or (k, 1) slopes of the upper surface's rotation along y and x, or x; 0 if it is fixed."""
+        return read_only(
+            np.array([np.zeros(self._problem.gap.ndim) + solution.problem.tilt for solution in self._pressed])
+        )
 
     @cached_property
     def unloading_stiffness(self) -> Floats:
-        """(k,) dF/dδ, mN/µm, as bodies unload or as ultrasound feels them: elastic at points that have yielded, too.
+        """(k,) unloading (ultrasonic) stiffness dF/dδ, mN/µm: yielded points respond elastically as well.
 
-        That of loading, `stiffness`, is smaller where there is a hardness, because such points carry no more.
+        The loading stiffness, `stiffness`, is smaller if there is a hardness, because yielded points support no more
+        load.
         """
-        return read_only(np.array([one.unloading_stiffness for one in self._pressed]))
+        return read_only(np.array([solution.unloading_stiffness for solution in self._pressed]))
 
-    def at(self, index: int) -> Pressed:
-        """Points under pressure at `load[index]`, their pressures and patches."""
-        return self._pressed[place_of(index, self.load.size, "loads")]
+    def at(self, index: int) -> ContactSolution:
+        """Return the points under pressure at `load[index]`, with their pressures and patches."""
+        return self._pressed[resolve_index(index, self.load.size, "loads")]
 
     def contact(self, index: int) -> HalfSpaceContact:
-        """Pressure, gap and patches at `load[index]`."""
-        place = place_of(index, self.load.size, "loads")
-        one, sums = self._pressed[place], self._sums[place]
-        problem = one.problem
-        pressure = one.on_grid(one.values)
-        gap = problem.grids.displacement(pressure - one.attraction) + problem.gap - one.approach
-        each = [one.on_grid(opposes[one.patch - 1]) for opposes in sums.opposing]
-        opposing = np.array(each).reshape(*self._model.angles().shape, *pressure.shape)
+        """Return pressure, gap and patches at `load[index]`."""
+        position = resolve_index(index, self.load.size, "loads")
+        solution, sums = self._pressed[position], self._sums[position]
+        problem = solution.problem
+        pressure = solution.on_grid(solution.values)
+        gap = problem.grids.displacement(pressure - solution.attraction) + problem.gap - solution.approach
+        grids = [solution.on_grid(opposes[solution.patch - 1]) for opposes in sums.opposing]
+        opposing = np.array(grids).reshape(*self._model.angles().shape, *pressure.shape)
         gap = gap if problem.missing is None else np.where(problem.missing, np.nan, gap)
-        values = (pressure, gap, one.on_grid(one.patch), opposing, one.on_grid(one.share))
+        values = (pressure, gap, solution.on_grid(solution.patch), opposing, solution.on_grid(solution.share))
         pressure, gap, patches, opposing, share, heights = map(read_only, (*values, problem.lower.copy()))
         return HalfSpaceContact(pressure, gap, patches, opposing, share, heights, problem.spacing)
 
     @property
     def direction(self) -> Floats:
-        """Degrees from +x towards +y, () or (d,): where the upper body is about to move."""
+        """Direction in which the upper surface is about to move, degrees from +x towards +y, () or (d,)."""
         return self._model.angles()
 
     @property
     def sliding(self) -> Sliding:
-        """Which patches rub: "opposing" or "all"."""
+        """Patches that contribute friction: "opposing" or "all"."""
         return self._model.sliding
 
     @property
     def hardness(self) -> float | None:
-        """GPa that no pressure exceeds; None where bodies do not yield."""
+        """Largest possible pressure, GPa; None without yielding."""
         return self._problem.hardness
 
     def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
-        """The same contacts by a sliding rule, "opposing" or "all"; nothing is solved again."""
+        """Return the same contacts with another sliding rule, "opposing" or "all", without solving again."""
         return self._by(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
-        """The same contacts where the upper body is about to move elsewhere; nothing is solved again.
+        """Return the same contacts for another direction of motion, without solving again.
 
         Parameters
         ----------
@@ -302,7 +304,7 @@ class HalfSpaceCurve(Curve):
         model = replace(self._model, direction=direction)
         if self._problem.gap.ndim == 1:
             model = model.for_profiles()
-        return self._by(model, tuple(one.sums(model.directions()) for one in self._pressed))
+        return self._by(model, tuple(solution.sums(model.directions()) for solution in self._pressed))
 
     def onset(
         self,
@@ -316,38 +318,40 @@ class HalfSpaceCurve(Curve):
         poisson: float | Sequence[float] = 0.3,
         tolerance: float = 1e-6,
     ) -> Onset:
-        """How the bodies begin to slide at `load[index]`, see `Onset`.
+        """Compute the onset of sliding at `load[index]`, see `Onset`.
 
         Parameters
         ----------
         index, mu0, tau0, steps, displacements
             As for `Onset`.
         direction : {"+x", "-x"} or float, degrees
-            Where the upper body is pushed, which changes nothing: the kernel is the same for all directions.
+            Direction of the tangential load. It has no effect, because the kernel is the same for all directions.
         poisson : float or two of them
-            Of both bodies, or of the upper and the lower. On profiles nothing depends on it.
+            Poisson's ratio of both bodies, or of the upper and the lower one. It has no effect on profiles.
         tolerance : float
-            Of points that stick: how far they are from the upper body's displacement, in root-mean-square deviations
-            of the displacements at sliding, in proportion to the load.
+            Largest deviation of sticking points from the displacement of the upper surface, in root-mean-square
+            deviations of the displacements at sliding, in proportion to the load.
 
         Raises
         ------
         ValueError
             If an argument is outside its range, or mu0 and tau0 are both 0.
         RuntimeError
-            If a step's error does not reach the tolerance.
+            If the error of a step exceeds the tolerance.
         """
-        from stiction.mechanics.mindlin import HalfSpace
+        from stiction.mechanics.mindlin import SlidingHalfSpace
 
-        mu0, tau0 = strengths(mu0, tau0, self.effective_modulus)
-        angle = heading(direction, line=self._problem.gap.ndim == 1)
-        pressed = self._pressed[place_of(index, self.load.size, "loads")]
-        held = HalfSpace(pressed, mu0=mu0, tau0=tau0, poisson=poisson, tolerance=tolerance)
-        return onset_of(held, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements)
+        mu0, tau0 = check_nonzero_strengths(mu0, tau0, self.effective_modulus)
+        angle = parse_direction(direction, line=self._problem.gap.ndim == 1)
+        pressed = self._pressed[resolve_index(index, self.load.size, "loads")]
+        tangential_problem = SlidingHalfSpace(pressed, mu0=mu0, tau0=tau0, poisson=poisson, tolerance=tolerance)
+        return compute_onset(
+            tangential_problem, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements
+        )
 
     def _by(self, model: ContactModel, sums: tuple[PatchSums, ...]) -> HalfSpaceCurve:
         rows = _totals(model, self._pressed, sums)
-        return replace(self, **_columns(rows, model), _model=model, _sums=sums)
+        return replace(self, **_stack_columns(rows, model), _model=model, _sums=sums)
 
 
 def half_space(
@@ -370,68 +374,68 @@ def half_space(
     tolerance: float = 1e-6,
     progress: Callable[[int, int, float], object] | None = None,
 ) -> HalfSpaceCurve:
-    """Pressure, true area and friction of two rough bodies as an elastic half-space.
+    """Compute pressure, real contact area and friction of two rough surfaces as an elastic half-space.
 
     Parameters
     ----------
     upper, lower : Profile, Surface or array_like
-        Two of a kind on the same grid. Where points of one are missing nothing touches.
+        Two profiles or two surfaces on the same grid. Missing points make no contact.
     loads : (k,) array_like of float, mN
-        Above 0 and strictly increasing; or text, "10 mN" or on the measured area "10 MPa", or a list of such. A profile
-        is 1 µm thick. Of bodies that adhere they are what is pressed from outside, of any sign: increasing as bodies
-        come near, or decreasing as they are drawn apart.
+        Above 0 and strictly increasing; or a string, "10 mN" or "10 MPa" on the measured area, or a list of strings. A
+        profile is 1 µm thick. For adhering surfaces, external loads of any sign: increasing as the surfaces approach,
+        or decreasing as they separate.
     spacing : float (µm) or str, or a pair (y, x) of either, optional
-        Distance of the points of bodies that are arrays.
+        Distance of the points, for arrays.
     unit : str
         Unit of the heights of arrays.
     approaches : (k,) array_like of float, µm
-        In place of loads: displacements of the upper body since first touch, of its far points, or of its mean plane
-        where periodic. Above 0 and strictly increasing; or text, "5 nm". Each takes some six solutions, in search of
+        Displacements of the upper surface since first contact, instead of loads: of its far points, or of its mean
+        plane if periodic. Above 0 and strictly increasing; or strings, "5 nm". Each takes about six solutions to find
         its load.
     effective_modulus : float, GPa
-        E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2. By default 10 GPa of generated bodies; of those that were read from
-        files it must be given.
+        E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2. By default 10 GPa for generated surfaces; required for surfaces
+        that were read from files.
     boundary : {"free", "periodic"}
-        Whether nothing lies beyond the edges, or the bodies again and again.
+        Whether nothing is beyond the edges, or the surfaces continue periodically.
     compliance_share : float
-        c_l = E* (1 - ν_l²)/E_l, the lower body's share of the compliance, from 0 to 1: the deformed interface is
-        (1 - c_l) z_l + c_l z_u, but for a constant.
+        c_l = E* (1 - ν_l²)/E_l, the lower body's fraction of the compliance, from 0 to 1. Up to a constant, the
+        deformed interface is (1 - c_l) z_l + c_l z_u.
     hardness : float, GPa, optional
-        The most that the pressure can be: elastic, perfectly plastic, in the first loading.
+        Largest possible pressure: elastic, perfectly plastic, in first loading.
     tilt : {"fixed", "free"}
-        Whether the upper body keeps its orientation, or turns about its middle until the resultant of the pressures is
-        there, to 1e-4 of its length, as on a ball joint. Approaches are then those of the middle.
+        Whether the upper surface keeps its orientation, or rotates about its centre, as on a ball joint, until the
+        resultant of the pressures is there, to 1e-4 of its length. Approaches then refer to the centre.
     direction : {"+x", "-x"}, float or a sequence of them
-        Where the upper body is about to move; on surfaces also an angle in degrees from +x towards +y.
+        Direction in which the upper surface is about to move; on surfaces also an angle in degrees from +x towards +y.
     sliding : {"opposing", "all"}
-        Whether only patches rub whose force on the upper body points against the motion, or all.
+        Patches that contribute friction: those whose force on the upper surface points against the motion, or all.
     work_of_adhesion : float, mN/µm (kJ/m²)
-        Energy w that it takes to part an area; or text, "50 mJ/m^2". The attraction w/ρ exp(-gap/ρ) adds to the load.
+        Energy w to separate a unit area; or a string, "50 mJ/m^2". The attraction w/ρ exp(-gap/ρ) adds to the load.
     adhesion_range : float, µm
-        The length ρ; or text, "0.5 nm". Raised to where the grid has two points in the process zone E* ρ²/w, with a
-        warning.
+        Decay length ρ; or a string, "0.5 nm". Increased, with a warning, until the process zone E* ρ²/w has two grid
+        points.
     tolerance : float
-        Of the error, see `HalfSpaceCurve`, and a tenth of that of the attraction. Approaches are met to it, in the
-        same unit.
+        Largest error, see `HalfSpaceCurve`, and ten times that of the attraction. Approaches have the same tolerance in
+        the same unit.
     progress : callable, optional
-        Called in each iteration on the finest grid with how many loads or approaches are solved, the number of the
-        iteration and the error so far. An exception that it raises, as Ctrl-C does, ends the computation.
+        Called in every iteration on the finest grid with the number of solved loads or approaches, the iteration and
+        the current error. An exception from it, such as Ctrl-C, ends the computation.
 
     Raises
     ------
     ValueError
-        If the grids differ or an argument is outside its range; approaches also on free half-planes, which have none,
-        with a hardness, and from the one on at which all points of periodic bodies touch; a free tilt with any but
-        loads of free bodies without adhesion.
+        If the grids differ or an argument is outside its range. Approaches are rejected on free half-planes, with a
+        hardness, and if all points of periodic surfaces would touch. A free tilt requires loads of free bodies without
+        adhesion.
     RuntimeError
-        If a load's error does not reach the tolerance, no tilt balances the bodies, or those that adhere come off
+        If the error at a load exceeds the tolerance, no tilt balances the surfaces, or adhering surfaces separate
         before a load is reached.
 
     Notes
     -----
-    Find p ≥ 0 with the gap g = z_u - z_l + u - δ ≥ 0, p g = 0 and, k being the length of
-    a wave vector, û = 2/(E* k) p̂ (Johnson, Contact Mechanics,
-    1985, sections 2.3, 3.2 and 13.2). `scipy.fft.set_workers` says how many threads the transforms use.
+    Find p ≥ 0 with the gap g = z_u - z_l + u - δ ≥ 0 and p g = 0, where û = 2/(E* k) p̂ and k is the magnitude of the
+    wave vector (Johnson, Contact Mechanics, 1985, sections 2.3, 3.2 and 13.2). `scipy.fft.set_workers` sets the number
+    of threads.
 
     Examples
     --------
@@ -444,7 +448,7 @@ def half_space(
     >>> curve.contact_area.round(2)  # Westergaard: 2/π arcsin (p/p*)^(1/2) = 0.385
     array([0.38])
     """
-    from stiction.mechanics.half_space_problem import problem_of, steps_of
+    from stiction.mechanics.half_space_problem import check_steps, make_problem
 
     upper, lower = as_bodies(upper, lower, spacing=spacing, unit=unit)
     check_pair(upper, lower, whole=False)
@@ -458,7 +462,7 @@ def half_space(
     tolerance = number("tolerance", tolerance, above=0, below=1)
     if not (progress is None or callable(progress)):
         raise ValueError(f"progress must be a function of three arguments or None, got {progress!r}")
-    problem = problem_of(
+    problem = make_problem(
         upper, lower, float(model.effective_modulus), periodic=boundary == "periodic",
         compliance_share=fraction("compliance_share", compliance_share),
         hardness=None if hardness is None else number("hardness", hardness, unit="GPa", above=0),
@@ -473,81 +477,83 @@ def half_space(
     if work > 0:
         for body in (upper, lower):
             reject_missing(body, "work_of_adhesion")
-        problem = _sticky(problem, work, length, float(model.effective_modulus))
+        problem = _with_adhesion(problem, work, length, float(model.effective_modulus))
     if tilt == "free":
         if boundary == "periodic" or work > 0 or approaches is not None:
-            raise ValueError("tilt must be 'fixed' but for loads of free bodies without adhesion, got 'free'")
+            raise ValueError("tilt must be 'fixed' except for loads of free bodies without adhesion, got 'free'")
         problem = replace(problem, turns=True)
     loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
     loads = loads_to_core_units("loads", loads, problem.area)
-    name, steps = steps_of(problem, loads, to_core_units("approaches", approaches, "length"))
-    warn_of_one_body(upper, lower)
-    contacts = _pressed(problem, name, steps, tolerance=tolerance, progress=progress)
+    name, steps = check_steps(problem, loads, to_core_units("approaches", approaches, "length"))
+    warn_if_same_body(upper, lower)
+    contacts = _solve(problem, name, steps, tolerance=tolerance, progress=progress)
     return _curve(problem, model, contacts, tolerance)
 
 
-def _pressed(
-    problem: Problem, name: Asked, steps: Floats, *, tolerance: float,
+def _solve(
+    problem: Problem, name: StepKind, steps: Floats, *, tolerance: float,
     progress: Callable[[int, int, float], object] | None,
-) -> list[Pressed]:  # fmt: skip
-    """The contact at each load (mN) or approach (µm)."""
-    from stiction.mechanics.half_space_problem import Solver, pressed_of
+) -> list[ContactSolution]:  # fmt: skip
+    """Solve the contact at each load (mN) or approach (µm)."""
+    from stiction.mechanics.half_space_problem import Solver, to_contact_solution
 
     if problem.work_of_adhesion > 0:
         from stiction.mechanics.adhesion import sticking
 
         return sticking(problem, steps, tolerance=tolerance, progress=progress)
     if problem.turns:
-        from stiction.mechanics.tilt import balanced
+        from stiction.mechanics.tilt import solve_balanced
 
-        return balanced(problem, steps, tolerance=tolerance, progress=progress)
-    contacts: list[Pressed] = []
+        return solve_balanced(problem, steps, tolerance=tolerance, progress=progress)
+    contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     solver = Solver(problem, name, steps[-1], tolerance=tolerance, report=report)
     near = None
     for step in steps.tolist():
         solution = solver.at(step, near)
         near = solution.pressure
-        contacts.append(pressed_of(problem, solution, step if name == "loads" else None, scale=solver.scale))
+        contacts.append(to_contact_solution(problem, solution, step if name == "loads" else None, scale=solver.scale))
     return contacts
 
 
-def _sticky(problem: Problem, work: float, length: float, effective_modulus: float) -> Problem:
-    """A problem with a work of adhesion (mN/µm) over a range (µm); a warning says where the grid needs a longer one."""
-    least = resolved_range(work, max(problem.spacing), effective_modulus)
-    if least > length:
+def _with_adhesion(problem: Problem, work: float, length: float, effective_modulus: float) -> Problem:
+    """Add adhesion (mN/µm) with a range (µm) to a problem; warn if the grid requires a longer range."""
+    smallest = resolved_range(work, max(problem.spacing), effective_modulus)
+    if smallest > length:
         warnings.warn(
-            f"adhesion_range = {length * 1e3:.3g} nm is raised to {least * 1e3:.3g} nm: the grid needs "
-            f"{PROCESS_ZONE:g} points in the process zone E* range²/w, as of a range of 0",
+            f"adhesion_range = {length * 1e3:.3g} nm is increased to {smallest * 1e3:.3g} nm: the grid needs "
+            f"{PROCESS_ZONE:g} points in the process zone E* range²/w",
             stacklevel=3,
         )
-    length = max(least, length)
+    length = max(smallest, length)
     if problem.hardness is not None and not work / length < problem.hardness:
         raise ValueError(
             f"hardness must be above the attraction in contact, {work / length:.3g} GPa (work_of_adhesion over "
-            f"adhesion_range), under which bodies flow without a load, got {problem.hardness!r}"
+            f"adhesion_range), because the surfaces would yield without a load, got {problem.hardness!r}"
         )
     return replace(problem, work_of_adhesion=work, adhesion_range=length)
 
 
-def _curve(problem: Problem, model: ContactModel, contacts: list[Pressed], tolerance: float) -> HalfSpaceCurve:
-    sums = tuple(one.sums(model.directions()) for one in contacts)
-    rows = [one.row() | total for one, total in zip(contacts, _totals(model, contacts, sums), strict=True)]
+def _curve(problem: Problem, model: ContactModel, contacts: list[ContactSolution], tolerance: float) -> HalfSpaceCurve:
+    sums = tuple(solution.sums(model.directions()) for solution in contacts)
+    rows = [solution.row() | total for solution, total in zip(contacts, _totals(model, contacts, sums), strict=True)]
     return HalfSpaceCurve(
-        **_columns(rows, model), effective_modulus=float(model.effective_modulus), _problem=problem, _model=model,
+        **_stack_columns(rows, model), effective_modulus=float(model.effective_modulus), _problem=problem, _model=model,
         _pressed=tuple(contacts), _sums=sums, _tolerance=tolerance,
     )  # fmt: skip
 
 
-def _totals(model: ContactModel, contacts: Sequence[Pressed], sums: Sequence[PatchSums]) -> list[dict[str, Any]]:
-    totals = [one.total(model.sliding) for one in sums]
-    for one, total in zip(contacts, totals, strict=True):
-        total["normal_elastic"] -= one.adhering
+def _totals(
+    model: ContactModel, contacts: Sequence[ContactSolution], sums: Sequence[PatchSums]
+) -> list[dict[str, Any]]:
+    totals = [solution.total(model.sliding) for solution in sums]
+    for solution, total in zip(contacts, totals, strict=True):
+        total["normal_elastic"] -= solution.adhering
     return totals
 
 
-def _columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
-    """(k,) of each quantity, (d, k) of those that depend on the direction if there are several."""
+def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
+    """Stack rows to (k,) arrays, or (d, k) if they depend on several directions."""
     columns = {}
     for name in rows[0]:
         column = np.array([row[name] for row in rows])
@@ -557,8 +563,10 @@ def _columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
     return columns
 
 
-def solved(solve: Callable[[Floats], HalfSpaceCurve], loads: Floats) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
-    """The curves of a half-space and which loads are theirs; a load without a solution is in none."""
+def solve_separately(
+    solve: Callable[[Floats], HalfSpaceCurve], loads: Floats
+) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
+    """Solve all loads, or each separately if that fails; return curves and load indices without failed loads."""
     try:
         return [(np.arange(loads.size), solve(loads))]
     except RuntimeError:
@@ -571,8 +579,8 @@ def solved(solve: Callable[[Floats], HalfSpaceCurve], loads: Floats) -> list[tup
         return curves
 
 
-def unloaded(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCurve | None:
-    """Return the contact at no load of bodies that adhere, or None if it has no solution."""
+def solve_at_no_load(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCurve | None:
+    """Return the contact of adhering surfaces at zero load, or None if there is no solution."""
     try:
         return solve(np.zeros(1))
     except RuntimeError:

@@ -1,8 +1,8 @@
-"""True area per load between the hardnesses at which a contact was solved.
+"""Real contact area per load, interpolated between the hardnesses of solved contacts.
 
-With p the elastic mean pressure, (A/F)^m = H^-m + p^-m holds both ends, F/H and the elastic area. Of self-affine areas
-(Hurst exponents 0.5 and 0.8, p from 0.17 to 2.9 GPa, H from 0.23 to 1.7 GPa) m was 3.2 (H/p)^0.28 within a few per
-cent, so that what is left between nodes is nearly straight in ln H.
+With p the elastic mean pressure, (A/F)^m = H^-m + p^-m contains both limits, F/H and the elastic area. For self-affine
+surfaces (Hurst exponents 0.5 and 0.8, p from 0.17 to 2.9 GPa, H from 0.23 to 1.7 GPa), m was 3.2 (H/p)^0.28 within a
+few per cent. The remaining deviation is therefore nearly linear in ln H between nodes.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array
 
-EXPONENT, POWER = 3.2, 0.28
-"""m where the hardness is the elastic pressure, and its power of their ratio."""
+MIXING_EXPONENT, MIXING_POWER = 3.2, 0.28
+"""m if the hardness equals the elastic pressure, and the power of their ratio in m."""
 
 
 def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, elastic: ArrayLike) -> Floats:
-    """A/F (1/GPa) at hardnesses between those that were solved.
+    """Interpolate A/F (1/GPa) between the hardnesses of solved contacts.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, el
     at_nodes : (..., n) array_like of float, 1/GPa
         A/F at the nodes.
     elastic : (...) array_like of float, 1/GPa
-        A/F of bodies that do not yield; where contacts are plastic throughout an estimate will do.
+        A/F without yielding; an estimate suffices if all contacts are plastic.
 
     Returns
     -------
@@ -39,21 +39,21 @@ def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, el
     >>> area_per_load([1.0], [0.5, 2.0], [2.0, 0.5], 0.01).round(2)
     array([1.])
     """
-    wanted, known = (float_array(name, each, ndim=1) for name, each in (("hardness", hardness), ("nodes", nodes)))
+    targets, solved = (float_array(name, values, ndim=1) for name, values in (("hardness", hardness), ("nodes", nodes)))
     softest = float_array("elastic", elastic)[..., np.newaxis]
-    excess = np.log(float_array("at_nodes", at_nodes) / _estimate(known, softest))
-    if known.size == 1:
-        return np.asarray(_estimate(wanted, softest) * np.exp(excess))
-    where = np.clip(np.log(wanted), *np.log(known[[0, -1]]))
-    after = np.clip(np.searchsorted(np.log(known), where), 1, known.size - 1)
-    part = (where - np.log(known)[after - 1]) / np.diff(np.log(known))[after - 1]
-    between = excess[..., after - 1] * (1 - part) + excess[..., after] * part
-    return np.asarray(_estimate(wanted, softest) * np.exp(between))
+    excess = np.log(float_array("at_nodes", at_nodes) / _estimate(solved, softest))
+    if solved.size == 1:
+        return np.asarray(_estimate(targets, softest) * np.exp(excess))
+    log_targets = np.clip(np.log(targets), *np.log(solved[[0, -1]]))
+    upper = np.clip(np.searchsorted(np.log(solved), log_targets), 1, solved.size - 1)
+    weight = (log_targets - np.log(solved)[upper - 1]) / np.diff(np.log(solved))[upper - 1]
+    log_ratio = excess[..., upper - 1] * (1 - weight) + excess[..., upper] * weight
+    return np.asarray(_estimate(targets, softest) * np.exp(log_ratio))
 
 
 def _estimate(hardness: Floats, elastic: Floats) -> Floats:
-    """A/F (1/GPa) of a hardness (GPa) and elastic A/F (1/GPa)."""
+    """Estimate A/F (1/GPa) from a hardness (GPa) and the elastic A/F (1/GPa)."""
     plastic = 1.0 / hardness
-    exponent = EXPONENT * (hardness * elastic) ** POWER
+    exponent = MIXING_EXPONENT * (hardness * elastic) ** MIXING_POWER
     larger, smaller = np.maximum(plastic, elastic), np.minimum(plastic, elastic)
     return np.asarray(larger * np.exp(np.log1p((smaller / larger) ** exponent) / exponent))

@@ -1,8 +1,8 @@
-"""Contact laws: what one asperity contact carries.
+"""Contact laws: force and area of a single asperity contact.
 
-A law is a small frozen dataclass whose fields are its parameters, each with its unit; its name and the table of it in a
-study file follow from these, and the core has a law of the same name and parameters. The effective modulus, which all
-laws share, is given where it is used.
+A law is a frozen dataclass whose fields are its parameters with their units. Its name and its table in a study file
+follow from the class. The core has a law of the same name and parameters. The effective modulus is common to all laws
+and is passed separately.
 """
 
 from __future__ import annotations
@@ -16,27 +16,27 @@ from stiction._checks import check_choice, number
 
 
 def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
-    """A parameter of a law: its unit, "µm", "GPa" or none, and the ends of its range where they belong to it.
+    """Return the field of a law parameter with its unit ("µm", "GPa" or none) and its inclusive limits.
 
-    Those without ends are above 0.
+    Parameters without limits must be above 0.
     """
     return field(default=default, metadata={"unit": unit, "least": least, "most": most})
 
 
 @dataclass(frozen=True)
 class Law:
-    """What one contact carries. Each law is a subclass, listed in `LAWS`."""
+    """Force and area of one contact. Each law is a subclass, listed in `LAWS`."""
 
     name: ClassVar[str]
 
     def __init_subclass__(cls) -> None:
-        """Name a law after its class: JacksonGreen is "jackson-green"."""
+        """Derive the name of a law from its class: JacksonGreen is "jackson-green"."""
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__).lower()
 
     def parameters(self, effective_modulus: float) -> dict[str, float]:
-        """All that the law of the core takes, with E* in GPa."""
-        own = {each.name: number(each.name, getattr(self, each.name)) for each in fields(self)}
-        return {"effective_modulus": number("effective_modulus", effective_modulus, unit="GPa", above=0), **own}
+        """Return the parameters of the core's law, with E* in GPa."""
+        parameters = {item.name: number(item.name, getattr(self, item.name)) for item in fields(self)}
+        return {"effective_modulus": number("effective_modulus", effective_modulus, unit="GPa", above=0), **parameters}
 
 
 @dataclass(frozen=True)
@@ -62,12 +62,12 @@ class HertzCylinder(Law):
     Parameters
     ----------
     width : float, µm
-        w, along the cylinders; the model's profiles are 1 µm thick.
+        Width w along the cylinders; the profiles of the model are 1 µm thick.
 
     Notes
     -----
-    Johnson, Contact Mechanics (1985), eq. 4.45. The overlap is that of the undeformed circles, a²/R; the approach of
-    distant points of a line contact depends on the size of the bodies and has no value of its own.
+    Johnson, Contact Mechanics (1985), eq. 4.45. The overlap is that of the undeformed circles, a²/R. The approach of
+    distant points in a line contact depends on the size of the bodies.
 
     Examples
     --------
@@ -82,22 +82,22 @@ class HertzCylinder(Law):
 
 @dataclass(frozen=True)
 class JacksonGreen(Law):
-    """Spheres that yield: elastic, perfectly plastic, fitted to finite elements.
+    """Elastic, perfectly plastic spheres, fitted to finite element results.
 
-    Hertz up to 1.9 critical overlaps, ω_c = (π C S_y / 2 E*)² R with C = 1.295 exp(0.736 ν); above, contact spreads and
-    the mean pressure tends to a hardness that falls from 2.84 S_y as the contact radius a grows.
+    Hertz up to 1.9 critical overlaps, ω_c = (π C S_y / 2 E*)² R with C = 1.295 exp(0.736 ν). Above, the contact grows
+    faster, and the mean pressure tends to a hardness that decreases from 2.84 S_y as the contact radius a grows.
 
     Parameters
     ----------
-    yield_strength : float, GPa
+    Yield strength S_y of the softer body, below a tenth of the effective modulus.
         S_y of the softer body, below a tenth of the effective modulus.
-    poisson_ratio : float
+    Poisson's ratio ν of that body, from 0 to 0.5.
         ν of that body, from 0 to 0.5.
 
     Notes
     -----
     Jackson & Green, Journal of Tribology 127 (2005) 343. Fitted up to a = 0.41 R; at the transition the load jumps by
-    less than 1 %. Loading only.
+    less than 1 %. Valid for loading only.
 
     Examples
     --------
@@ -111,16 +111,18 @@ class JacksonGreen(Law):
     poisson_ratio: float = parameter("", least=0.0, most=0.5)
 
 
-LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # every law there is
-LawName = Literal["hertz-sphere", "hertz-cylinder"]  # laws that need no parameters may be given by name
-NAMED: dict[str, Law] = {law.name: law() for law in LAWS if all(each.default is not MISSING for each in fields(law))}
+LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # all laws
+LawName = Literal["hertz-sphere", "hertz-cylinder"]  # laws without required parameters can be given by name
+LAWS_BY_NAME: dict[str, Law] = {
+    law.name: law() for law in LAWS if all(item.default is not MISSING for item in fields(law))
+}
 
 
-def law_of(law: Law | LawName) -> Law:
-    """A law, or the one of a name; anything else is a ValueError."""
+def as_law(law: Law | LawName) -> Law:
+    """Return a law, or the law with a given name. Raises ValueError for anything else."""
     if isinstance(law, str):
         check_choice("law", law, LawName)
-        return NAMED[law]
+        return LAWS_BY_NAME[law]
     if not isinstance(law, Law):
         raise ValueError(f"law must be a contact law or the name of one, got {law!r}")
     return law
@@ -129,7 +131,7 @@ def law_of(law: Law | LawName) -> Law:
 def force_and_area(
     law: Law | LawName, *, overlap: float, radius: float, effective_modulus: float = 10.0
 ) -> tuple[float, float]:
-    """Normal force (mN) and area (µm²) of one contact.
+    """Compute the normal force (mN) and area (µm²) of one contact.
 
     Parameters
     ----------
@@ -147,7 +149,7 @@ def force_and_area(
     >>> round(force, 6), round(area, 6)
     (0.013333, 0.031416)
     """
-    chosen = law_of(law)
+    chosen = as_law(law)
     return stiction._core.force_and_area(
         chosen.name, chosen.parameters(effective_modulus), overlap=number("overlap", overlap, unit="µm", above=0),
         radius=number("radius", radius, unit="µm", above=0),

@@ -1,4 +1,4 @@
-"""Two bodies pressed together: sums over the contacts at each approach, from which any friction follows.
+"""Load curves: sums over the asperity contacts at each approach, from which loads and friction follow.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7.
 """
@@ -15,63 +15,63 @@ from numpy.typing import ArrayLike, NDArray
 import stiction._core
 from stiction._checks import Floats, float_array, fraction, read_only
 from stiction._units import to_core_units
-from stiction.mechanics.candidates import Candidates, candidates, known_of
+from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
 from stiction.mechanics.contact import Contacts, contacts
-from stiction.mechanics.friction import Curve, Sums, SurfaceValidity, Validity, load_of
-from stiction.mechanics.model import ContactKeywords, ContactModel, Direction, Sliding, shows_model, warn_of_one_body
-from stiction.mechanics.onset import Onset, heading, onset_of, place_of, strengths
+from stiction.mechanics.friction import FrictionCurve, Sums, SurfaceValidity, Validity, compute_load
+from stiction.mechanics.model import ContactKeywords, ContactModel, Direction, Sliding, shows_model, warn_if_same_body
+from stiction.mechanics.onset import Onset, check_nonzero_strengths, compute_onset, parse_direction, resolve_index
 from stiction.mechanics.quantities import DIRECTED
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 
 @dataclass(frozen=True)
-class PressedBodies:
-    """What was pressed, candidates or both bodies, and how."""
+class CurveInputs:
+    """Inputs of a load curve: the contact candidates or the two surfaces, and the contact model."""
 
     bodies: tuple[Any, ...]
     model: ContactModel
 
     def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: not candidates, which the core holds."""
+        """Return the picklable state, without candidates, which are objects of the core."""
         return {"bodies": () if len(self.bodies) == 1 else self.bodies, "model": self.model}
 
     def at(self, approach: float) -> Contacts:
-        """All contacts, whatever the direction."""
+        """Return all contacts at an approach, independently of the direction."""
         if not self.bodies:
-            raise ValueError("a curve of candidates that comes from another process has no onset: press them again")
-        listed: Contacts = contacts(*self.bodies, approach, model=replace(self.model, shear="+x", direction=None))  # type: ignore[call-overload]
-        return listed
+            raise ValueError("a curve of candidates from another process has no onset: press the candidates again")
+        all_contacts: Contacts = contacts(*self.bodies, approach, model=replace(self.model, shear="+x", direction=None))  # type: ignore[call-overload]
+        return all_contacts
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class LoadCurve(Curve, Sums):
-    """Load and area of a pair against approach, for every mu0 and tau0 at once; all arrays are read-only.
+class LoadCurve(FrictionCurve, Sums):
+    """Loads and area of a pair at each approach, for every mu0 and tau0; all arrays are read-only.
 
     Normal and tangential load are linear in the molecular friction coefficient mu0 and the adhesive shear strength
-    tau0, so six sums over the contacts hold them all. n is the contact normal, t the tangent, s the direction in which
-    the upper body is about to move; "opposing" contacts are those whose normal force opposes the motion, s·n < 0.
+    tau0, so six sums over the contacts determine both. n is the contact normal, t the tangent, s the direction in which
+    the upper surface is about to move. "Opposing" contacts have a normal force that opposes the motion, s·n < 0.
 
     Attributes
     ----------
     approach : (k,) ndarray, µm
-        Displacement of the upper body since first touch.
+        Displacement of the upper surface since first contact.
     contact_count : (k,) ndarray of int
     contact_area : (k,) ndarray, µm²
     normal_elastic, tangential_elastic : (k,) ndarray, mN
-        Σ F n_z over all, -Σ F s·n over sliding contacts: opposing ones, or all with ``sliding="all"``.
+        Σ F n_z over all contacts; -Σ F s·n over sliding contacts: opposing ones, or all with ``sliding="all"``.
     normal_frictional, tangential_frictional : (k,) ndarray, mN per unit mu0
         Σ F t_z, -Σ F s·t over sliding contacts.
     normal_adhesive, tangential_adhesive : (k,) ndarray, mN per GPa of tau0
         Σ A t_z, -Σ A s·t over sliding contacts.
     overlap_load, load_beyond_hertz, load_below_grid : (k,) ndarray, mN
-        Σ F n_z overlap/R, Σ F n_z of contacts with overlap > R/10, and of those with R below the grid spacing; see
-        `validity`.
+        Σ F n_z overlap/R; Σ F n_z of contacts with overlap > R/10; Σ F n_z of contacts with R below the grid spacing.
+        See `validity`.
     crossed_count : (k,) ndarray of int
-        Would-be contacts that were refused because their sphere centres had crossed.
+        Number of possible contacts that were rejected because their sphere centres had crossed.
     effective_modulus : float, GPa
     sliding : {"opposing", "all"}
-        Which contacts the sums of friction are over.
+        Contacts in the friction sums.
 
     Examples
     --------
@@ -86,68 +86,70 @@ class LoadCurve(Curve, Sums):
     approach: Floats = field(metadata={"unit": "µm"})
     effective_modulus: float = field(metadata={"unit": "GPa"})
     sliding: Sliding = "opposing"
-    _pressed: PressedBodies = field(repr=False)
+    _pressed: CurveInputs = field(repr=False)
 
     def onset(
         self, index: int, *, mu0: float, tau0: float = 0.0, direction: Direction = 0.0,
         steps: int | Sequence[float] = 20, displacements: ArrayLike | None = None,
         poisson: float | Sequence[float] = 0.3, compliance_share: float = 0.5,
     ) -> Onset:  # fmt: skip
-        """How the bodies begin to slide at `approach[index]`, see `Onset`: contact by contact, each by Mindlin.
+        """Compute the onset of sliding at `approach[index]`, see `Onset`, with Mindlin's solution for each contact.
 
         Parameters
         ----------
         index, mu0, tau0, steps, displacements
             As for `Onset`.
         direction : {"+x", "-x"} or float, degrees
-            Where the upper body is pushed, on profiles along x. Ellipses are stiffer along than across.
+            Direction of the tangential load, on profiles along x. Ellipses are stiffer along their larger axis.
         poisson, compliance_share
-            As for `half_space` and its onset; with equal ratios nothing depends on the share.
+            As for `half_space` and its onset; the fraction has no effect if both ratios are equal.
 
         Raises
         ------
         ValueError
-            If an argument is outside its range, mu0 and tau0 are both 0, nothing touches, or the law is of cylinders.
+            If an argument is outside its range, mu0 and tau0 are both 0, there is no contact, or the law is
+            HertzCylinder.
         """
-        from stiction.mechanics.mindlin import Asperities
+        from stiction.mechanics.mindlin import SlidingAsperities
 
-        mu0, tau0 = strengths(mu0, tau0, self.effective_modulus)
-        angle = heading(direction, line=not isinstance(self, SurfaceLoadCurve))
-        approach = float(self.approach[place_of(index, self.approach.size, "approaches")])
-        held = Asperities(
+        mu0, tau0 = check_nonzero_strengths(mu0, tau0, self.effective_modulus)
+        angle = parse_direction(direction, line=not isinstance(self, SurfaceLoadCurve))
+        approach = float(self.approach[resolve_index(index, self.approach.size, "approaches")])
+        tangential_problem = SlidingAsperities(
             self._pressed.at(approach), self._pressed.model, mu0=mu0, tau0=tau0, angle=angle, poisson=poisson,
             compliance_share=fraction("compliance_share", compliance_share),
         )  # fmt: skip
-        return onset_of(held, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements)
+        return compute_onset(
+            tangential_problem, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements
+        )
 
     @property
     def validity(self) -> Validity:
         """How far the model is to be trusted at each approach, (k,) each."""
-        return Validity.of(self)
+        return Validity.from_sums(self)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class SurfaceLoadCurve(LoadCurve):
-    """Load and area of two surfaces against approach, for every mu0 and tau0 and for some directions at once.
+    """Loads and area of two surfaces at each approach, for every mu0 and tau0 and for one or more directions.
 
-    All that a LoadCurve has. What depends on the direction, the tangential and lateral sums and the normal ones per
-    mu0 and tau0, has the shape (m, k) if directions are a sequence; loads and coefficients have the shape of
-    (mu0, tau0) + (m, k).
+    Extends `LoadCurve`. If several directions are given, the tangential and lateral sums, and the normal sums per mu0
+    and tau0, have the shape (m, k); loads and coefficients have the shape of (mu0, tau0) + (m, k).
 
     Attributes
     ----------
     direction : () or (m,) ndarray, degrees
-        From +x towards +y, where the upper body is about to move.
+        Direction in which the upper surface is about to move, from +x towards +y.
     lateral_elastic : (k,) or (m, k) ndarray, mN
-        -Σ F c·n over sliding contacts, c being the horizontal unit vector on the left of the motion.
+        -Σ F c·n over sliding contacts, with c the horizontal unit vector to the left of the motion.
     lateral_frictional, lateral_adhesive : (k,) or (m, k) ndarray, mN per unit mu0, mN per GPa of tau0
         -Σ F c·t and -Σ A c·t over sliding contacts.
     load_overlapping : (k,) ndarray, mN
-        Σ F n_z of contacts whose ellipse overlaps another one.
+        Σ F n_z of contacts whose ellipse overlaps another ellipse.
     load_at_edge : (k,) ndarray, mN
         Σ F n_z of contacts whose ellipse the edge of the map cuts.
     grid_minimum_count, unanswered_count : (k,) ndarray of int
-        Grid points none of whose eight neighbours is lower, and those of them beside which the spline has no minimum.
+        Grid points without a lower neighbour, and those of them next to which the spline has no minimum.
 
     Examples
     --------
@@ -170,15 +172,15 @@ class SurfaceLoadCurve(LoadCurve):
 
     @property
     def validity(self) -> SurfaceValidity:
-        """How far the model is to be trusted at each approach, (k,) each."""
-        return SurfaceValidity.of(self)
+        """Indicators of the model's validity at each approach, (k,) each."""
+        return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Horizontal force in mN towards the left of the motion that keeps the upper body on its way.
+        """Return the horizontal force (mN), to the left of the motion, that keeps the upper surface on its path.
 
-        Its shape and arguments are as for `normal_load`; negative values are towards the right.
+        Shape and arguments are as for `normal_load`; negative values point to the right.
         """
-        return load_of("lateral", self, *self._parameters(mu0, tau0))
+        return compute_load("lateral", self, *self._parameters(mu0, tau0))
 
 
 @overload
@@ -197,22 +199,22 @@ def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[Contact
 
 @shows_model
 def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any) -> LoadCurve:
-    """Load and true area against approach: ``press(upper, lower, approaches)`` or ``press(candidates, approaches)``.
+    """Compute loads and area: ``press(upper, lower, approaches)`` or ``press(candidates, approaches)``.
 
     Parameters
     ----------
     upper, lower : Profile or Surface
-        Both of one kind, on the same grid, or `Candidates` in place of both. A profile whose points lie on a line, to
-        round-off, is a straight body.
+        Two profiles or two surfaces on the same grid, or `Candidates` instead of both. A profile that is straight to
+        round-off is treated as flat.
     approaches : (k,) array_like of float, µm
-        At least 0 and strictly increasing; or text, "5 nm" or a list of such.
+        At least 0 and strictly increasing; or a string, "5 nm", or a list of strings.
     **contact
-        As for `contacts`. On surfaces there may be many directions, which cost little more than one.
+        As for `contacts`. On surfaces several directions can be given at little extra cost.
 
     Returns
     -------
     LoadCurve
-        Of surfaces a `SurfaceLoadCurve`.
+        A `SurfaceLoadCurve` for surfaces.
 
     Examples
     --------
@@ -225,7 +227,7 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     >>> curve.friction_coefficient(mu0=[0.1, 0.4]).shape
     (2, 3)
 
-    Two surfaces, around the compass:
+    Two surfaces, in four directions:
 
     >>> from stiction import self_affine_surface
     >>> lower, upper = (
@@ -236,19 +238,19 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     >>> curve.friction_coefficient(mu0=0.4).shape
     (4, 2)
     """
-    found, model = known_of(upper, lower, contact)
-    if found is not None and lower is not None:
+    points, model = candidates_and_model(upper, lower, contact)
+    if points is not None and lower is not None:
         if approaches is not None:
-            raise ValueError("candidates are of both bodies: press(candidates, approaches) takes no lower body")
+            raise ValueError("candidates replace both surfaces: press(candidates, approaches) takes no lower surface")
         approaches = lower
-    wanted = [approaches] if isinstance(approaches, str) else approaches
-    steps = float_array("approaches", to_core_units("approaches", wanted, "length"), ndim=1)
+    given = [approaches] if isinstance(approaches, str) else approaches
+    steps = float_array("approaches", to_core_units("approaches", given, "length"), ndim=1)
     if isinstance(upper, Surface):
-        found = candidates(upper, lower, deepest=max(0.0, float(steps.max(initial=0.0))), curvature=model.curvature)
-    core = None if found is None else found.core
-    pressed = PressedBodies((upper,) if isinstance(upper, Candidates) else (upper, lower), model)
+        points = candidates(upper, lower, deepest=max(0.0, float(steps.max(initial=0.0))), curvature=model.curvature)
+    core = None if points is None else points.core
+    pressed = CurveInputs((upper,) if isinstance(upper, Candidates) else (upper, lower), model)
     if not isinstance(upper, Candidates):
-        warn_of_one_body(upper, lower)
+        warn_if_same_body(upper, lower)
     common: dict[str, Any] = {
         "approach": read_only(steps.copy()), "effective_modulus": float(model.effective_modulus),
         "sliding": model.sliding, "_pressed": pressed,

@@ -1,4 +1,4 @@
-"""Load instead of approach: how far two bodies come together under a given normal load."""
+"""Load-controlled contact: the approach of two surfaces under a given normal load."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, 
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-_LEAST = 1e-6  # smallest sampled approach, in ranges of the gap; below it the load is that of the first contact alone
-_STEP = 1.1  # ratio of neighbouring sampled approaches: a load that is crossed and lost again within one may be missed
-_STEPS_AT_A_TIME = 16  # sampled approaches between two looks at whether all loads are reached; deeper ones cost more
-_FURTHER = 5.0  # how much further than they are asked for candidates are looked for
+_MIN_APPROACH_RATIO = 1e-6  # smallest sampled approach over the range of the gap; below, only one contact has load
+_APPROACH_RATIO = 1.1  # ratio of successive sampled approaches; a load crossed twice within one step may be missed
+_CHUNK_STEPS = 16  # approaches sampled before the next check whether all loads are reached; deeper ones cost more
+_DEPTH_MARGIN = 5.0  # depth of the candidate search over the requested depth
 
 
 @shows_model
@@ -34,16 +34,16 @@ def approach_at_load(
     tau0: float = 0.0,
     **contact: Unpack[ContactKeywords],
 ) -> Floats:
-    """Approach at which two bodies first carry given normal loads.
+    """Find the approach at which two surfaces first support given normal loads.
 
     Parameters
     ----------
     upper, lower : Profile or Surface
-        Both of one kind, on the same grid.
+        Two profiles or two surfaces on the same grid.
     loads : array_like of float, mN
-        Above 0, of any shape; or text, "10 mN" or a list of such.
+        Above 0, of any shape; or a string, "10 mN", or a list of strings.
     mu0 : float
-        Molecular friction coefficient; friction on slopes carries a part of the normal load.
+        Molecular friction coefficient; friction on slopes supports part of the normal load.
     tau0 : float, GPa
         Adhesive shear strength.
     **contact
@@ -52,15 +52,15 @@ def approach_at_load(
     Returns
     -------
     ndarray, µm
-        Of the shape of the loads: where F_N first reaches the load from below. NaN where it is not reached before all
-        points are in touch, because friction locks the contacts or there are none, and where more than the load is
-        carried at an approach of 0 already; `traverse` tells these apart.
+        Approaches of the shape of the loads, at which F_N first reaches the load from below. NaN if the load is not
+        reached before all points touch, because friction locks the contacts or there are none, and if more than the
+        load is supported at an approach of 0. `traverse` distinguishes these cases.
 
     Notes
     -----
-    F_N is sampled in steps of a tenth of the approach; within the first step that crosses a load upwards the
-    crossing is found to 1e-12. Where F_N jumps over a load, as it does at D >= 1.5 and with detection="cell", the
-    approach is the one behind the jump.
+    F_N is sampled at approaches that increase by a tenth. Within the first step that crosses a load upwards, the
+    crossing is computed to 1e-12. If F_N jumps over a load, as for D >= 1.5 and with detection="cell", the approach
+    is the one after the jump.
 
     Examples
     --------
@@ -72,89 +72,89 @@ def approach_at_load(
     >>> float(approach_at_load(flat, ball, load, mu0=0.3, detection="gap-minimum").round(4))
     0.01
     """
-    wanted = float_array("loads", to_core_units("loads", loads, "force"))
-    if not (wanted > 0).all():
+    targets = float_array("loads", to_core_units("loads", loads, "force"))
+    if not (targets > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     model = model_for_pair(upper, lower, contact)
     if model.angles().ndim > 0:
-        raise ValueError(f"direction must be one, because F_N depends on it, got {model.direction!r}")
-    mu0, tau0 = friction.one_material(mu0, tau0, model.effective_modulus)
-    approach, _ = crossing(Bodies(upper, lower), wanted.ravel(), mu0=mu0, tau0=tau0, model=model)
-    return approach.reshape(wanted.shape)
+        raise ValueError(f"direction must be a single one, because F_N depends on it, got {model.direction!r}")
+    mu0, tau0 = friction.check_strengths(mu0, tau0, model.effective_modulus)
+    approach, _ = find_crossings(SurfacePair(upper, lower), targets.ravel(), mu0=mu0, tau0=tau0, model=model)
+    return approach.reshape(targets.shape)
 
 
-class Bodies:
-    """Two bodies that are pressed together again and again; the gap minima of a curvature are found once."""
+class SurfacePair:
+    """Pair of surfaces for repeated evaluation; gap minima are cached."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
         self.upper, self.lower = upper, lower
         self._found: Candidates | None = None
 
-    def pressed(self, approaches: Floats, model: ContactModel) -> Sums:
-        """The sums of `press`; whatever has been found before, they are the same to the bit."""
-        given: dict[str, Any] = {"approaches": approaches}
+    def press(self, approaches: Floats, model: ContactModel) -> Sums:
+        """Return the sums of `press`; the result does not depend on the cache."""
+        arguments: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
-            given["directions"] = model.directions()
-        return Sums.of(self._by(stiction._core.press, float(approaches[-1]), model, given))
+            arguments["directions"] = model.directions()
+        return Sums.from_columns(self._by(stiction._core.press, float(approaches[-1]), model, arguments))
 
-    def rising_through(
+    def approaches_between(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
-        """Approaches between `left`, where F_N is below loads, and `right`, where it is not."""
-        given = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
-        return np.asarray(self._by(stiction._core.approaches_at, float(right.max()), model, given))
+        """Find approaches between `left`, where F_N is below the loads, and `right`, where it is not."""
+        arguments = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
+        return np.asarray(self._by(stiction._core.approaches_at, float(right.max()), model, arguments))
 
-    def _by(self, function: Callable[..., Any], deepest: float, model: ContactModel, given: dict[str, Any]) -> Any:
-        """What a function of the core says of both bodies, or of their minima up to an approach."""
+    def _by(self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]) -> Any:
+        """Call a core function with both surfaces, or with their gap minima up to an approach."""
         model = model_for_pair(self.upper, self.lower, {"model": model})
-        given = given | {"model": model.core()}
+        arguments = arguments | {"model": model.core()}
         if model.detection == "cell":
-            return function(self.upper.heights, self.lower.heights, spacing=self.upper.spacing, **given)
-        found = self._found
-        if found is None or found.deepest < deepest or found.curvature != model.curvature:
-            # Further, because what is asked for next is often deeper.
-            found = candidates(self.upper, self.lower, deepest=_FURTHER * deepest, curvature=model.curvature)
-            self._found = found
-        return function(found.core, **given)
+            return function(self.upper.heights, self.lower.heights, spacing=self.upper.spacing, **arguments)
+        cached = self._found
+        if cached is None or cached.deepest < deepest or cached.curvature != model.curvature:
+            # Searched deeper than requested, because the next request is often deeper.
+            cached = candidates(self.upper, self.lower, deepest=_DEPTH_MARGIN * deepest, curvature=model.curvature)
+            self._found = cached
+        return function(cached.core, **arguments)
 
 
-def crossing(
-    bodies: Bodies, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
+def find_crossings(
+    bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Approaches (l,) that first carry loads (l,), and the status of each: "ok", or why it is NaN."""
+    """Return the approaches (l,) that first support loads (l,), and their status: "ok", or the reason for NaN."""
 
-    def carried(sums: Sums) -> Floats:
-        return friction.load_of("normal", sums, mu0, tau0)
+    def normal_load(sums: Sums) -> Floats:
+        return friction.compute_load("normal", sums, mu0, tau0)
 
     steps = np.zeros(1)
-    curve = bodies.pressed(steps, model)
-    normal = carried(curve)
-    below = normal[0] >= loads
-    todo = ~below
+    curve = bodies.press(steps, model)
+    normal = normal_load(curve)
+    exceeded = normal[0] >= loads
+    todo = ~exceeded
     left, right = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     touched = bool(curve.contact_count.any())
-    # In equal ratios up to where all points are in touch; there are none for parallel bodies.
-    most = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
-    count = round(-np.log(_LEAST) / np.log(_STEP)) + 1 if most > 0 else 0
-    sampled = most * np.geomspace(_LEAST, 1.0, count)
-    for first in range(0, count, _STEPS_AT_A_TIME):
+    # In equal ratios until all points touch; parallel surfaces have no steps.
+    max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
+    count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
+    sampled = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)
+    for first in range(0, count, _CHUNK_STEPS):
         if not todo.any():
             break
-        chunk = sampled[first : first + _STEPS_AT_A_TIME]
-        curve = bodies.pressed(chunk, model)
+        chunk = sampled[first : first + _CHUNK_STEPS]
+        curve = bodies.press(chunk, model)
         steps = np.append(steps[-1], chunk)
-        normal = np.append(normal[-1], carried(curve))
+        normal = np.append(normal[-1], normal_load(curve))
         touched = touched or bool(curve.contact_count.any())
         crosses = (normal[:-1, np.newaxis] < loads) & (normal[1:, np.newaxis] >= loads)
-        found = crosses.any(axis=0) & todo
-        index = crosses.argmax(axis=0)[found]
-        left[found], right[found] = steps[index], steps[index + 1]
-        todo &= ~found
-    reached = ~(todo | below)
+        newly_reached = crosses.any(axis=0) & todo
+        index = crosses.argmax(axis=0)[newly_reached]
+        left[newly_reached], right[newly_reached] = steps[index], steps[index + 1]
+        todo &= ~newly_reached
+    reached = ~(todo | exceeded)
     locked = bool(curve.contact_count[-1] > 0 and normal[-1] <= 0)
-    status = friction.status_of(touched=touched, reached=reached, below=below, locked=locked)
+    status = friction.combine_status(touched=touched, reached=reached, below=exceeded, locked=locked)
     approach = np.full(loads.size, np.nan)
     if reached.any():
-        approach[reached] = bodies.rising_through(loads[reached], left[reached], right[reached], mu0, tau0, model)
+        approach[reached] = bodies.approaches_between(loads[reached], left[reached], right[reached], mu0, tau0, model)
     return approach, status

@@ -14,15 +14,15 @@ MaterialKind = Literal["metal", "ceramic", "glass", "semiconductor", "coating", 
 
 
 class MaterialValue(float):
-    """A property of a material: the middle of what is known, as a number, with the range and its source.
+    """Property of a material: a representative number, with the range and its source.
 
     Attributes
     ----------
     low, high : float
-        Between which it lies in the source; equal where the source has one number. The number itself is their geometric
-        mean, or half of the upper end where the lower one is 0.
+        Range in the source; equal if the source has a single value. The number is their geometric mean, or half of the
+        upper end if the lower end is 0.
     source : str
-        Author, title and year.
+        Author, title and year of the source.
 
     Examples
     --------
@@ -37,7 +37,7 @@ class MaterialValue(float):
     source: str
 
     def __new__(cls, low: float, high: float, source: str) -> MaterialValue:
-        """Return a value between two ends, which are not negative."""
+        """Create a value from the two ends of its range, which are not negative."""
         middle = low if low == high else math.sqrt(low * high) if low > 0 else high / 2
         value = super().__new__(cls, middle)
         value.low, value.high, value.source = low, high, source
@@ -53,7 +53,7 @@ class MaterialValue(float):
 
 @dataclass(frozen=True)
 class Material:
-    """A solid: what contact needs to know of it.
+    """Solid with its contact properties.
 
     Attributes
     ----------
@@ -62,12 +62,12 @@ class Material:
     young_modulus : MaterialValue, GPa
     poisson_ratio : MaterialValue
     hardness : MaterialValue or None, GPa
-        Indentation hardness, the mean pressure at which the surface yields; it depends on treatment and on the size of
-        the indentation, smaller ones being harder. None of an elastomer, which does not yield.
+        Indentation hardness, the mean pressure at which the surface yields. It depends on the treatment, and increases
+        for smaller indentations. None for elastomers, which do not yield.
     aliases : tuple of str
-        Other names that `material` takes.
+        Other names that `material` accepts.
     junction_growth : MaterialValue or None
-        α of p² + α s² = H², by which plastic contacts under shear grow; None where it is taken as 0.
+        α of p² + α s² = H², for the growth of plastic contacts under shear; None if it is taken as 0.
 
     Examples
     --------
@@ -87,22 +87,22 @@ class Material:
 
     @property
     def plane_strain_modulus(self) -> float:
-        """E/(1 - ν²), GPa."""
+        """Plane-strain modulus E/(1 - ν²), GPa."""
         return float(self.young_modulus) / (1 - float(self.poisson_ratio) ** 2)
 
 
 def material(name: str) -> Material:
-    """A material by its name, in any case and with spaces, hyphens or none.
+    """Return a material by its name, ignoring case, spaces and hyphens.
 
     Parameters
     ----------
     name : str
-        One of `materials`, or another name of it.
+        One of `materials`, or an alias.
 
     Raises
     ------
     ValueError
-        If there is no such material; the message has the nearest names.
+        If there is no such material; the message contains the nearest names.
 
     Examples
     --------
@@ -113,22 +113,22 @@ def material(name: str) -> Material:
     >>> material("brass").hardness.low, material("brass").hardness.high
     (0.23, 1.7)
     """
-    known = _by_name()
+    by_name = _materials_by_name()
     if not isinstance(name, str):
         raise ValueError(f"name must be the name of a material, got {name!r}")
-    found = known.get(_bare(name))
-    if found is None:
-        near = difflib.get_close_matches(_bare(name), known, n=3, cutoff=0.5)
-        names = [name for each in near for name in _names(known[each]) if _bare(name) == each]
-        names = names or [each.name for each in materials()]
-        hint = "the nearest are" if near else "there are"
+    result = by_name.get(_normalise_name(name))
+    if result is None:
+        matches = difflib.get_close_matches(_normalise_name(name), by_name, n=3, cutoff=0.5)
+        names = [name for match in matches for name in _names(by_name[match]) if _normalise_name(name) == match]
+        names = names or [item.name for item in materials()]
+        hint = "the nearest are" if matches else "there are"
         raise ValueError(f"name must be that of a known material, got {name[:80]!r}; {hint} {', '.join(names)}")
-    return found
+    return result
 
 
 @cache
 def materials() -> tuple[Material, ...]:
-    """All materials, those of a kind one after the other.
+    """Return all materials, grouped by kind.
 
     Examples
     --------
@@ -157,7 +157,7 @@ def materials() -> tuple[Material, ...]:
 
 
 def compliance_fraction(upper: Material, lower: Material) -> float:
-    """c_l = E* (1 - ν_l²)/E_l, the lower body's fraction of the compliance of a pair.
+    """Return c_l = E* (1 - ν_l²)/E_l, the lower body's fraction of the compliance of a pair.
 
     Examples
     --------
@@ -165,14 +165,16 @@ def compliance_fraction(upper: Material, lower: Material) -> float:
     >>> round(compliance_fraction(material("steel"), material("ptfe")), 3)
     0.997
     """
-    first, second = (_checked(name, body).plane_strain_modulus for name, body in (("upper", upper), ("lower", lower)))
+    first, second = (
+        _check_material(name, body).plane_strain_modulus for name, body in (("upper", upper), ("lower", lower))
+    )
     return first / (first + second)
 
 
 def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
-    """The hardness (GPa) of the softer of two bodies, which yields first; None where one is an elastomer.
+    """Return the hardness (GPa) of the softer of two bodies, which yields first; None if one is an elastomer.
 
-    An elastomer does not yield, and keeps the pressure far below the hardness of what it touches.
+    An elastomer does not yield, and keeps the pressure far below the hardness of its counterface.
 
     Examples
     --------
@@ -180,36 +182,36 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
     >>> float(softer_hardness(material("mild steel"), material("brass"))) == float(material("brass").hardness)
     True
     """
-    softer = softer_material(_checked("upper", upper), _checked("lower", lower))
+    softer = softer_material(_check_material("upper", upper), _check_material("lower", lower))
     return None if softer is None else softer.hardness
 
 
 def softer_material(*bodies: Material) -> Material | None:
-    """The material that yields first; None of no bodies, and where one is an elastomer."""
-    known = [(each.hardness, each) for each in bodies if each.hardness is not None]
-    return min(known, key=lambda pair: pair[0])[1] if known and len(known) == len(bodies) else None
+    """Return the material that yields first; None without bodies, or if one is an elastomer."""
+    hardnesses = [(body.hardness, body) for body in bodies if body.hardness is not None]
+    return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None
 
 
 def is_name_of(text: str, name: str) -> bool:
-    """Whether a text is the name of a material itself, in any spelling, and not one of its aliases."""
-    return _bare(text) == _bare(name)
+    """Return whether a text is the name of a material, in any spelling, and not one of its aliases."""
+    return _normalise_name(text) == _normalise_name(name)
 
 
-def _checked(name: str, body: Any) -> Material:
+def _check_material(name: str, body: Any) -> Material:
     if not isinstance(body, Material):
         raise ValueError(f"{name} must be a Material, as material() gives it, got {type(body).__name__}")
     return body
 
 
-def _bare(name: str) -> str:
+def _normalise_name(name: str) -> str:
     return "".join(character for character in name.casefold() if character.isalnum())
 
 
 @cache
-def _by_name() -> dict[str, Material]:
-    return {_bare(name): each for each in materials() for name in _names(each)}
+def _materials_by_name() -> dict[str, Material]:
+    return {_normalise_name(name): item for item in materials() for name in _names(item)}
 
 
-def _names(each: Material) -> tuple[str, ...]:
-    """The name of a material and its other names."""
-    return each.name, *each.aliases
+def _names(solid: Material) -> tuple[str, ...]:
+    """Return the name of a material and its aliases."""
+    return solid.name, *solid.aliases

@@ -1,10 +1,10 @@
-"""The onset of sliding: of asperities, whose contacts slip from their edges inwards in parallel, and of a half-space.
+"""Onset of sliding: partial slip of parallel asperity contacts, and of a half-space.
 
-A traction that falls from the middle of an ellipse outwards is a sum of those of flat punches on smaller ellipses with
-the same ratio of axes, t from 0 to 1, under each of which the displacement is even. So a contact behaves as springs
-along t that stick while they are below their own strength Q(t): exactly Cattaneo's and Mindlin's solution, for any
-bound mu0 p + tau0 (on circles Jäger 1998; Popov & Heß, Method of Dimensionality Reduction, 2015, chapter 5). A
-half-space has tractions up to a bound that differs from point to point.
+A traction that decreases from the centre of an ellipse outwards is a sum of flat-punch tractions on smaller ellipses
+with the same aspect ratio, t from 0 to 1. Each gives a uniform displacement. A contact therefore behaves as springs
+along t that stick below their own strength Q(t). This is exactly the solution of Cattaneo and Mindlin, for any bound
+mu0 p + tau0 (for circles Jäger 1998; Popov & Heß, Method of Dimensionality Reduction, 2015, chapter 5). On a
+half-space, the bound of the traction differs from point to point.
 """
 
 from __future__ import annotations
@@ -19,65 +19,66 @@ from numpy.typing import NDArray
 import stiction._core as _core
 from stiction._checks import Floats, number
 from stiction.mechanics.half_space_problem import threads
-from stiction.mechanics.law import HertzCylinder, law_of
+from stiction.mechanics.law import HertzCylinder, as_law
 from stiction.mechanics.model import ContactModel
-from stiction.mechanics.onset import Slip, poisson_ratios
+from stiction.mechanics.onset import SlipState, poisson_ratios
 
 if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
-    from stiction.mechanics.half_space_problem import Pressed
+    from stiction.mechanics.half_space_problem import ContactSolution
 
-NODES = 24  # of Gauss and Legendre, over a smooth function of an angle
+NUM_NODES = 24  # nodes of the Gauss-Legendre quadrature, for a smooth function of an angle
 
 
 def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, across: Floats | float = 0.5) -> Floats:
-    """E*/E*_t: how much more two bodies give way to tractions along the motion than to pressures.
+    """Return E*/E*_t: the compliance of two bodies for tractions along the motion over that for pressures.
 
-    1 - ν sin² over 1 - ν (Cerruti; Johnson, Contact Mechanics, 1985, eq. 3.75), of the angle between the motion and the
-    way to a force. `across` is the mean of sin²: 1/2 on circles (Mindlin), 1 where forces lie on lines across it.
+    The mean of (1 - ν sin²)/(1 - ν) over the angle between the motion and the line to a force (Cerruti; Johnson,
+    Contact Mechanics, 1985, eq. 3.75). `across` is the mean of sin²: 1/2 on circles (Mindlin), 1 for line loads across
+    the motion.
     """
     upper, lower = poisson_ratios(poisson)
-    ratios = [(1 - one * np.asarray(across)) / (1 - one) for one in (upper, lower)]
+    ratios = [(1 - value * np.asarray(across)) / (1 - value) for value in (upper, lower)]
     return np.asarray((1 - compliance_share) * ratios[0] + compliance_share * ratios[1])
 
 
 def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
-    """π E* a/K(1 - b²/a²), mN/µm, of flat elliptic punches with (c, 2) semi-axes (Johnson 1985, section 3.8)."""
+    """Return π E* a/K(1 - b²/a²), mN/µm, of elliptic punches with (c, 2) semi-axes (Johnson 1985, section 3.8)."""
     from scipy.special import ellipkm1
 
     return np.asarray(np.pi * effective_modulus * axes[:, 0] / ellipkm1((axes[:, 1] / axes[:, 0]) ** 2))
 
 
 def load_across(axes: Floats, angle: Floats) -> Floats:
-    """The `across` of `compliance_ratio` of ellipses, at angles (rad) between the motion and the larger axis."""
+    """Return `across` of `compliance_ratio` for ellipses, at angles (rad) between the motion and the larger axis."""
     from scipy.special import ellipkm1, elliprd
 
     square = (axes[:, 1] / axes[:, 0]) ** 2
-    # The mean of cos² from the larger axis, (K - E)/(m K) with m = 1 - b²/a².
+    # Mean of cos² about the larger axis: (K - E)/(m K) with m = 1 - b²/a².
     along = elliprd(0, square, 1) / 3 / ellipkm1(square)
     return np.asarray(along * np.sin(angle) ** 2 + (1 - along) * np.cos(angle) ** 2)
 
 
-class Asperities:
-    """Contacts that are pushed together: `Held` of `onset`. Angles are those (degrees) of the motion.
+class SlidingAsperities:
+    """Tangential problem of parallel asperity contacts. `angle` is the direction of the motion in degrees.
 
     frictional, adhesive : (c,) ndarray, mN
-        mu0 times normal load, tau0 times area.
+            mu0 times normal load, and tau0 times area.
     spring : (c,) ndarray, mN/µm
-        Tangential stiffness while all sticks.
+            Tangential stiffness of each contact while it sticks completely.
     """
 
     def __init__(
         self, contacts: Contacts, model: ContactModel, *, mu0: float, tau0: float, angle: float,
         poisson: float | Sequence[float], compliance_share: float,
     ) -> None:  # fmt: skip
-        if isinstance(law_of(model.law), HertzCylinder):
+        if isinstance(as_law(model.law), HertzCylinder):
             raise ValueError(
-                "law must not be HertzCylinder for an onset, because a line load moves far points without limit: take "
+                "law must not be HertzCylinder for an onset, because line loads displace far points without limit: use "
                 "HertzSphere, or half_space with boundary='periodic'"
             )
         if len(contacts) == 0:
-            raise ValueError("index must be that of an approach at which something touches: here there is no contact")
+            raise ValueError("index must be that of an approach with contact: here there is none")
         load, area = contacts.force * contacts.normal[:, 2], contacts.area
         turned = np.radians(angle) - np.arctan2(contacts.along[:, 1], contacts.along[:, 0])
         ratio = compliance_ratio(poisson, compliance_share, load_across(contacts.axes, turned))
@@ -90,34 +91,36 @@ class Asperities:
         self.normal_load = float(load.sum())
         self.sliding_load = float(mu0 * load.sum() + tau0 * area.sum())
         self.stiffness = float(self.spring.sum())
-        # Displacement at which each slides as a whole.
+        # Displacement at which each contact slides completely.
         self.farthest = 2 * self._strength(np.ones((load.size, 1)))[:, 0] / self.spring
 
-    def at(self, load: float, near: Slip | None = None) -> Slip:
-        """Where all contacts together hold a load."""
+    def at(self, load: float, near: SlipState | None = None) -> SlipState:
+        """Return the state at which all contacts together support a load."""
         from scipy.optimize import brentq
 
-        del near  # it is as quick without
+        del near  # not useful here: the solution does not iterate over states
         end = float(self.farthest.max())
-        way = end
+        displacement = end
         if load < self.sliding_load:
-            # The curve is concave, so that the line at rest is to the left.
+            # The curve is concave, so the initial tangent gives a lower bound.
             start = min(load / self.stiffness, end)
-            way = brentq(lambda one: self._held(self._depth(one)).sum() - load, 0.5 * start, end, xtol=1e-300)
-        depth = self._depth(way)
-        held = self._held(depth)
+            displacement = brentq(
+                lambda value: self._tangential_loads(self._depth(value)).sum() - load, 0.5 * start, end, xtol=1e-300
+            )
+        depth = self._depth(displacement)
+        loads = self._tangential_loads(depth)
         slides = depth >= 1
-        return Slip(
-            load=load, displacement=way, slipped_area=float(self.area @ depth**2 / self.area.sum()),
+        return SlipState(
+            load=load, displacement=displacement, slipped_area=float(self.area @ depth**2 / self.area.sum()),
             slipped_load=float(self.load @ depth**3 / self.load.sum()),
-            traction=np.where(slides, self.bound, held / self.area),
+            traction=np.where(slides, self.bound, loads / self.area),
         )  # fmt: skip
 
-    def dissipated(self, slip: Slip) -> float:
-        """Σ Q (δ - 2 Q/k) over the springs that slip."""
+    def dissipated(self, slip: SlipState) -> float:
+        """Return Σ Q (δ - 2 Q/k) over the slipping springs."""
         depth = self._depth(slip.displacement)
-        nodes, weights = np.polynomial.legendre.leggauss(NODES)
-        # t = cos φ, from the edge, where φ = 0, to where it sticks.
+        nodes, weights = np.polynomial.legendre.leggauss(NUM_NODES)
+        # t = cos φ, from the edge, φ = 0, to the end of the slip zone.
         end = np.arcsin(depth)[:, np.newaxis]
         sine = np.sin(0.5 * end * (nodes + 1))
         strength = self._strength(sine)
@@ -125,36 +128,36 @@ class Asperities:
         return float(((strength * slipped * sine) @ weights * end[:, 0]).sum())
 
     def _strength(self, sine: Floats) -> Floats:
-        """Q at t = sqrt(1 - sine²), (c, n): 3/4 mu0 F (1 - t²) of Hertz's pressure, 2/π tau0 A (1 - t²)^(1/2)."""
+        """Return Q at t = sqrt(1 - sine²), (c, n): 3/4 mu0 F (1 - t²) plus 2/π tau0 A (1 - t²)^(1/2)."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
 
-    def _depth(self, way: float) -> Floats:
-        """How deep each has slipped: 0 not at all, 1 as a whole."""
+    def _depth(self, displacement: float) -> Floats:
+        """Return the relative slip depth of each contact: 0 without slip, 1 for complete sliding."""
         square, linear = 1.5 * self.frictional / self.spring, 4 / np.pi * self.adhesive / self.spring
-        depth = 2 * way / (linear + np.sqrt(linear**2 + 4 * square * way))
-        return np.asarray(np.where(way >= self.farthest, 1.0, np.minimum(depth, 1.0)))
+        depth = 2 * displacement / (linear + np.sqrt(linear**2 + 4 * square * displacement))
+        return np.asarray(np.where(displacement >= self.farthest, 1.0, np.minimum(depth, 1.0)))
 
-    def _held(self, depth: Floats) -> Floats:
-        """mN, of each."""
+    def _tangential_loads(self, depth: Floats) -> Floats:
+        """Return the tangential load of each contact, mN."""
         stuck = 1 - depth**2
-        whole = depth >= 1
-        by_friction = np.where(whole, 1.0, -np.expm1(1.5 * np.log1p(-(np.where(whole, 0.0, depth) ** 2))))
+        slides = depth >= 1
+        by_friction = np.where(slides, 1.0, -np.expm1(1.5 * np.log1p(-(np.where(slides, 0.0, depth) ** 2))))
         by_adhesion = 2 / np.pi * (np.arcsin(depth) + depth * np.sqrt(stuck))
         return np.asarray(self.frictional * by_friction + self.adhesive * by_adhesion)
 
 
-class HalfSpace:
-    """A half-space that is pushed: `Held` of `onset`, of the contact at one load."""
+class SlidingHalfSpace:
+    """Tangential problem of a half-space contact at one normal load."""
 
     def __init__(
-        self, pressed: Pressed, *, mu0: float, tau0: float, poisson: float | Sequence[float], tolerance: float
+        self, pressed: ContactSolution, *, mu0: float, tau0: float, poisson: float | Sequence[float], tolerance: float
     ) -> None:
         problem = pressed.problem
         self.grids, self.cell, self.moves = problem.grids, problem.cell, problem.has_approach
         self.shape, self.size = problem.gap.shape, problem.gap.size
-        # On a line all load lies across the motion, on lines of its own.
+        # On a line, all forces are across the motion.
         across = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, across))
         self.points: NDArray[Any] = pressed.points
@@ -173,7 +176,7 @@ class HalfSpace:
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
-        """Solver of tractions, which cannot be copied and is made again in a copy."""
+        """Solver for tractions. It cannot be copied; copies create it again."""
         return _core.HalfSpaceSolver(
             np.zeros(self.shape), self.grids, bound=self.everywhere, tolerance=self.tolerance, threads=threads()
         )
@@ -181,38 +184,38 @@ class HalfSpace:
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if name != "_solver"}
 
-    def at(self, load: float, near: Slip | None = None) -> Slip:
-        """The least energy of tractions that hold a load."""
+    def at(self, load: float, near: SlipState | None = None) -> SlipState:
+        """Return the tractions of least energy that support a load."""
         if load >= self.sliding_load:
-            return self._slip(self.sliding_load, self.bound, float(self._moved(self.bound).max()))
-        part = load / self.sliding_load
+            return self._slip(self.sliding_load, self.bound, float(self._displacements(self.bound).max()))
+        load_fraction = load / self.sliding_load
         start = None if near is None else self._over_grid(near.traction)
-        found = self._solver.at(part * self.mean_bound, near=start, threads=threads())
-        if not found.error <= self.tolerance:
+        solution = self._solver.at(load_fraction * self.mean_bound, near=start, threads=threads())
+        if not solution.error <= self.tolerance:
             raise RuntimeError(
-                f"no solution at {load:g} mN, {part:g} of the sliding load: error {found.error:.2g} after "
-                f"{found.iterations} iterations, above the tolerance {self.tolerance:g}"
+                f"no solution at {load:g} mN, {load_fraction:g} of the sliding load: error {solution.error:.2g} after "
+                f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
-        return self._slip(load, found.pressure[self.points], found.approach * self.ratio)
+        return self._slip(load, solution.pressure[self.points], solution.approach * self.ratio)
 
-    def dissipated(self, slip: Slip) -> float:
-        """The sum of bound times slip, whatever far points do."""
-        moved = self._moved(slip.traction)
+    def dissipated(self, slip: SlipState) -> float:
+        """Return the sum of bound times slip, which does not depend on far points."""
+        moved = self._displacements(slip.traction)
         slips = slip.traction >= self.bound
         sticks = (slip.traction > 0) & ~slips
-        held = moved[sticks].mean() if sticks.any() else moved[slips].max()
-        return float((self.bound[slips] * (held - moved[slips])).sum() * self.cell)
+        stuck_displacement = moved[sticks].mean() if sticks.any() else moved[slips].max()
+        return float((self.bound[slips] * (stuck_displacement - moved[slips])).sum() * self.cell)
 
-    def _slip(self, load: float, traction: Floats, displacement: float) -> Slip:
+    def _slip(self, load: float, traction: Floats, displacement: float) -> SlipState:
         slips = traction >= self.bound
-        return Slip(
+        return SlipState(
             load=load, displacement=max(displacement, 0.0) if self.moves else np.nan,
             slipped_area=float(self.area[slips].sum() / self.area.sum()),
             slipped_load=float(self.pressure[slips].sum() / self.pressure.sum()), traction=traction,
         )  # fmt: skip
 
-    def _moved(self, traction: Floats) -> Floats:
-        """µm, of the points in contact."""
+    def _displacements(self, traction: Floats) -> Floats:
+        """Return the displacements of the points in contact, µm."""
         moved = self.grids.displacement(self._over_grid(traction), threads=threads()) * self.ratio
         return np.asarray(moved.ravel()[self.points])
 

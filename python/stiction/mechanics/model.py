@@ -1,4 +1,4 @@
-"""How two bodies are pressed together: one object from a study file to the core."""
+"""Contact model: the parameters of a contact calculation, from the study file to the core."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy as np
 import stiction._core
 from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, number
-from stiction.mechanics.law import HertzCylinder, Law, LawName, law_of
+from stiction.mechanics.law import HertzCylinder, Law, LawName, as_law
 from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
@@ -23,41 +23,41 @@ Curvature = Literal["convex", "signed"]
 Shear = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 Sliding = Literal["opposing", "all"]
-EFFECTIVE_MODULUS = 10.0  # GPa, of the paper
-THICKNESS = 1.0  # µm, of a profile
+EFFECTIVE_MODULUS = 10.0  # GPa, the value of the paper
+THICKNESS = 1.0  # µm, thickness of a profile
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-TURNED = "turned over"  # what the history of a body says that `flipped` has made
-_ROUND_OFF = 1e-9  # of the height of a body, by which two that are the same may differ
+FLIPPED_STEP = "turned over"  # history step of `flipped`
+_SAME_HEIGHT_TOLERANCE = 1e-9  # largest difference of equal heights, over their range
 
 
 @dataclass(frozen=True, kw_only=True)
 class ContactModel:
-    """How two bodies are pressed together: what `contacts`, `press`, `approach_at_load` and `traverse` take as `model`.
+    """Parameters of a contact calculation: the argument `model` of `contacts`, `press`, `approach_at_load`, `traverse`.
 
-    Keywords of these functions take precedence over the model's.
+    Keyword arguments of these functions take precedence over the model.
 
     Parameters
     ----------
     effective_modulus : float, GPa
         E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2.
     law : HertzSphere, HertzCylinder or JacksonGreen, or "hertz-sphere" or "hertz-cylinder"
-        What one contact carries.
-        On surfaces "hertz-sphere" is the elliptic contact of Hertz; `JacksonGreen` takes the sphere of the same mean
-        radius, which it was fitted to; `HertzCylinder` is refused, because the contacts are no lines.
+        Law of a single contact. On surfaces "hertz-sphere" is the elliptic Hertz contact, `JacksonGreen` uses the
+        sphere of the same mean radius, to which it was fitted, and `HertzCylinder` is rejected, because contacts are
+        not lines.
     detection : {"cell", "gap-minimum"}, optional
-        "cell" (Eq. 5): a grid point owns a contact whose centre lies in its own cell. "gap-minimum": contacts are at
-        the local minima of the splined gap, which do not depend on the grid where it resolves the surfaces. By default
-        "cell" for profiles, as the paper has it, and "gap-minimum" for surfaces, for which there is no other.
+        "cell" (Eq. 5): a grid point has a contact if the contact's centre lies in its cell. "gap-minimum": contacts are
+        at the local minima of the splined gap, which do not depend on the grid if it resolves the surfaces. The default
+        is "cell" for profiles, as in the paper, and "gap-minimum" for surfaces, the only choice there.
     curvature : {"convex", "signed"}, optional
-        Whether both bodies must be convex at a contact, or one may be a wider cup. By default "convex" for profiles, as
-        the paper has it, and "signed" for surfaces, where a summit rarely meets a summit.
+        Whether both surfaces must be convex at a contact, or only their relative curvature. The default is "convex" for
+        profiles, as in the paper, and "signed" for surfaces, where summits rarely meet summits.
     shear : {"+x", "-x"}
-        Where the upper body is about to move.
+        Direction in which the upper surface is about to move.
     direction : {"+x", "-x"}, float or a sequence of these, optional
-        The same for surfaces: along x, or at an angle in degrees from +x towards +y. Of a sequence, `press` computes
-        all. By default that of `shear`, beside which it must not be given.
+        The same for surfaces: along x, or at an angle in degrees from +x towards +y. `press` computes all directions of
+        a sequence. The default is that of `shear`; both must not be given.
     sliding : {"opposing", "all"}
-        Which contacts rub and push: those whose normal force opposes the motion, as the paper has it, or every one.
+        Contacts with friction: those whose normal force opposes the motion, as in the paper, or all.
 
     Examples
     --------
@@ -93,12 +93,12 @@ class ContactModel:
         self.core()
 
     def angles(self) -> Floats:
-        """Directions in degrees from +x towards +y: () of one, (m,) of a sequence."""
+        """Return the directions in degrees from +x towards +y: () for one, (m,) for a sequence."""
         angles = np.array(self._angles)
         return angles if self._has_many_directions() else angles.reshape(())
 
     def directions(self) -> Floats:
-        """(m, 2) horizontal unit vectors (x, y) of the directions."""
+        """Return the (m, 2) horizontal unit vectors (x, y) of the directions."""
         return np.array([_unit_vector(angle) for angle in self._angles])
 
     def _has_many_directions(self) -> bool:
@@ -107,24 +107,22 @@ class ContactModel:
     @cached_property
     def _angles(self) -> list[float]:
         given: Any = self.shear if self.direction is None else self.direction
-        return [_angle(one) for one in given] if self._has_many_directions() else [_angle(given)]
+        return [_angle(value) for value in given] if self._has_many_directions() else [_angle(given)]
 
     def for_profiles(self) -> ContactModel:
-        """The model with what it leaves open as profiles have it, and along x."""
+        """Return the model with the defaults for profiles, and along x."""
         if self._has_many_directions() or self._angles[0] not in (0.0, 180.0):
             raise ValueError(f'direction on profiles must be "+x" or "-x", got {self.direction!r}')
         return self._with(self.detection or "cell", self.curvature or "convex")
 
     def for_surfaces(self) -> ContactModel:
-        """The model with what it leaves open as surfaces have it."""
+        """Return the model with the defaults for surfaces."""
         if self.detection == "cell":
             raise ValueError(
-                'detection must be "gap-minimum" on surfaces, got "cell": the paper defines that along a line only'
+                'detection must be "gap-minimum" on surfaces, got "cell": the paper defines "cell" along a line only'
             )
-        if isinstance(law_of(self.law), HertzCylinder):
-            raise ValueError(
-                "law must not be HertzCylinder on surfaces: their contacts are ellipses, for which take HertzSphere"
-            )
+        if isinstance(as_law(self.law), HertzCylinder):
+            raise ValueError("law must not be HertzCylinder on surfaces: contacts are ellipses there; use HertzSphere")
         return self._with("gap-minimum", self.curvature or "signed")
 
     def _with(self, detection: Detection, curvature: Curvature) -> ContactModel:
@@ -133,24 +131,24 @@ class ContactModel:
         return replace(self, detection=detection, curvature=curvature)
 
     def core(self) -> stiction._core.ContactModel:
-        """The model of the core, with the first direction."""
+        """Return the core's model, with the first direction."""
         return self._core
 
     @cached_property
     def _core(self) -> stiction._core.ContactModel:
-        law = law_of(self.law)
+        law = as_law(self.law)
         return stiction._core.ContactModel(
             law=law.name, parameters=law.parameters(self.effective_modulus), detection=self.detection or "cell",
             curvature=self.curvature or "convex", direction=_unit_vector(self._angles[0]), sliding=self.sliding,
         )  # fmt: skip
 
     def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: all but what is made again, as the model of the core."""
+        """Return the picklable state, without cached values such as the core's model."""
         return {name: value for name, value in vars(self).items() if not name.startswith("_")}
 
 
 def _angle(direction: Any) -> float:
-    """Degrees from +x towards +y, from 0 to below 360."""
+    """Return a direction in degrees from +x towards +y, from 0 to below 360."""
     if isinstance(direction, str):
         if direction not in ("+x", "-x"):
             raise ValueError(f'direction must be "+x", "-x" or an angle in degrees, got {direction!r}')
@@ -159,19 +157,19 @@ def _angle(direction: Any) -> float:
 
 
 def _unit_vector(angle: float) -> tuple[float, float]:
-    """Exact along the axes."""
+    """Return the unit vector of an angle, exact along the axes."""
     quarter, rest = divmod(angle, 90.0)
     x, y = math.cos(math.radians(rest)), math.sin(math.radians(rest))
     return [(x, y), (-y, x), (-x, -y), (y, -x)][int(quarter) % 4]
 
 
 _DEFAULT = ContactModel()
-_OF_PROFILES = _DEFAULT.for_profiles()
-_OF_SURFACES = _DEFAULT.for_surfaces()
+_PROFILE_DEFAULT = _DEFAULT.for_profiles()
+_SURFACE_DEFAULT = _DEFAULT.for_surfaces()
 
 
 class ContactKeywords(TypedDict, total=False):
-    """A contact model as keywords: the model itself, and what shall differ from it."""
+    """A contact model as keyword arguments: the model, and parameters that differ from it."""
 
     model: ContactModel
     effective_modulus: float
@@ -183,8 +181,8 @@ class ContactKeywords(TypedDict, total=False):
     sliding: Sliding
 
 
-def model_of(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
-    """The contact model that keywords give; what they leave open is the default's."""
+def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
+    """Create the contact model from keyword arguments; missing parameters are those of the default."""
     changes: dict[str, Any] = dict(keywords)
     model = changes.pop("model", default or _DEFAULT)
     if not isinstance(model, ContactModel):
@@ -193,7 +191,7 @@ def model_of(keywords: Mapping[str, object], default: ContactModel | None = None
         return model
     if unknown := changes.keys() - ContactKeywords.__annotations__.keys():
         raise TypeError(f"unexpected keyword argument {min(unknown)!r}")
-    # One of the two says where the body moves, and the one that is given replaces the other of the model.
+    # `shear` and `direction` exclude each other: the given one replaces the other one of the model.
     if "shear" in changes and changes.get("direction") is None:
         changes["direction"] = None
     elif changes.get("direction") is not None and "shear" not in changes:
@@ -202,16 +200,16 @@ def model_of(keywords: Mapping[str, object], default: ContactModel | None = None
 
 
 def model_for_pair(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
-    """The contact model that keywords give for two bodies, which are checked; nothing is left open."""
+    """Check two surfaces and create their complete contact model from keyword arguments."""
     check_pair(upper, lower)
     check_modulus(keywords, upper, lower)
     if isinstance(upper, Surface):
-        return model_of(keywords, _OF_SURFACES).for_surfaces()
-    return model_of(keywords, _OF_PROFILES).for_profiles()
+        return make_model(keywords, _SURFACE_DEFAULT).for_surfaces()
+    return make_model(keywords, _PROFILE_DEFAULT).for_profiles()
 
 
 def modulus_for(effective_modulus: Any, *bodies: Profile | Surface) -> float:
-    """The modulus (GPa) that is given, or that of the paper; bodies that were measured must have one of their own."""
+    """Return the given modulus (GPa), or that of the paper for generated surfaces; measured surfaces require one."""
     if effective_modulus is None:
         check_modulus({}, *bodies)
         return EFFECTIVE_MODULUS
@@ -219,44 +217,46 @@ def modulus_for(effective_modulus: Any, *bodies: Profile | Surface) -> float:
 
 
 def check_modulus(keywords: Mapping[str, object], *bodies: Profile | Surface) -> None:
-    """Ask for a modulus, or a model that has one, where a body was measured."""
+    """Raise ValueError if a surface was measured and no modulus or model is given."""
     if "effective_modulus" not in keywords and "model" not in keywords:
-        refuse_no_modulus(*map(measured_source, bodies))
+        reject_missing_modulus(*map(measured_source, bodies))
 
 
-def refuse_no_modulus(*sources: str) -> None:
-    """Ask for a modulus where there is a file that a body was read from."""
+def reject_missing_modulus(*sources: str) -> None:
+    """Raise ValueError if a surface was read from a file, because the modulus must then be given."""
     for source in filter(None, sources):
         raise ValueError(
-            f"effective_modulus (GPa) must be given, because a body was {source}: only of generated ones it is "
-            f"{EFFECTIVE_MODULUS:g} GPa"
+            f"effective_modulus (GPa) must be given, because a body was {source}: the default "
+            f"{EFFECTIVE_MODULUS:g} GPa is for generated bodies"
         )
 
 
 def measured_source(body: Profile | Surface) -> str:
-    """What the history of a body says of the file that it was read from; nothing of bodies that were generated."""
+    """Return the history step of the file that a surface was read from, or an empty string for generated surfaces."""
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
 def shows_model(function: _Function) -> _Function:
-    """Let the signature of a function name the keywords of a contact model, as tooltips show it."""
+    """Add the contact model's keyword arguments to the signature of a function, for tooltips."""
     signature = inspect.signature(function)
-    own = [each for each in signature.parameters.values() if each.kind is not each.VAR_KEYWORD]
+    parameters = [
+        parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD
+    ]
     model = [inspect.Parameter("model", inspect.Parameter.KEYWORD_ONLY, default=None, annotation="ContactModel | None")]
     model += [
-        inspect.Parameter(each.name, inspect.Parameter.KEYWORD_ONLY, default=each.default, annotation=each.type)
-        for each in fields(ContactModel)
+        inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=field.default, annotation=field.type)
+        for field in fields(ContactModel)
     ]
-    function.__signature__ = signature.replace(parameters=[*own, *model])  # type: ignore[attr-defined]
+    function.__signature__ = signature.replace(parameters=[*parameters, *model])  # type: ignore[attr-defined]
     return function
 
 
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
-    """Two profiles or two surfaces on one grid, and whole; how many points they have is for the core to see."""
+    """Check that both are profiles or both surfaces on one grid, without missing points if `whole`."""
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:
-            reject_missing(body, "all but half_space")
+            reject_missing(body, "every model except half_space")
     if isinstance(upper, Surface) != isinstance(lower, Surface):
         raise ValueError(
             f"upper and lower must both be profiles or both surfaces, got {type(upper).__name__} and "
@@ -268,39 +268,39 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
         raise ValueError(f"upper and lower must have equal spacings, got {upper.spacing!r} and {lower.spacing!r} µm")
 
 
-def warn_of_one_body(upper: Profile | Surface, lower: Profile | Surface, *, moved: bool = False) -> None:
-    """Warn of a body that is pressed on itself, or on its own mirror image unless it is `moved` before."""
-    source, is_one = _source(upper), _source(upper) == _source(lower)
-    faces = [body.history.count(TURNED) % 2 for body in (upper, lower)]
-    said = ""
-    if is_one and source[:1] and source[0].startswith("read from") and faces[0] == faces[1]:
-        said = f"upper and lower were both {source[0]} and face the same way: press flipped(upper) on lower"
+def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface, *, moved: bool = False) -> None:
+    """Warn if a surface is pressed on itself, or on its own mirror image unless it was `moved`."""
+    source, is_same = _source(upper), _source(upper) == _source(lower)
+    flips = [body.history.count(FLIPPED_STEP) % 2 for body in (upper, lower)]
+    message = ""
+    if is_same and source[:1] and source[0].startswith("read from") and flips[0] == flips[1]:
+        message = f"upper and lower were both {source[0]} and face the same way: press flipped(upper) on lower"
     elif upper.heights.shape != lower.heights.shape or upper.is_flat:
         return
-    elif upper is lower or (is_one and source and _differ_by_a_constant(upper.heights, lower.heights)):
-        said = "upper and lower are the same and fit into each other everywhere: press flipped(upper) on lower"
-    elif is_one and not moved and (source or (faces[0] and isinstance(upper, Surface))):
+    elif upper is lower or (is_same and source and _differ_by_a_constant(upper.heights, lower.heights)):
+        message = "upper and lower are the same and fit into each other everywhere: press flipped(upper) on lower"
+    elif is_same and not moved and (source or (flips[0] and isinstance(upper, Surface))):
         if _differ_by_a_constant(upper.heights, -lower.heights):
-            said = (
-                "upper is the mirror image of lower, whose summits meet themselves, so that their slopes cancel: move "
+            message = (
+                "upper is the mirror image of lower: its summits meet themselves, so their slopes cancel; move "
                 "one of them, or press another piece"
             )
         elif _differ_by_a_constant(upper.heights, -lower.heights[::-1]):
-            said = (
-                "upper is lower turned over, so that the gap is the same on both sides of its middle row and slopes "
-                "along y cancel: move one of them, or press another piece"
+            message = (
+                "upper is lower turned over, so the gap is the same on both sides of its middle row, and slopes "
+                "along y cancel; move one of them, or press another piece"
             )
-    if said:
-        warnings.warn(said, stacklevel=3)
+    if message:
+        warnings.warn(message, stacklevel=3)
 
 
 def _source(body: Profile | Surface) -> tuple[str, ...]:
-    """What a body was made from, whichever way it faces."""
-    return tuple(step for step in body.history if step != TURNED)
+    """Return the origin of a surface, independently of its orientation."""
+    return tuple(step for step in body.history if step != FLIPPED_STEP)
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
-    """Whether two arrays of one shape are the same but for their height; a row that is not is enough to tell."""
-    allowed = _ROUND_OFF * float(np.ptp(a))
+    """Return whether two arrays differ by a constant only; the first row is compared first."""
+    allowed = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
     first = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
     return float(np.ptp(first)) <= allowed and float(np.ptp(a - b)) <= allowed

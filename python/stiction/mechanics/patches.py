@@ -1,4 +1,4 @@
-"""What pressures on a grid say of friction: connected patches, true areas, slopes, and the sums over them."""
+"""Friction sums from pressures on a grid: connected patches, real areas, slopes, and sums over patches."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ import stiction._core as _core
 from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
 
-LEVEL = 1e-6
-"""Largest mean slope of a level patch, which does not oppose, over the root-mean-square slope in contact. The pressures
-of a level patch, as of a ball on a flat, lean by 1e-9 of that at a tolerance of 1e-6."""
+MAX_LEVEL_SLOPE = 1e-6
+"""Largest mean slope of a level patch, which does not oppose the motion, over the root-mean-square slope in contact.
+For a sphere on a flat, solver errors give 1e-9 at a tolerance of 1e-6."""
 
 
 def slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
-    """Slope at every point along each axis: of the waves where periodic, of natural cubic splines elsewhere."""
+    """Compute the slopes along each axis: spectrally if periodic, otherwise with natural cubic splines."""
     if periodic:
         return [_wave_slope(heights, axis, step) for axis, step in enumerate(spacing)]
     rows = np.atleast_2d(heights)
@@ -31,7 +31,7 @@ def _wave_slope(heights: Floats, axis: int, step: float) -> Floats:
     n = heights.shape[axis]
     factor = 2j * np.pi * scipy.fft.rfftfreq(n, step)
     if n % 2 == 0:
-        factor[-1] = 0.0  # the shortest wave has no slope at its points
+        factor[-1] = 0.0  # the Nyquist component has no slope at the grid points
     shape = [1] * heights.ndim
     shape[axis] = factor.size
     waves = scipy.fft.rfft(heights, axis=axis) * factor.reshape(shape)
@@ -40,39 +40,39 @@ def _wave_slope(heights: Floats, axis: int, step: float) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class PatchSums:
-    """What F_N and F_T need for every mu0 and tau0, of each patch: (patches,), or (directions, patches)."""
+    """Sums that determine F_N and F_T for every mu0 and tau0, per patch: (patches,), or (directions, patches)."""
 
     force: Floats  # mN, Σ F n_z
     area: Floats  # µm², along the deformed interface
     leaning: Floats  # mN, -Σ F s·n
-    upward: Floats  # mN, Σ F t_z, and
-    forward: Floats  # -Σ F s·t, for friction
-    upward_area: Floats  # µm², Σ A t_z, and
-    forward_area: Floats  # -Σ A s·t, for adhesion
+    upward: Floats  # mN, Σ F t_z, for friction
+    forward: Floats  # mN, -Σ F s·t, for friction
+    upward_area: Floats  # µm², Σ A t_z, for adhesion
+    forward_area: Floats  # µm², -Σ A s·t, for adhesion
     steepness: float  # root-mean-square slope in contact, weighted with the force
 
     @property
     def opposing(self) -> NDArray[np.bool_]:
-        """(directions, patches): whether a patch pushes the upper body back."""
-        return np.asarray(self.leaning > LEVEL * self.steepness * self.force)
+        """(directions, patches) mask of the patches that push the upper surface against the motion."""
+        return np.asarray(self.leaning > MAX_LEVEL_SLOPE * self.steepness * self.force)
 
     def total(self, sliding: Sliding) -> dict[str, Any]:
-        """The sums of a `HalfSpaceCurve` by a sliding rule; those that depend on the direction as (directions,)."""
-        rubs = True if sliding == "all" else self.opposing
-        each = {
+        """Return the sums of a `HalfSpaceCurve` for a sliding rule; (directions,) if they depend on the direction."""
+        selected = True if sliding == "all" else self.opposing
+        coordinates = {
             "tangential_elastic": self.leaning, "normal_frictional": self.upward, "tangential_frictional": self.forward,
             "normal_adhesive": self.upward_area, "tangential_adhesive": self.forward_area,
         }  # fmt: skip
         return {
             "contact_area": float(self.area.sum()),
             "normal_elastic": float(self.force.sum()),
-            **{name: values.sum(axis=1, where=rubs) for name, values in each.items()},
+            **{name: values.sum(axis=1, where=selected) for name, values in coordinates.items()},
         }
 
 
 def patch_sums(
     force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.int32], directions: Floats
 ) -> PatchSums:
-    """Sums over the points of each patch, from their forces (mN), areas (µm²) and slopes, for (m, 2) unit vectors."""
+    """Compute the sums over each patch from forces (mN), areas (µm²) and slopes, for (m, 2) unit vectors."""
     along_y = slope[0] if len(slope) == 2 else None
     return PatchSums(**_core.patch_sums(force, area, along_y, slope[-1], patch, list(directions)))

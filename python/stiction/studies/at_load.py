@@ -19,7 +19,15 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats, check_choice, float_array
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import gentle_friction, hardness_under_shear
-from stiction.mechanics.friction import RATIOS, SIX, STATUS_DTYPE, STATUSES, load_of, loads_of, ratio_of
+from stiction.mechanics.friction import (
+    RATIOS,
+    SIX_SUMS,
+    STATUS_DTYPE,
+    STATUSES,
+    compute_load,
+    compute_loads,
+    validity_ratio,
+)
 from stiction.mechanics.quantities import (
     DISTRIBUTIONS,
     GAP,
@@ -570,11 +578,11 @@ def piece_at(
     motions = [name for name in MOTIONS if name in piece.dims]
     six = {name: off.at(values) for name, values in sums.items()} if reading == "elastic" else {}
     if reading == "elastic":
-        normal, tangential = loads_of(six, mu0, tau0)
+        normal, tangential = compute_loads(six, mu0, tau0)
         reached, below = off.reached[..., None, None, :, None, None], off.below[..., None, None, :, None, None]
     else:
         # (..., load, mu0, tau0) where each member's own normal load is that of `loads`.
-        normal, tangential = (np.moveaxis(each, -3, -1) for each in loads_of(sums, mu0, tau0))
+        normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums, mu0, tau0))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
             carried = np.where(normal > 0, normal, np.nan) if ratio else normal
@@ -613,7 +621,7 @@ def piece_at(
         bounds = (_over(there["pull_off_is_bound"], lead) != 0).astype(np.float64)  # NaN where missing
         variables["share_of_pull_off_bounds"] = (lead, bounds, attributes_of("share_of_pull_off_bounds"))
         parts = {name: _over(there[name], (*lead, *MOTIONS), missing=True)[..., None, None] for name in UNLOADED}
-        held = load_of("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
+        held = compute_load("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
         variables["friction_at_no_load"] = (
             (*lead, "sliding", "mu0", "tau0"), held, attributes_of("friction_at_no_load"),
         )  # fmt: skip
@@ -632,7 +640,7 @@ def _curves(piece: xarray.Dataset, loads: Floats, *, ratio: bool) -> tuple[dict[
     there = piece.variables  # without coordinates, which take longer to carry along than the numbers to compute
     elastic = _over(there["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
-    sums = {name: _over(there[name], (*lead, *MOTIONS, step), missing=True) for name in SIX}
+    sums = {name: _over(there[name], (*lead, *MOTIONS, step), missing=True) for name in SIX_SUMS}
     return sums, Crossing.of(curve, loads, ratio=ratio).without_gaps(curve, loads)
 
 
@@ -666,7 +674,7 @@ def _with_derived(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any
     sums = {name: each[1] for name, each in variables.items() if isinstance(each, tuple)}
     for name, (numerator, _) in RATIOS.items():
         if numerator in sums and name not in sums:
-            found[name] = ratio_of(name, sums)
+            found[name] = validity_ratio(name, sums)
     kept = {name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in RATIO_PARTS}
     return kept | {name: (dims, values, attributes_of(name)) for name, values in found.items()}
 
@@ -684,7 +692,7 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
     """Status of each member over (..., sliding, direction, load, mu0, tau0)."""
     known = np.isfinite(normal)
     locked = known & (normal <= 0)
-    status = friction.status_of(touched=True, reached=known & reached & ~locked, locked=locked, below=below)
+    status = friction.combine_status(touched=True, reached=known & reached & ~locked, locked=locked, below=below)
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step = step_of(piece)
     if "status" in piece:

@@ -15,7 +15,7 @@ from stiction.surfaces.profile import Profile, combine_missing
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
-    from stiction.mechanics.half_space_problem import Pressed
+    from stiction.mechanics.half_space_problem import ContactSolution
 
 STEEPEST = 0.1  # the fraction of a body whose slopes are its steepest
 
@@ -111,7 +111,7 @@ OF_CONTACTS: dict[str, Callable[[Table], float]] = {
 """Formulas of the statistics of the contacts of a member at a load, by their names in `QUANTITIES`."""
 
 
-def patches_of(pressed: Pressed) -> Table:
+def patches_of(pressed: ContactSolution) -> Table:
     """The patches of a half-space contact."""
     problem, pressure, patch = pressed.problem, pressed.values, pressed.patch - 1
     total = np.bincount(patch, weights=pressure)
@@ -165,7 +165,7 @@ def on_steepest(table: Table, found: Slopes) -> dict[str, float]:
     }
 
 
-def pressed_on_steepest(pressed: Pressed, found: Slopes) -> dict[str, float]:
+def pressed_on_steepest(pressed: ContactSolution, found: Slopes) -> dict[str, float]:
     """The same, point by point of a half-space."""
     total = pressed.values.sum()
     return {

@@ -13,7 +13,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, model_validator
 from stiction._checks import Floats, float_array
 from stiction._units import MAGNITUDES, exact_quantity, quantity, short_repr
 from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
-from stiction.mechanics.law import NAMED, HertzCylinder, JacksonGreen, Law, LawName, law_of
+from stiction.mechanics.law import LAWS_BY_NAME, HertzCylinder, JacksonGreen, Law, LawName, as_law
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
 from stiction.studies.generated_surfaces import Generated, Profiles
 from stiction.studies.known import MAX_GROWTH
@@ -83,14 +83,14 @@ LAW_TABLES: dict[str, type[LawTable]] = {"hertz-cylinder": HertzCylinderTable, "
 
 def _read_law(value: object) -> LawName | LawTable:
     """Read a law from its name, or from a table of its parameters."""
-    for name in NAMED:
+    for name in LAWS_BY_NAME:
         if value == name:
             return name  # type: ignore[return-value]
     if isinstance(value, LawTable):
         return value
     table = LAW_TABLES.get(str(value.get("name"))) if isinstance(value, Mapping) else None
     if table is None:
-        names = " or ".join(f'"{name}"' for name in NAMED)
+        names = " or ".join(f'"{name}"' for name in LAWS_BY_NAME)
         tables = " or ".join(
             f'"{name}" ({", ".join(list(table.model_fields)[1:])})' for name, table in LAW_TABLES.items()
         )
@@ -107,7 +107,7 @@ LawEntry = Annotated[LawName | LawTable, PlainValidator(_read_law), PlainSeriali
 
 def entry_of(law: Law | LawName) -> LawName | LawTable:
     """Return a law as a study has it."""
-    law = law_of(law)
+    law = as_law(law)
     if isinstance(law, HertzCylinder):
         return HertzCylinderTable(name="hertz-cylinder", width=exact_quantity(law.width, "um"))
     if isinstance(law, JacksonGreen):
@@ -411,7 +411,7 @@ class GeneratedAsperities(Asperities, GeneratedContact):
 
     @model_validator(mode="after")
     def _has_an_onset(self) -> Self:
-        if self.onset is not None and isinstance(law_of(self.model().law), HertzCylinder):
+        if self.onset is not None and isinstance(as_law(self.model().law), HertzCylinder):
             raise fault_at("onset", "must not be given with cylinders: a line load moves far points without limit")
         return self
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction._units import exact_quantity
-from stiction.mechanics.friction import SIX, loads_of
+from stiction.mechanics.friction import SIX_SUMS, compute_loads
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
 from stiction.studies.maps import material_of
@@ -201,12 +201,12 @@ def friction_table(
 def _coefficient(data: xarray.Dataset, mu0: Floats, tau0: Floats) -> Floats:
     """(sliding, fractal dimension, amplitude, load, mu0, tau0, 3): ratios of means over pairs and directions."""
     sums = {}
-    for name in SIX:
+    for name in SIX_SUMS:
         part = data[name]
         part = part.mean("direction") if "direction" in part.dims else part
         part = part if "sliding" in part.dims else part.expand_dims(sliding=max(1, data.sizes.get("sliding", 1)))
         sums[name] = part.transpose("sliding", *_ORDER).values
-    loads = np.stack(loads_of(sums, mu0, tau0))
+    loads = np.stack(compute_loads(sums, mu0, tau0))
     total = loads.sum(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.where(total[0] > 0, total[1] / total[0], np.nan)

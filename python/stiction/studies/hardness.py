@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solved
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_separately
 from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.materials import Material, material, softer_material
 from stiction.mechanics.resolution import KAPPA
@@ -230,7 +230,9 @@ def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float, float]
     can = np.flatnonzero(loads < hardness * float(bodies.about().nominal_area or 0.0))
     areas = np.full((len(_areas_wanted(study)), loads.size), np.nan)
     solid |= {"direction": contact.degrees().tolist()} if study.is_areal and len(areas) > 1 else {}
-    for at, curve in solved(partial(half_space, upper, lower, **solid, sliding="all"), loads[can]) if can.size else ():
+    for at, curve in (
+        solve_separately(partial(half_space, upper, lower, **solid, sliding="all"), loads[can]) if can.size else ()
+    ):
         areas[0, can[at]] = curve.contact_area
         if len(areas) > 1:
             areas[1, can[at]] = _opposing_area(curve, is_areal=study.is_areal)

@@ -25,7 +25,7 @@ from stiction._files import NotReadableError, describe_os_error, read_content, r
 from stiction._text import printable_path
 from stiction._units import loads_to_core_units, to_core_units
 from stiction.mechanics.closed_forms import hertz_sphere
-from stiction.mechanics.friction import SIX, Curve
+from stiction.mechanics.friction import SIX_SUMS, FrictionCurve
 from stiction.mechanics.model import Sliding
 from stiction.studies.at_load import PerLoad, areas_of, member_values, six_at
 from stiction.studies.elasticity import Elasticity
@@ -443,7 +443,7 @@ class Interface:
         (float, float, float)
             Value, lower and upper end: of mu0 and tau0 jointly, and of the area of the surfaces over their positions.
         """
-        if not (isinstance(result, (Ball, Curve)) or hasattr(result, "dataset") or hasattr(result, "attrs")):
+        if not (isinstance(result, (Ball, FrictionCurve)) or hasattr(result, "dataset") or hasattr(result, "attrs")):
             raise ValueError(f"result must be a Result, a curve or a Ball, got {type(result).__name__}")
         from scipy.special import ndtr
 
@@ -482,7 +482,7 @@ def rules_of(result: Any) -> tuple[str, ...]:
     """Return the sliding rules that a result has."""
     if isinstance(result, Ball):  # on which all rubs
         return RULES
-    if isinstance(result, Curve):
+    if isinstance(result, FrictionCurve):
         return (str(getattr(result, "sliding", "all")),)
     return tuple(study_of(getattr(result, "dataset", result)).contact.rules())
 
@@ -490,16 +490,16 @@ def rules_of(result: Any) -> tuple[str, ...]:
 def friction_of(test: FrictionTest, sliding: Sliding) -> _Friction:
     """What the surfaces of a test do at its load, by a sliding rule."""
     result, load = test.result, float(test.load)
-    if isinstance(result, (Ball, Curve)) and test.wait != 1:
+    if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("wait needs a result of pair, which knows the creep")
     if isinstance(result, Ball):
         return _Friction(stick=result.area_per_load(load), yields=test.yields)
-    if isinstance(result, Curve):
+    if isinstance(result, FrictionCurve):
         return _of_curve(result, load)
     return replace(_of_members(result, load, sliding), yields=test.yields)
 
 
-def _of_curve(curve: Curve, load: float) -> _Friction:
+def _of_curve(curve: FrictionCurve, load: float) -> _Friction:
     """A curve has one rule, its own, and one direction, the first."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
@@ -513,7 +513,9 @@ def _of_curve(curve: Curve, load: float) -> _Friction:
         values = values.reshape(-1, values.shape[-1])[0] / loads
         return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
 
-    return _Friction.of({name: at(name) for name in SIX}, hardness=float(getattr(curve, "hardness", None) or math.nan))
+    return _Friction.of(
+        {name: at(name) for name in SIX_SUMS}, hardness=float(getattr(curve, "hardness", None) or math.nan)
+    )
 
 
 def _of_members(result: Any, load: float, sliding: Sliding) -> _Friction:

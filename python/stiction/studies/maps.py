@@ -30,9 +30,9 @@ Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 AT_ONCE = 2**20  # numbers of curves of a cell that are in memory at a time, however many mu0 and tau0
 CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of results that come before their members
 MOTIONS = ("sliding", "direction")  # dimensions of results for several sliding rules and directions
-_LOADS = ("contact_count", *friction.SIX[:3])
+_LOADS = ("contact_count", *friction.SIX_SUMS[:3])
 
-_NEEDED = {"friction_coefficient": ("contact_count", *friction.SIX), "normal_stiffness": _LOADS}
+_NEEDED = {"friction_coefficient": ("contact_count", *friction.SIX_SUMS), "normal_stiffness": _LOADS}
 """Sums that a quantity consists of; any other quantity is stored itself."""
 
 
@@ -230,9 +230,9 @@ class _Asked:
         self, cell: tuple[int, ...], sums: Sums, others: Sums, some: slice = slice(None)
     ) -> tuple[Floats, Floats]:
         """Normal loads and values of every mu0 and tau0, one after the other, and of some members: (c, k, r)."""
-        pair, other = (each.each(operator.itemgetter((*cell, slice(None), some))) for each in (sums, others))
+        pair, other = (each.apply(operator.itemgetter((*cell, slice(None), some))) for each in (sums, others))
         material = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
-        normal = friction.load_of("normal", pair, *material)
+        normal = friction.compute_load("normal", pair, *material)
         values = np.broadcast_to(_values(other, self.what, *material), normal.shape)
         return tuple(each.reshape(-1, *normal.shape[2:]) for each in (normal, values))  # type: ignore[return-value]
 
@@ -246,17 +246,17 @@ class _Asked:
         for cell, each in at.items():
             for array, found in zip((mean, lower, upper), (each.mean, *each.interval()), strict=True):
                 array[cell] = _by_load(found, self.shape)
-            pair = averages.each(operator.itemgetter((*cell, slice(None), 0)))
+            pair = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.curves(cell, averages, others)[0][..., 0]
             locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)  # by friction, at the largest approach
-            why = friction.status_of(
+            why = friction.combine_status(
                 touched=bool(pair.contact_count.any()), reached=each.crossing.reached, below=each.crossing.below,
                 locked=locked,
             )  # fmt: skip
             status[cell] = _by_load(why, self.shape)
             if self.judged:
                 there = {name: each.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1))) for name in SUMS}
-                for name, figure in vars(Validity.of(Sums(**there))).items():
+                for name, figure in vars(Validity.from_sums(Sums(**there))).items():
                     validity[name][cell] = _by_load(np.where(each.crossing.reached, figure, np.nan), self.shape)
         if self.what == "friction_coefficient" or QUANTITIES[self.what].weighted:
             for array in (mean, lower, upper):
@@ -296,11 +296,11 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
         return np.broadcast_to(values.reshape([data.sizes[dim] if dim in own else 1 for dim in dims]), shape)
 
     columns = {name: values_of(name) for name in SUMS}
-    sums = Sums.of(columns)
+    sums = Sums.from_columns(columns)
     if QUANTITIES[what].weighted:
-        return sums, Sums.of(columns | {name: columns[name] * values_of(what) for name in _LOADS[1:]})
+        return sums, Sums.from_columns(columns | {name: columns[name] * values_of(what) for name in _LOADS[1:]})
     if what not in _NEEDED:
-        return sums, Sums.of(columns | {"contact_area": values_of(what)})
+        return sums, Sums.from_columns(columns | {"contact_area": values_of(what)})
     if what != "normal_stiffness":
         return sums, sums
 
@@ -308,13 +308,13 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
         return np.asarray(np.gradient(values, data[step].values, axis=-2, edge_order=2))
 
     own = derivative(values_of("approach")) if step == "load" else 1.0
-    return sums, Sums.of(columns | {name: derivative(columns[name]) / own for name in _LOADS[1:]})
+    return sums, Sums.from_columns(columns | {name: derivative(columns[name]) / own for name in _LOADS[1:]})
 
 
 def _values(sums: Sums, what: str, mu0: Floats, tau0: Floats) -> Floats:
     if not (what in _NEEDED or QUANTITIES[what].weighted):
         return sums.contact_area
-    return friction.load_of("tangential" if what == "friction_coefficient" else "normal", sums, mu0, tau0)
+    return friction.compute_load("tangential" if what == "friction_coefficient" else "normal", sums, mu0, tau0)
 
 
 def _means(solved: Callable[[], Iterator[xarray.Dataset]], what: str, step: str) -> tuple[Sums, Sums, int]:
@@ -323,12 +323,12 @@ def _means(solved: Callable[[], Iterator[xarray.Dataset]], what: str, step: str)
     count = 0
     for piece in solved():
         count += piece.sizes["repetition"]
-        added = [sums.each(lambda values: values.sum(axis=-1, keepdims=True)) for sums in _sums_of(piece, what, step)]
+        added = [sums.apply(lambda values: values.sum(axis=-1, keepdims=True)) for sums in _sums_of(piece, what, step)]
         total = [
             Sums(**{name: getattr(one, name) + getattr(other, name) for name in SUMS})
             for one, other in zip(total, added, strict=True)
         ] if total else added  # fmt: skip
-    sums, others = (each.each(lambda values: values / max(count, 1)) for each in total)
+    sums, others = (each.apply(lambda values: values / max(count, 1)) for each in total)
     return sums, others, count
 
 

@@ -37,11 +37,11 @@ from stiction.surfaces.filters import checked_cutoff
 from stiction.surfaces.interchange import extract_heights
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.interpret import Missing, Outliers
-from stiction.surfaces.measured.plausibility import CAVEATS, Scan, caveats_of
+from stiction.surfaces.measured.plausibility import CAVEATS, Scan, find_caveats
 from stiction.surfaces.measured.raw import LENGTH_UNITS, Caveat
-from stiction.surfaces.measured.reading import Reading, reading_of
+from stiction.surfaces.measured.reading import Reading, load_reading
 from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum, write_spectrum
-from stiction.surfaces.measured.writing import with_gaps, write_profile, write_surface
+from stiction.surfaces.measured.writing import heights_with_nan, write_profile, write_surface
 from stiction.surfaces.missing_data import find_largest_gap
 from stiction.surfaces.pairing import (
     SIDES,
@@ -313,7 +313,7 @@ class MeasuredFile(Table):
         body = None if self.body is None else self.body.body
         if not isinstance(body, (Profile, Surface)):
             return ()
-        return caveats_of(Scan(with_gaps(body), body.spacings, from_text=False))
+        return find_caveats(Scan(heights_with_nan(body), body.spacings, from_text=False))
 
     def checksum(self) -> str:
         """SHA-256 of the bytes of the file; a `ValueError` if it cannot be read."""
@@ -362,7 +362,7 @@ def _checksum(bodies: Sequence[Any]) -> str:
         if isinstance(body, JoinedSpectrum):
             found.update(repr(body.history).encode() + body.density.tobytes())
         else:
-            found.update(repr((body.spacing, body.history)).encode() + with_gaps(body).tobytes())
+            found.update(repr((body.spacing, body.history)).encode() + heights_with_nan(body).tobytes())
     return found.hexdigest()
 
 
@@ -379,7 +379,7 @@ def _body(file: MeasuredFile) -> Body:
 
 @functools.lru_cache(maxsize=16)
 def _reading(file: MeasuredFile) -> Reading[Profile | Surface]:
-    return reading_of(
+    return load_reading(
         file.file, unit=file.unit, spacing=written(file.spacing), missing=file.missing, channel=file.channel,
         columns=file.columns, outliers=file.outliers, crop=written(file.crop), missing_value=file.missing_value,
         accept=file.accept,

@@ -12,7 +12,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve
-from stiction.mechanics.presliding import fitted_iwan, fitted_lugre
+from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, attributes_of
 from stiction.studies.at_load import OverMembers
 from stiction.studies.contact_picture import MOST_PICTURED
@@ -129,8 +129,8 @@ def _models(onset: xarray.Dataset) -> dict[str, float]:
     way, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
     sliding = float(curve["sliding_load"])
     try:
-        iwan = fitted_iwan(way, load, sliding_load=sliding, stiffness=float(curve["stiffness"]))
-        lugre = fitted_lugre(way, load, sliding_load=sliding)
+        iwan = fit_iwan(way, load, sliding_load=sliding, stiffness=float(curve["stiffness"]))
+        lugre = fit_lugre(way, load, sliding_load=sliding)
     except ValueError:  # a free half-plane has no displacements
         return {}
     return {

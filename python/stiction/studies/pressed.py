@@ -18,9 +18,9 @@ from stiction._checks import Floats, read_only
 from stiction.mechanics.candidates import candidates
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import STATUS_OK, STATUSES
-from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solved, unloaded
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_at_no_load, solve_separately
 from stiction.mechanics.load_curve import LoadCurve, press
-from stiction.mechanics.loading import Bodies, crossing
+from stiction.mechanics.loading import SurfacePair, find_crossings
 from stiction.mechanics.model import ContactModel, Shear
 from stiction.mechanics.quantities import (
     ADHESION,
@@ -65,7 +65,7 @@ STIFFNESS_STEP = 0.02
 MPA_OVER_MM = 1e6  # in GPa/µm; a line is 1 µm thick
 
 JUST_BEFORE = 1e-11
-"""Fraction of an approach by which the one before a jump of the load is smaller: beyond the tolerance of `crossing`."""
+"""Relative distance of an approach before a jump of the load: above the tolerance of `find_crossings`."""
 
 
 UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
@@ -126,7 +126,7 @@ def _by_half_space(
     def of_motions(curves: list[list[HalfSpaceCurve]], name: str) -> Floats:
         return np.stack([np.concatenate([np.atleast_2d(getattr(way, name)) for way in ways]) for ways in curves])
 
-    for at, curve in solved(solve, contact.steps()):
+    for at, curve in solve_separately(solve, contact.steps()):
         curves = by_motion(curve)
         for name in sums:
             values[name][..., at] = of_motions(curves, name) if name in DIRECTED else getattr(curve, name)
@@ -144,7 +144,7 @@ def _by_half_space(
             for name, value in (patches_of(pressed).statistics() | pressed_on_steepest(pressed, slopes)).items():
                 values[name][load] = value
     if contact.adheres:
-        held = unloaded(solve)
+        held = solve_at_no_load(solve)
         if held is not None:
             values["pull_off"][...], values["pull_off_is_bound"][...] = held.pull_off_bound
         curves = [] if held is None else by_motion(held)
@@ -164,7 +164,7 @@ def _by_asperities(contact: Asperities, upper: Any, lower: Any, values: Arrays, 
         models = [replace(model, shear=way, direction=None).for_profiles() for way in _ways(contact)]
     one = replace(models[0], direction=0.0) if areal else models[0]
     # Without friction F_N is the elastic load.
-    approach, status = crossing(Bodies(upper, lower), contact.steps(), mu0=0.0, tau0=0.0, model=one)
+    approach, status = find_crossings(SurfacePair(upper, lower), contact.steps(), mu0=0.0, tau0=0.0, model=one)
     values["status"][:] = [STATUSES.index(each) for each in status.tolist()]
     ok = np.flatnonzero(status == STATUS_OK)
     if not ok.size:
@@ -235,7 +235,7 @@ class OneLoad:
             return cls(upper, lower, curve)
         model = replace(contact.model(), shear="+x", direction=None, sliding="all")
         model = model.for_profiles() if isinstance(upper, Profile) else replace(model, direction=0.0).for_surfaces()
-        approach, status = crossing(Bodies(upper, lower), np.array([load]), mu0=0.0, tau0=0.0, model=model)
+        approach, status = find_crossings(SurfacePair(upper, lower), np.array([load]), mu0=0.0, tau0=0.0, model=model)
         if status[0] != STATUS_OK:
             return None
         bodies: Any = found_once(upper, lower, float(approach[0]), model)

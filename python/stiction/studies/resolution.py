@@ -109,11 +109,11 @@ class Seen:
 
     def finer(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
         """Wavelengths (µm) of finer, elastic scans, and (value, lower, upper) of their gradients and area fractions."""
-        gradients = brackets.continued(self.roughness, self.estimate, self.shortest, self.gradient)
+        gradients = brackets.extrapolated_gradients(self.roughness, self.estimate, self.shortest, self.gradient)
         flat = np.array([area_fraction * self.gradient]) / brackets.interface_stretch(np.array(self.gradient))
         ground = brackets.elastic_area(gradients, flat, brackets.kappa_spread(np.array([contact_count])))[:, 0]
         ground = ground * brackets.interface_stretch(gradients[:, :1])
-        return np.array(brackets.FINER) * self.shortest, gradients, ground
+        return np.array(brackets.WAVELENGTH_RATIOS) * self.shortest, gradients, ground
 
 
 def seen(study: Study) -> Seen | None:

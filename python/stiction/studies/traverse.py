@@ -14,7 +14,7 @@ from stiction._checks import Floats, check_choice, float_array, fraction, number
 from stiction._core import __version__
 from stiction._units import exact_quantity, to_core_units
 from stiction.mechanics import friction
-from stiction.mechanics.friction import RATIOS, SIX, STATUSES, load_of, loads_of, ratio_of
+from stiction.mechanics.friction import RATIOS, SIX_SUMS, STATUSES, compute_load, compute_loads, validity_ratio
 from stiction.mechanics.model import (
     THICKNESS,
     ContactKeywords,
@@ -23,10 +23,10 @@ from stiction.mechanics.model import (
     Sliding,
     check_modulus,
     check_pair,
-    model_of,
+    make_model,
     modulus_for,
     shows_model,
-    warn_of_one_body,
+    warn_if_same_body,
 )
 from stiction.mechanics.quantities import AREAL_SUMS, AREAL_VALIDITY, QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
@@ -162,7 +162,7 @@ def traverse(
         raise ValueError(f"mechanics of surfaces must be 'asperities', got {mechanics!r}; see pressed_maps")
     positions = (_on_maps if areal else _on_lines)(upper, lower, offsets, contact, mechanics)
     model, wanted = positions.model, _checked_loads(loads)
-    material = friction.listed_parameter("mu0", mu0), friction.listed_parameter("tau0", tau0)
+    material = friction.parameter_list("mu0", mu0), friction.parameter_list("tau0", tau0)
     friction.check_shear_strength(material[1], model.effective_modulus)
     table: dict[str, Any] = {
         "mechanics": mechanics,
@@ -215,7 +215,7 @@ def _on_lines(upper: Any, lower: Any, offsets: ArrayLike, contact: Any, mechanic
             raise ValueError(f"{name} must not be given: a traverse of profiles has both directions")
     if mechanics == "half-space" and (wrong := contact.keys() - {"effective_modulus", "sliding"}):
         raise ValueError(f"{min(wrong)} must not be given for half-planes: it is of asperities")
-    model = model_of(contact)
+    model = make_model(contact)
     places = _places_on_lines(offsets, uppers, lowers)
     return _Positions(
         replace(model, detection=model.detection or "gap-minimum").for_profiles(),
@@ -241,7 +241,7 @@ def _on_lines(upper: Any, lower: Any, offsets: ArrayLike, contact: Any, mechanic
 def _on_maps(upper: Any, lower: Any, offsets: ArrayLike, contact: Any, _: Mechanics) -> _Positions:
     check_pair(upper, lower)
     check_modulus(contact, upper, lower)
-    model = model_of(contact)
+    model = make_model(contact)
     if model.direction is None and model.shear == "+x" and "shear" not in contact:
         model = replace(model, direction=DIRECTIONS)
     model = model.for_surfaces()
@@ -344,7 +344,7 @@ def _read(
             return array
         return np.broadcast_to(array, (result.sizes["direction"], *array.shape))
 
-    both = loads_of({name: steps_of(name) for name in SIX}, mu0, tau0)
+    both = compute_loads({name: steps_of(name) for name in SIX_SUMS}, mu0, tau0)
     normal, tangential = (np.moveaxis(each, 2, -1) for each in both)  # (motions, positions, mu0, tau0, steps)
     with np.errstate(invalid="ignore"):
         off = Crossing.of(np.where(normal > 0, normal, np.nan), loads, ratio=True) if by_normal else None
@@ -355,18 +355,18 @@ def _read(
             values = np.broadcast_to(values[:, :, np.newaxis, np.newaxis], normal.shape)
         return np.moveaxis(values if off is None else off.at(values, sums=sums), -1, 2)
 
-    sums = {name: at(steps_of(name)) for name in (*SUMS, *AREAL_SUMS) if name in has and name not in SIX[1:]}
+    sums = {name: at(steps_of(name)) for name in (*SUMS, *AREAL_SUMS) if name in has and name not in SIX_SUMS[1:]}
     elastic, carried = sums["normal_elastic"], at(normal)
     why = np.array(STATUSES)[result["status"].values[:, np.searchsorted(result["load"].values, loads)]]
     why = why[..., np.newaxis, np.newaxis]
     if off is None:
         touched, locked = sums["contact_count"] != 0, np.isfinite(carried)
-        status = friction.status_of(touched=touched, reached=carried > 0, locked=locked)
+        status = friction.combine_status(touched=touched, reached=carried > 0, locked=locked)
     else:
         reached, below = (np.moveaxis(each, -1, 2) for each in (off.reached, off.below))
         last = np.where(np.isfinite(normal), normal, -np.inf).max(axis=-1)
         locked = np.isfinite(normal).any(axis=-1) & (last <= 0)
-        status = friction.status_of(touched=True, reached=reached, locked=locked[:, :, np.newaxis], below=below)
+        status = friction.combine_status(touched=True, reached=reached, locked=locked[:, :, np.newaxis], below=below)
     status = np.where((status != friction.STATUS_OK) & (why != friction.STATUS_OK), why, status)
     found = {name: sums[name] for name in ("contact_area", "contact_count")} | {"tangential_load": at(tangential)}
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -379,8 +379,8 @@ def _read(
                 before = np.broadcast_to(steps_of("normal_elastic")[:, :, np.newaxis, np.newaxis], normal.shape)
                 found["normal_stiffness"] *= np.moveaxis(off.slope(normal, before), -1, 2)
         if "lateral_elastic" in has:
-            found["lateral_load"] = load_of("lateral", sums, mu0[:, np.newaxis], tau0)
-    found |= {name: ratio_of(name, sums) for name, (part, _) in RATIOS.items() if part in sums}
+            found["lateral_load"] = compute_load("lateral", sums, mu0[:, np.newaxis], tau0)
+    found |= {name: validity_ratio(name, sums) for name, (part, _) in RATIOS.items() if part in sums}
     known = {name: np.where(status == friction.STATUS_OK, each, np.nan) for name, each in found.items()}
     return known | {"status": status}
 
@@ -578,12 +578,12 @@ def pressed_maps(
         if hardness is not None:
             contact["hardness"] = exact_quantity(number("hardness", hardness, unit="GPa", above=0), "GPa")
     steps = _checked_loads(loads)
-    rub, stick = (np.atleast_1d(friction.listed_parameter(*each)) for each in (("mu0", mu0), ("tau0", tau0)))
+    rub, stick = (np.atleast_1d(friction.parameter_list(*each)) for each in (("mu0", mu0), ("tau0", tau0)))
     friction.check_shear_strength(stick, modulus)
     surfaces, count, made = _surfaces(upper, lower, shifts, surrogates, level)
     study = given_study(surfaces, contact, steps, repetitions=count + made, seed=whole_number("seed", seed, minimum=0))
     if isinstance(upper, Surface) and isinstance(lower, Surface):
-        warn_of_one_body(upper, lower, moved=True)
+        warn_if_same_body(upper, lower, moved=True)
     members = bodies_of(study).members(0.0)
     members.facts()  # which refuses maps of too few points
     pairs = getattr(members, "pairs", None)
@@ -607,7 +607,7 @@ def pressed_maps(
         found["share_unanswered"] = unanswered.assign_attrs(attributes_of("share_unanswered"))
     slopes = sums["rms_slope"].transpose("repetition", "direction").values
     gentle = by_slopes(["repetition"], sums["rms_gradient"].values, slopes, RULES, rub, stick, modulus)
-    six = {name: sums[name].broadcast_like(sums["tangential_elastic"]) for name in SIX}
+    six = {name: sums[name].broadcast_like(sums["tangential_elastic"]) for name in SIX_SUMS}
     return found.assign(six | gentle).transpose(*_DIMS, missing_dims="ignore")
 
 

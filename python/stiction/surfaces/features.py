@@ -80,14 +80,14 @@ def _saddles(hill: _Indices, rank: NDArray[np.int64], count: int) -> tuple[_Indi
     from scipy.sparse.csgraph import minimum_spanning_tree
 
     keys, levels = [], []
-    for here, neighbour in (
+    for point, neighbour in (
         (np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:]),
         (np.s_[:-1, :-1], np.s_[1:, 1:]), (np.s_[:-1, 1:], np.s_[1:, :-1]),
     ):  # fmt: skip
-        differs = hill[here] != hill[neighbour]
-        a, b = hill[here][differs], hill[neighbour][differs]
+        differs = hill[point] != hill[neighbour]
+        a, b = hill[point][differs], hill[neighbour][differs]
         keys.append(np.minimum(a, b) * count + np.maximum(a, b))
-        levels.append(np.minimum(rank[here][differs], rank[neighbour][differs]))
+        levels.append(np.minimum(rank[point][differs], rank[neighbour][differs]))
     key, level = np.concatenate(keys), np.concatenate(levels)
     order = np.lexsort((level, key))
     key, level = key[order], level[order]

@@ -171,7 +171,7 @@ def _covered(sums: Floats, weights: Floats, heights: Floats) -> Floats:
 
 def _along(values: Any, axis: int, ndim: int) -> Any:
     """Reshape values to broadcast along one axis."""
-    return np.reshape(values, [-1 if each == axis else 1 for each in range(ndim)])
+    return np.reshape(values, [-1 if index == axis else 1 for index in range(ndim)])
 
 
 def _linear(ndim: int) -> list[Powers]:
@@ -214,11 +214,11 @@ def _regression_along(heights: Floats, axis: int, length: float) -> Floats:
 
     kernel = _Kernel(heights.shape[axis], length)
     powers = [_along(rfft(kernel.line(power)), axis, heights.ndim) for power in range(3)]
-    inside = tuple(slice(kernel.points) if each == axis else slice(None) for each in range(heights.ndim))
+    inside = tuple(slice(kernel.points) if index == axis else slice(None) for index in range(heights.ndim))
     transform = rfft(heights, kernel.padded, axis=axis)
-    zeroth, first = (irfft(transform * each, kernel.padded, axis=axis)[inside] for each in powers[:2])
+    zeroth, first = (irfft(transform * power, kernel.padded, axis=axis)[inside] for power in powers[:2])
     mask = rfft(_along(np.ones(kernel.points), axis, heights.ndim), kernel.padded, axis=axis)
-    m0, m1, m2 = (irfft(mask * each, kernel.padded, axis=axis)[inside] for each in powers)
+    m0, m1, m2 = (irfft(mask * power, kernel.padded, axis=axis)[inside] for power in powers)
     return np.asarray((m2 * zeroth - m1 * first) / (m0 * m2 - m1**2))
 
 
@@ -226,7 +226,7 @@ def _regression(heights: Floats, weights: Floats, lengths: Sequence[float], basi
     """Compute the value at each point of the local polynomial, fitted with Gaussian weights times `weights`."""
     from scipy.fft import irfftn, rfft, rfftn
 
-    kernels = [_Kernel(*each) for each in zip(heights.shape, lengths, strict=True)]
+    kernels = [_Kernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]
     padded = [kernel.padded for kernel in kernels]
     inside = tuple(slice(points) for points in heights.shape)
     # As in rfftn: a full complex transform along all axes except the last, and a half transform along the last.
@@ -250,9 +250,9 @@ def _regression(heights: Floats, weights: Floats, lengths: Sequence[float], basi
     return _constants(basis, moments, right, heights)
 
 
-def _product(one: Powers, other: Powers) -> Powers:
+def _product(item: Powers, other: Powers) -> Powers:
     """Return the exponents of the product of two monomials."""
-    return tuple(a + b for a, b in zip(one, other, strict=True))
+    return tuple(a + b for a, b in zip(item, other, strict=True))
 
 
 def _constants(basis: Sequence[Powers], moments: dict[Powers, Floats], right: list[Floats], heights: Floats) -> Floats:
@@ -264,7 +264,7 @@ def _constants(basis: Sequence[Powers], moments: dict[Powers, Floats], right: li
     total = np.where(moments[basis[0]] > _MIN_COVERAGE, moments[basis[0]], 1)
     # Lower triangle of the normal equations, row k for term k. The Schur complements remain symmetric.
     rows = {(k, m): moments[_product(basis[k], basis[m])] / total for k in terms for m in range(k + 1)}
-    values = [each / total for each in right]
+    values = [side / total for side in right]
     constant = values[0]
     fixed = moments[basis[0]] > _MIN_COVERAGE
     inside = fixed.copy()

@@ -45,15 +45,15 @@ def round_form(
     positions = np.broadcast_to(x, heights.shape), np.broadcast_to(y, heights.shape)
     measured = np.ones(heights.shape, bool) if missing is None else ~missing
     inside = positions[0][measured], positions[1][measured]
-    wanted = heights[measured]
-    model, start = _MODELS[form], _start(form, inside, wanted)
-    scale = np.maximum(np.abs(start), _scales(form, inside, wanted))
-    found = least_squares(
-        lambda values: model(values * scale, inside) - wanted, start / scale, xtol=_TOLERANCE, ftol=_TOLERANCE
+    targets = heights[measured]
+    model, start = _MODELS[form], _start(form, inside, targets)
+    scale = np.maximum(np.abs(start), _scales(form, inside, targets))
+    result = least_squares(
+        lambda values: model(values * scale, inside) - targets, start / scale, xtol=_TOLERANCE, ftol=_TOLERANCE
     ).x * scale  # fmt: skip
-    curvature = float(found[1])
+    curvature = float(result[1])
     radius = "an infinite radius" if curvature == 0 else f"radius {with_unit(1 / abs(curvature), 'µm')}"
-    return model(found, positions), f"{'concave' if curvature > 0 else 'convex'} {form} of {radius}"
+    return model(result, positions), f"{'concave' if curvature > 0 else 'convex'} {form} of {radius}"
 
 
 def _arc(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:

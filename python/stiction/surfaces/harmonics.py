@@ -15,7 +15,7 @@ _MIN_HARMONICS = 2  # smallest number of significant harmonics above the first; 
 _MAX_CANDIDATES = 6  # largest number of peaks that are tried as the first harmonic
 _MIN_LINE_RATIO = 10.0  # density of a harmonic over the density between harmonics: about one bin in 1000 by chance
 _LOBE = 2.5  # half width of a windowed harmonic, in bins
-_STEPS = 16  # steps per bin in the refinement of the first harmonic
+_STEPS_PER_BIN = 16  # steps per bin in the refinement of the first harmonic
 _QUANTILE = 0.3  # quantile of the density over one period that harmonics, including aliased ones, do not affect
 
 
@@ -38,7 +38,7 @@ def find_period(density: Floats) -> tuple[float, float]:
     order = np.argsort(-padded[peaks] * np.square(peaks))[:_MAX_CANDIDATES]
     best_score, result = 0.0, (math.nan, math.nan)
     for peak in peaks[order].tolist():
-        first = peak + np.arange(-_STEPS, _STEPS + 1) / _STEPS
+        first = peak + np.arange(-_STEPS_PER_BIN, _STEPS_PER_BIN + 1) / _STEPS_PER_BIN
         for step in (1, 2):
             orders = np.arange(1, min(step * _MAX_HARMONICS, int(size / (peak + 1))) + 1, step)
             level = _between(padded, peak * orders, step * peak)

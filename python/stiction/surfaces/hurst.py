@@ -373,8 +373,8 @@ def _above_noise(q: Floats, power: Floats, variance_factor: float, chosen: slice
         return float(weight @ np.log(shape) + weight.sum() * math.log(weight @ (bins.power / shape)))
 
     def best(noise: float) -> tuple[float, float, float]:
-        found = minimize_scalar(loss, bounds=(1.0, 5.0), args=(noise,), method="bounded", options={"xatol": 1e-3})
-        return float(found.fun), float(found.x), noise
+        result = minimize_scalar(loss, bounds=(1.0, 5.0), args=(noise,), method="bounded", options={"xatol": 1e-3})
+        return float(result.fun), float(result.x), noise
 
     least, exponent, noise = min(best(noise) for noise in _NOISES)
     if least > best(0.0)[0] - _PARAMETER_PENALTY:

@@ -36,12 +36,12 @@ def extract_heights(name: str, other: Any, *, unit: str | None = None) -> Foreig
         return ForeignHeights(other.heights, spacing, other.history, getattr(other, "missing", None))
     kind = f"{type(other).__module__.split('.')[0]} {type(other).__name__}"
     if hasattr(other, "dims") and hasattr(other, "coords") and hasattr(other, "attrs"):
-        return _of_data_array(name, other, kind, unit)
+        return _from_data_array(name, other, kind, unit)
     if hasattr(other, "heights") and hasattr(other, "physical_sizes"):
-        return _of_topography(name, other, kind, unit)
+        return _from_topography(name, other, kind, unit)
     if hasattr(other, "data") and hasattr(other, "step_x") and hasattr(other, "step_y"):
         heights = np.asarray(other.data, dtype=np.float64)
-        return _taken(name, heights, (float(other.step_y), float(other.step_x)), 1.0, kind)
+        return _make_heights(name, heights, (float(other.step_y), float(other.step_x)), 1.0, kind)
     raise ValueError(
         f"{name} must be a Profile or a Surface, or one of SurfaceTopography, surfalize or xarray, got "
         f"{type(other).__name__}"
@@ -72,7 +72,7 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
     return f"{kind} of {size} points, {apart}, {rough}{made}"
 
 
-def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
+def _from_topography(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
     """Extract heights from a topography of SurfaceTopography, whose first axis is x."""
     factor = _factor(name, other.unit or unit, kind)
     given = np.ma.asarray(other.heights())
@@ -80,26 +80,26 @@ def _of_topography(name: str, other: Any, kind: str, unit: str | None) -> Foreig
         raise ValueError(f"{name} has points without a height; fill them first, as by interpolate_undefined_data()")
     heights = np.asarray(np.ma.getdata(given), dtype=np.float64)
     if heights.ndim == 1 and not other.is_uniform:
-        return _taken(name, heights, (_step(name, "x", other.positions()),), factor, kind)
+        return _make_heights(name, heights, (_step(name, "x", other.positions()),), factor, kind)
     steps = [float(size) / points for size, points in zip(other.physical_sizes, heights.shape, strict=True)]
-    return _taken(name, heights.T, tuple(steps[::-1]), factor, kind)
+    return _make_heights(name, heights.T, tuple(steps[::-1]), factor, kind)
 
 
-def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
+def _from_data_array(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
     """Extract heights over (y and) x from a DataArray with units in ``attrs["units"]``."""
-    wanted = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
-    if wanted is None or set(other.dims) != set(wanted):
+    targets = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
+    if targets is None or set(other.dims) != set(targets):
         raise ValueError(f"{name} must have the dimensions y and x, or x alone, got {', '.join(map(str, other.dims))}")
-    other = other.transpose(*wanted)
+    other = other.transpose(*targets)
     spacing = []
-    for axis in wanted:
+    for axis in targets:
         if axis not in other.coords:
             raise ValueError(f"{name} must have a coordinate {axis}, in µm or with its unit in attrs")
         along = other.coords[axis]
         factor = _factor(f"{name}.{axis}", along.attrs.get("units", unit), kind)
         spacing.append(_step(name, axis, np.asarray(along.values, dtype=np.float64)) * factor)
     factor = _factor(name, other.attrs.get("units", unit), kind)
-    taken = _taken(name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind)
+    taken = _make_heights(name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind)
     if other.attrs.get("history") is None:
         return taken
     return taken._replace(history=tuple(filter(None, str(other.attrs["history"]).split("\n"))))
@@ -107,23 +107,23 @@ def _of_data_array(name: str, other: Any, kind: str, unit: str | None) -> Foreig
 
 def _step(name: str, axis: str, positions: Any) -> float:
     """Return the spacing of equidistant positions."""
-    at = np.asarray(positions, dtype=np.float64)
-    steps = np.diff(at)
+    coordinates = np.asarray(positions, dtype=np.float64)
+    steps = np.diff(coordinates)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > STEP_TOLERANCE * steps.mean():
         raise ValueError(f"{name} must have equal steps along {axis}, in rising order")
     first = float(steps[0])
-    is_exact = np.array_equal(at, at[0] + np.arange(at.size) * first)
-    return first if is_exact else float((at[-1] - at[0]) / steps.size)
+    is_exact = np.array_equal(coordinates, coordinates[0] + np.arange(coordinates.size) * first)
+    return first if is_exact else float((coordinates[-1] - coordinates[0]) / steps.size)
 
 
 def _factor(name: str, unit: Any, kind: str) -> float:
     if unit not in LENGTH_UNITS:
-        allowed = ", ".join(each for each in LENGTH_UNITS if len(each) < 3 and each.isascii())
+        allowed = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
         raise ValueError(f"{name} must have a unit of length ({allowed}), or be given one, got {unit!r} of a {kind}")
     return float(LENGTH_UNITS[unit])
 
 
-def _taken(name: str, heights: Any, spacing: tuple[float, ...], factor: float, kind: str) -> ForeignHeights:
+def _make_heights(name: str, heights: Any, spacing: tuple[float, ...], factor: float, kind: str) -> ForeignHeights:
     if np.isnan(heights).any():
         raise ValueError(f"{name} has {int(np.isnan(heights).sum())} points without a height; fill them first")
     return ForeignHeights(

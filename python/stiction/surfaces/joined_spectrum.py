@@ -99,15 +99,15 @@ class JoinedSpectrum(TextRepr):
         shared = (self.contribution > 0).sum(axis=0) > 1
         ratios = np.full(len(self.bands), np.nan)
         for scan, ratio in enumerate(self.ratio):
-            there = shared & np.isfinite(ratio)
-            weight = self.contribution[scan, there]
-            if there.any() and (weight < 1).any():
+            occupied = shared & np.isfinite(ratio)
+            weight = self.contribution[scan, occupied]
+            if occupied.any() and (weight < 1).any():
                 # The combined density contains the scan itself: remove it for the comparison.
-                others = (1 - weight * ratio[there]) / (1 - weight)
+                others = (1 - weight * ratio[occupied]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
-                    logs = np.log(ratio[there] / others)
+                    logs = np.log(ratio[occupied] / others)
                 ratios[scan] = (
-                    math.exp(float(np.average(logs, weights=self.count[there]))) if (others > 0).all() else np.inf
+                    math.exp(float(np.average(logs, weights=self.count[occupied]))) if (others > 0).all() else np.inf
                 )
         return read_only(ratios)
 
@@ -115,27 +115,27 @@ class JoinedSpectrum(TextRepr):
     def chance(self) -> Floats:
         """(scans,) standard deviation of the logarithm of `disagreement` that is expected by chance."""
         shared = (self.contribution > 0).sum(axis=0) > 1
-        own = self.contribution * self.count / _WAVES_PER_VALUE
-        found = np.full(len(self.bands), np.nan)
-        for scan, waves in enumerate(own):
-            there = shared & (waves > 0)
-            if there.any():
-                others = own[:, there].sum(axis=0) - waves[there]
-                weight = self.count[there] / self.count[there].sum()
-                found[scan] = math.sqrt(float(np.square(weight) @ (1 / waves[there] + 1 / others)))
-        return read_only(found)
+        actual = self.contribution * self.count / _WAVES_PER_VALUE
+        result = np.full(len(self.bands), np.nan)
+        for scan, waves in enumerate(actual):
+            occupied = shared & (waves > 0)
+            if occupied.any():
+                others = actual[:, occupied].sum(axis=0) - waves[occupied]
+                weight = self.count[occupied] / self.count[occupied].sum()
+                result[scan] = math.sqrt(float(np.square(weight) @ (1 / waves[occupied] + 1 / others)))
+        return read_only(result)
 
     def roughness(self) -> ScaleDependentRoughness:
         """Return rms slope and curvature of all wavelengths of the spectrum down to a wavelength."""
         step = math.log(self.wave_number[1] / self.wave_number[0])
-        found = []
+        result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             part = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
             # Integrate up to the centre of a bin: exclude half of it.
-            found.append(np.sqrt(part.cumsum() - part / 2))
+            result.append(np.sqrt(part.cumsum() - part / 2))
         return ScaleDependentRoughness(
-            wavelength=read_only(2 * math.pi / self.wave_number), gradient=read_only(found[0]),
-            curvature=read_only(found[1]), dimensions=2,
+            wavelength=read_only(2 * math.pi / self.wave_number), gradient=read_only(result[0]),
+            curvature=read_only(result[1]), dimensions=2,
         )  # fmt: skip
 
     def surface(
@@ -236,14 +236,15 @@ def joined_spectrum(
             count[scan, index - first], total[scan, index - first] = waves, waves * level
     all_waves = count.sum(axis=0)
     q = 10 ** ((first + np.arange(size) + 0.5) / per_decade)
-    there = all_waves > 0
+    occupied = all_waves > 0
     density = np.exp(
-        np.interp(np.log(q), np.log(q[there]), np.log(total.sum(axis=0)[there] / all_waves[there]))
+        np.interp(np.log(q), np.log(q[occupied]), np.log(total.sum(axis=0)[occupied] / all_waves[occupied]))
     )  # interpolates over gaps
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
             wave_number=read_only(q), density=read_only(density), count=read_only(all_waves),
-            contribution=read_only(np.where(there, count / all_waves, 0.0)), ratio=read_only(total / count / density),
+            contribution=read_only(np.where(occupied, count / all_waves, 0.0)),
+            ratio=read_only(total / count / density),
             bands=tuple(bands), reasons=tuple(reasons),
             names=tuple(names or (f"scan {number}" for number in range(1, len(bodies) + 1))),
         )  # fmt: skip
@@ -263,9 +264,9 @@ def _band(body: Profile | Surface, limit: float | None, tip: float | None) -> tu
     if limit is not None:
         shortest, reason = limit, "given"
     else:
-        found = instrument_limit(body, tip_radius=tip)
+        result = instrument_limit(body, tip_radius=tip)
         pixels = MIN_POINTS_PER_WAVELENGTH * spacing
-        shortest, reason = (found.wavelength, found.reason) if found.wavelength > pixels else (pixels, "pixels")
+        shortest, reason = (result.wavelength, result.reason) if result.wavelength > pixels else (pixels, "pixels")
     longest = MAX_WAVELENGTH_FRACTION * side
     if not shortest < longest:
         raise ValueError(
@@ -287,14 +288,14 @@ def _binned(body: Profile | Surface, band: tuple[float, float], per_decade: int)
     inside = (q >= shortest) & (q <= longest)
     q, density, waves = q[inside], density[inside], waves[inside]
     index = np.floor(per_decade * np.log10(q)).astype(np.intp)
-    found = {}
-    for each in np.unique(index).tolist():
-        here = index == each
-        middle = 10 ** ((each + 0.5) / per_decade)
+    result = {}
+    for bin_ in np.unique(index).tolist():
+        selected = index == bin_
+        middle = 10 ** ((bin_ + 0.5) / per_decade)
         # A spectrum decreases within a bin; q³ C is nearly constant.
-        level = float(np.average(density[here] * (q[here] / middle) ** 3, weights=waves[here]))
+        level = float(np.average(density[selected] * (q[selected] / middle) ** 3, weights=waves[selected]))
         if level > 0:
-            found[int(each)] = float(waves[here].sum()), level
-    if not found:
+            result[int(bin_)] = float(waves[selected].sum()), level
+    if not result:
         raise ValueError(f"scans must have a reliable band, but a scan has no power above {band[0]:g} µm")
-    return found
+    return result

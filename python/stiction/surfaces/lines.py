@@ -124,12 +124,12 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
             squares += np.square([parameters.Pq, parameters.Pdq, neighbours]) / count
         if index in chosen:
             fitted.append(measured)
-    found = [fit for line in fitted if (fit := _fit(line, band)) is not None]
-    if band is not None and not found and (rough := [line for line in fitted if not line.is_flat]):
+    result = [fit for line in fitted if (fit := _fit(line, band)) is not None]
+    if band is not None and not result and (rough := [line for line in fitted if not line.is_flat]):
         estimate_hurst_exponent(rough[0], band=band)  # raises the error
-    estimates = found
-    if band is None and 2 * len(found) >= len(fitted):
-        ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in found], axis=0)
+    estimates = result
+    if band is None and 2 * len(result) >= len(fitted):
+        ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in result], axis=0)
         band = float(ends[0]), float(ends[1])
         estimates = [fit for line in fitted if (fit := _fit(line, band)) is not None]
     pq, pdq, neighbours = np.sqrt(squares).tolist()
@@ -139,7 +139,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
     if band is not None and exponents.size:
         misfit = power_law_misfit(spectrum.in_bins(), band, float(exponents.mean()))
     return LineRoughness(
-        count, pq, pdq, neighbours, spectrum, band, len(fitted), len(found), read_only(exponents), misfit
+        count, pq, pdq, neighbours, spectrum, band, len(fitted), len(result), read_only(exponents), misfit
     )  # fmt: skip
 
 
@@ -178,8 +178,8 @@ def lines_along_both(
             if not min(along_x.misfit, along_y.misfit) > MAX_MISFIT:
                 return along_x, along_y
     try:
-        found = estimate_hurst_exponent(surface)
-        common = found.shortest_wavelength, found.longest_wavelength
+        result = estimate_hurst_exponent(surface)
+        common = result.shortest_wavelength, result.longest_wavelength
         return line_roughness(surface, "x", band=common), line_roughness(surface, "y", band=common)
     except ValueError:
         return along_x, along_y

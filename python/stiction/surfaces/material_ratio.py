@@ -32,10 +32,10 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
     array([3. , 1.5, 0. ])
     """
     body = as_body("body", body)
-    wanted = float_array("ratios", ratios)
-    if wanted.size and not (wanted.min() >= 0 and wanted.max() <= 1):
-        raise ValueError(f"ratios must be from 0 to 1, got {wanted.min():g} to {wanted.max():g}")
-    return heights_at(body.heights, wanted)
+    targets = float_array("ratios", ratios)
+    if targets.size and not (targets.min() >= 0 and targets.max() <= 1):
+        raise ValueError(f"ratios must be from 0 to 1, got {targets.min():g} to {targets.max():g}")
+    return heights_at(body.heights, targets)
 
 
 def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
@@ -56,9 +56,9 @@ def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
     array([1. , 0.5, 0. ])
     """
     body = as_body("body", body)
-    wanted = float_array("heights", heights)
+    targets = float_array("heights", heights)
     ordered = np.sort(body.heights, axis=None)
-    return np.asarray(1 - np.searchsorted(ordered, wanted, side="right") / ordered.size)
+    return np.asarray(1 - np.searchsorted(ordered, targets, side="right") / ordered.size)
 
 
 def heights_at(heights: Floats, ratios: ArrayLike) -> Floats:

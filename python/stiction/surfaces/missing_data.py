@@ -16,7 +16,7 @@ MAX_OUTLIER_GROUP = 4  # largest number of adjacent outliers: a larger group is 
 _NEIGHBOURHOOD = {1: 31, 2: 7}  # width of the local window in points, for profiles and for maps
 _MIN_ESTIMATES = 3  # estimates from neighbours: with three, one of them may contain another outlier
 _MAX_LINES = 2  # of five or more lines through neighbours, an outlier may lie on two by chance
-_MAX_ROUNDS = 8
+_MAX_PASSES = 8
 _MIN_EDGE_POINTS = 20  # points at edges needed to estimate their scatter separately
 
 
@@ -47,8 +47,8 @@ def describe_missing(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> 
     """Describe the fraction of missing points and the position of the largest gap."""
     points, box = find_largest_gap(missing)
     ends = [
-        f"{axis} {with_unit(each.start * step, 'µm')} to {with_unit(each.stop * step, 'µm')}"
-        for axis, each, step in zip("xy", box[::-1], spacing[::-1], strict=False)
+        f"{axis} {with_unit(extent.start * step, 'µm')} to {with_unit(extent.stop * step, 'µm')}"
+        for axis, extent, step in zip("xy", box[::-1], spacing[::-1], strict=False)
     ]
     count = "1 point" if points == 1 else f"{points} points"
     return f"{100 * missing.mean():.2g} % of all points; the largest gap has {count}, at {', '.join(ends)}"
@@ -71,11 +71,11 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
     """
     from scipy.ndimage import label, maximum_filter
 
-    known, left, found = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
+    known, left, result = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
     usual: list[Floats] = []
-    for _ in range(_MAX_ROUNDS):
+    for _ in range(_MAX_PASSES):
         off_means, off_lines, at_edge = _off_neighbours(heights, left)
-        judged = known & ~found & np.isfinite(off_lines)
+        judged = known & ~result & np.isfinite(off_lines)
         if not usual:
             usual = [
                 np.asarray(_usual_distance(off_means, known, np.zeros_like(known))),
@@ -87,10 +87,10 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
         highest = (ratio > MIN_OUTLIER_DEVIATIONS * 1.4826) & (ratio >= maximum_filter(ratio, size=3))
         if not highest.any():
             break
-        found |= highest
+        result |= highest
         left[highest] = np.nan
-    numbers, _ = label(found, np.ones((3,) * heights.ndim))
-    return np.asarray(found & (np.bincount(numbers.ravel())[numbers] <= MAX_OUTLIER_GROUP))
+    numbers, _ = label(result, np.ones((3,) * heights.ndim))
+    return np.asarray(result & (np.bincount(numbers.ravel())[numbers] <= MAX_OUTLIER_GROUP))
 
 
 def _usual_distance(distances: Floats, known: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:
@@ -120,14 +120,14 @@ def _off_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDAr
     padded = np.pad(left, reach, constant_values=np.nan)
 
     def shifted(step: tuple[int, ...], times: int) -> Floats:
-        at = zip(step, heights.shape, strict=True)
-        return padded[tuple(slice(reach + times * each, reach + times * each + size) for each, size in at)]
+        index = zip(step, heights.shape, strict=True)
+        return padded[tuple(slice(reach + times * offset, reach + times * offset + size) for offset, size in index)]
 
     means = np.stack([(shifted(step, 1) + shifted(step, -1)) / 2 for step in steps])
     off_means = np.abs(heights - _median(means, _MIN_ESTIMATES))
     sides = [np.stack([2 * shifted(step, sign) - shifted(step, 2 * sign) for step in steps]) for sign in (1, -1)]
     # Extrapolations: one from each of two sides for profiles, one from each of eight directions for maps.
-    lines = np.stack([_median(each[:3], 1) for each in sides]) if heights.ndim == 1 else np.concatenate(sides)
+    lines = np.stack([_median(side[:3], 1) for side in sides]) if heights.ndim == 1 else np.concatenate(sides)
     off_lines = np.sort(np.abs(heights - lines), axis=0)  # NaN last
     count = np.isfinite(off_lines).sum(axis=0)
     if heights.ndim == 1:
@@ -142,5 +142,5 @@ def _median(values: Floats, min_count: int) -> Floats:
     ordered = np.sort(values, axis=0)  # NaN last
     count = np.isfinite(ordered).sum(axis=0)
     lower, upper = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)
-    middle = (np.take_along_axis(ordered, each[np.newaxis], axis=0)[0] for each in (lower, upper))
+    middle = (np.take_along_axis(ordered, index[np.newaxis], axis=0)[0] for index in (lower, upper))
     return np.asarray(np.where(count >= min_count, sum(middle) / 2, np.nan))

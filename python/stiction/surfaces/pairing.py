@@ -70,7 +70,7 @@ class LinePairs:
         """Return the number of different pairs, or None if it is unlimited."""
         if self.surrogates != "none":
             return None
-        widths = [self._width(each) for each in (self.upper, self.lower) if isinstance(each, Surface)]
+        widths = [self._width(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
         return min(widths, default=1)
 
     def place(self, index: int) -> float:
@@ -104,9 +104,9 @@ class LinePairs:
             left = round(number("travel", self.travel, unit="µm") / spacing)
         slider = min(points, track - left)
         if left < 0 or 2 * slider < min(points, track) - 1:
-            longest = (track - min(points, track) // 2) * spacing
+            max_travel = (track - min(points, track) // 2) * spacing
             raise ValueError(
-                f"travel must be from 0 to {longest:g} µm, which leaves half of the shorter profile as slider, "
+                f"travel must be from 0 to {max_travel:g} µm, which leaves half of the shorter profile as slider, "
                 f"got {self.travel!r}"
             )
         short = above if slider == points else cropped(above, 0.0, slider * spacing)
@@ -198,8 +198,8 @@ def paired_lines(
     count = whole_number("lines", lines, minimum=1)
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
-    most = LinePairs(upper, lower, along=along, surrogates=surrogates).max_count()
-    count = count if most is None else min(count, most)
+    max_count = LinePairs(upper, lower, along=along, surrogates=surrogates).max_count()
+    count = count if max_count is None else min(count, max_count)
     pairs = LinePairs(upper, lower, travel, level, along, surrogates, seed, several=count > 1, count=count)
     profiles = [pairs.pair(index) for index in range(count)]
     return [above for above, _ in profiles], [below for _, below in profiles]
@@ -256,8 +256,8 @@ class MapPairs:
         """Points along y and x of both maps on the finer spacing."""
         return tuple(  # type: ignore[return-value]
             tuple(
-                points if own == step else math.floor((points - 1) * own / step + 1e-9) + 1
-                for points, own, step in zip(body.heights.shape, body.spacing, self.spacing, strict=True)
+                points if actual == step else math.floor((points - 1) * actual / step + 1e-9) + 1
+                for points, actual, step in zip(body.heights.shape, body.spacing, self.spacing, strict=True)
             )
             for body in (self.upper, self.lower)
         )
@@ -282,43 +282,45 @@ class MapPairs:
 
     @property
     def used(self) -> tuple[float, float]:
-        """The fraction of the upper and of the lower map that a piece is."""
+        """Fraction of the upper and of the lower map that a piece covers."""
         pieces = np.prod(self.shape)
         return tuple(float(pieces / np.prod(points)) for points in self._points)  # type: ignore[return-value]
 
     def max_count(self) -> int:
-        """How many relative positions there are at the most: of maps of one size those that the shifts can take."""
-        rooms = [max(upper, lower) - size for upper, lower, size in zip(*self._points, self.shape, strict=True)]
-        same = self._points[0] == self._points[1]
-        return (2 * rooms[0] + 1) * (rooms[1] // 2 + 1) if same else (rooms[0] + 1) * (rooms[1] + 1)
+        """Return the number of different relative positions that the shifts can reach."""
+        margins = [max(upper, lower) - size for upper, lower, size in zip(*self._points, self.shape, strict=True)]
+        equal_size = self._points[0] == self._points[1]
+        return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """First row and column of the upper and of the lower piece, on the finer spacing."""
-        rooms = [(upper - size, lower - size) for upper, lower, size in zip(*self._points, self.shape, strict=True)]
+        """Return the first row and column of the upper and of the lower piece, on the finer spacing."""
+        margins = [(upper - size, lower - size) for upper, lower, size in zip(*self._points, self.shape, strict=True)]
         if self._points[0] == self._points[1]:
             along_x, along_y = quasi_random_point(index, 2)
-            moved = round(rooms[0][0] * (2 * along_y - 1)), round(rooms[1][0] * (0.5 + 0.5 * along_x))
-            lower = tuple(max(0, step) + (room[0] - abs(step)) // 2 for step, room in zip(moved, rooms, strict=True))
+            moved = round(margins[0][0] * (2 * along_y - 1)), round(margins[1][0] * (0.5 + 0.5 * along_x))
+            lower = tuple(
+                max(0, step) + (margin[0] - abs(step)) // 2 for step, margin in zip(moved, margins, strict=True)
+            )
             upper = tuple(first - step for first, step in zip(lower, moved, strict=True))
         else:
-            at = quasi_random_point(index, 4)
-            upper = tuple(round(room[0] * at[axis]) for axis, room in enumerate(rooms))
-            lower = tuple(round(room[1] * at[2 + axis]) for axis, room in enumerate(rooms))
+            fractions = quasi_random_point(index, 4)
+            upper = tuple(round(margin[0] * fractions[axis]) for axis, margin in enumerate(margins))
+            lower = tuple(round(margin[1] * fractions[2 + axis]) for axis, margin in enumerate(margins))
         return upper, lower  # type: ignore[return-value]
 
     def moved(self, index: int) -> tuple[float, float]:
-        """How far the upper map is moved along x and y, µm."""
+        """Return the shift of the upper map along x and y, µm."""
         upper, lower = self.origins(index)
         dy, dx = self.spacing
         return (lower[1] - upper[1]) * dx, (lower[0] - upper[0]) * dy
 
     def pair(self, index: int) -> tuple[Surface, Surface]:
-        """The pieces of one relative position, both levelled."""
+        """Return the two levelled pieces at one relative position."""
         upper, lower = self.origins(index)
         return self._cut(self.upper, upper), self._cut(self.lower, lower)
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Pieces of a pair of surrogates of the whole maps, both levelled."""
+        """Return levelled pieces from a pair of surrogates of the complete maps."""
         upper, lower = (
             self._cut(surrogate(body, self.seed, repetition=index, side=side), _middle(points, self.shape))
             for body, side, points in zip((self.upper, self.lower), SIDES, self._points, strict=True)
@@ -332,7 +334,7 @@ class MapPairs:
 class SquarePairs:
     """Pairs of square pieces of random surfaces with equal spacing along both axes."""
 
-    _whole: int
+    _num_side_points: int
     _step: float
 
     @property
@@ -343,7 +345,7 @@ class SquarePairs:
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of every piece. Raises ValueError if there are too few."""
-        points = self._whole - self._whole // SHIFT_DIVISOR
+        points = self._num_side_points - self._num_side_points // SHIFT_DIVISOR
         if points < MIN_PIECE_POINTS:
             raise ValueError(
                 f"at least {MIN_PIECE_POINTS} rows and columns are required, got {points} at a spacing of "
@@ -376,18 +378,18 @@ class IsotropicPairs(SquarePairs):
         return self._both[0].spacing
 
     @cached_property
-    def _whole(self) -> int:  # type: ignore[override]
-        return min(*(len(each) for each in self._both), MAX_SURROGATE_POINTS)
+    def _num_side_points(self) -> int:  # type: ignore[override]
+        return min(*(len(item) for item in self._both), MAX_SURROGATE_POINTS)
 
     @property
     def used(self) -> tuple[float, float]:
         """Side of the surface over the length of the upper and of the lower profile."""
-        upper, lower = (self._whole / len(each) for each in self._both)
+        upper, lower = (self._num_side_points / len(item) for item in self._both)
         return upper, lower
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
         """Return the levelled pieces of a pair."""
-        shape = (self._whole, self._whole)
+        shape = (self._num_side_points, self._num_side_points)
         upper, lower = (
             levelled(
                 resampled_piece(
@@ -427,19 +429,19 @@ class SpectrumPairs(SquarePairs):
         return max(min(self.upper.shortest, self.lower.shortest), self.finest) / GRID_POINTS_PER_WAVELENGTH
 
     @cached_property
-    def _whole(self) -> int:  # type: ignore[override]
+    def _num_side_points(self) -> int:  # type: ignore[override]
         longest = max(self.upper.longest, self.lower.longest) / MAX_WAVELENGTH_FRACTION
         return min(MAX_SURROGATE_POINTS, int(longest / self._step))
 
     @property
     def side(self) -> float:
         """Side of the complete surfaces, µm."""
-        return self._whole * self._step
+        return self._num_side_points * self._step
 
     @property
     def used(self) -> tuple[float, float]:
         """Area of a piece over the area of the complete surface, for both bodies."""
-        fraction = float(np.prod(self.shape)) / self._whole**2
+        fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
@@ -447,12 +449,12 @@ class SpectrumPairs(SquarePairs):
         return self._piece(self.upper, index, "upper"), self._piece(self.lower, index, "lower")
 
     def _piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:
-        shape = (self._whole, self._whole)
-        whole = body.surface(self.seed, shape=shape, spacing=self.spacing, repetition=index, side=side)
+        shape = (self._num_side_points, self._num_side_points)
+        surface = body.surface(self.seed, shape=shape, spacing=self.spacing, repetition=index, side=side)
         if (wavelength := self.cut_off[SIDES.index(side)]) > 0:
-            whole = cut_off(whole, wavelength, periodic=True)
+            surface = cut_off(surface, wavelength, periodic=True)
         rows, columns = self.shape
-        piece = Surface(whole.heights[:rows, :columns], spacing=self.spacing, history=whole.history)
+        piece = Surface(surface.heights[:rows, :columns], spacing=self.spacing, history=surface.history)
         return levelled(piece, self.level)
 
 

@@ -74,13 +74,13 @@ _ELEMENTS = "three turns from hill to dale"
 
 
 def _profile_parameters(letter: str) -> tuple[Parameter, ...]:
-    found = []
+    result = []
     for stem in _OF_PROFILE[letter]:
         meaning, subject, formula, unit = _PROFILE[stem]
         needs = _ELEMENTS if subject == _ELEMENT else _NEEDS[letter]
         source, fraction = f"ISO 21920-2, {subject}", stem.startswith("mr")
-        found.append(Parameter(letter + stem, meaning, source, formula, unit, needs, fraction))
-    return tuple(found)
+        result.append(Parameter(letter + stem, meaning, source, formula, unit, needs, fraction))
+    return tuple(result)
 
 
 PROFILE_PARAMETERS = {letter: _profile_parameters(letter) for letter in "PRW"}
@@ -183,18 +183,18 @@ class ParameterSet(TextRepr):
             return values[name]
         raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")
 
-    def _shown_values(self) -> list[tuple[str, str, str]]:
+    def _formatted_values(self) -> list[tuple[str, str, str]]:
         return [(name, *number_and_unit(value, PARAMETERS[name].unit)) for name, value in self.values.items()]
 
-    def _shown_words(self) -> dict[str, str]:
+    def _extra_rows(self) -> dict[str, str]:
         return {"levelled": self.levelled}
 
     def __repr__(self) -> str:
         """Return one line per parameter, with its unit."""
-        lines = {name: f"{value} {unit}".strip() for name, value, unit in self._shown_values()} | self._shown_words()
+        lines = {name: f"{value} {unit}".strip() for name, value, unit in self._formatted_values()} | self._extra_rows()
         width = max(map(len, lines))
         return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in lines.items())])
 
     def _repr_html_(self) -> str:
-        words = [(name, text, "") for name, text in self._shown_words().items()]
-        return table_html(("parameter", "value", "unit"), [*self._shown_values(), *words])
+        words = [(name, text, "") for name, text in self._extra_rows().items()]
+        return table_html(("parameter", "value", "unit"), [*self._formatted_values(), *words])

@@ -168,15 +168,15 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
     starts, stops = [start], [stop]
     if isinstance(body, Surface):
         axes = " along y", " along x"
-        starts, stops = ([each, each] if np.ndim(each) == 0 else each for each in (start, stop))
+        starts, stops = ([value, value] if np.ndim(value) == 0 else value for value in (start, stop))
         if len(starts) != 2 or len(stops) != 2:
             raise ValueError(f"start and stop of a surface must be pairs (y, x), got {start!r} and {stop!r}")
     pieces = [
-        find_crop_range(*each) for each in zip(axes, body.heights.shape, body.spacings, starts, stops, strict=True)
+        find_crop_range(*pair) for pair in zip(axes, body.heights.shape, body.spacings, starts, stops, strict=True)
     ]
-    kept = tuple(slice(first, end) for first, end, _ in pieces)
+    selected = tuple(slice(first, end) for first, end, _ in pieces)
     step = f"cropped to {' and '.join(words for _, _, words in pieces)}"
-    return body.changed(body.heights[kept], step, missing=index_mask(body.missing, kept))
+    return body.changed(body.heights[selected], step, missing=index_mask(body.missing, selected))
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
@@ -242,7 +242,8 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
         raise ValueError(f"both must be a Profile or both a Surface, got {type(a).__name__} and {type(b).__name__}")
     spacing = tuple(map(min, a.spacings, b.spacings))
     lengths = (
-        [(points - 1) * step for points, step in zip(each.heights.shape, each.spacings, strict=True)] for each in (a, b)
+        [(points - 1) * step for points, step in zip(value.heights.shape, value.spacings, strict=True)]
+        for value in (a, b)
     )
     shape = tuple(_points(last, step) for last, step in zip(map(min, *lengths), spacing, strict=True))
     if len(shape) == 2 and (math.prod(shape) > MAX_POINTS or min(shape) < 2):
@@ -264,7 +265,7 @@ def _on_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], alig
         return body
     heights, missing = body.heights, body.missing
     for axis, (old, new, points) in enumerate(zip(old_spacings, spacing, shape, strict=True)):
-        heights, missing = (_splined(each, old, new, points, axis, align) for each in (heights, missing))
+        heights, missing = (_splined(value, old, new, points, axis, align) for value in (heights, missing))
     is_line, size = len(shape) == 1, " rows of ".join(map(str, shape))
     steps = " and ".join(f"{step:g}" for step in spacing)
     if old_spacings == spacing:
@@ -281,20 +282,20 @@ def resampled_piece(
     """Resample a piece of a surface that starts at `origin` (row, column) to spacings (µm), by natural splines."""
     heights, missing = surface.heights, surface.missing
     for axis in (0, 1):
-        own, step, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
-        if own == step:
-            kept = (slice(None),) * axis + (slice(first, first + points),)
-            heights, missing = heights[kept], index_mask(missing, kept)
+        actual, step, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
+        if actual == step:
+            selected = (slice(None),) * axis + (slice(first, first + points),)
+            heights, missing = heights[selected], index_mask(missing, selected)
             continue
         from scipy.interpolate import CubicSpline
 
         size = heights.shape[axis]
-        places = np.minimum((first + np.arange(points)) * (step / own), size - 1)
+        places = np.minimum((first + np.arange(points)) * (step / actual), size - 1)
         missing = _mask_between(missing, places, axis)
         begin = max(0, math.floor(places[0]) - _SPLINE_MARGIN)
         end = min(size, math.ceil(places[-1]) + 1 + _SPLINE_MARGIN)
-        there = np.take(heights, np.arange(begin, end), axis=axis)
-        heights = CubicSpline(np.arange(begin, end), there, axis=axis, bc_type="natural")(places)
+        occupied = np.take(heights, np.arange(begin, end), axis=axis)
+        heights = CubicSpline(np.arange(begin, end), occupied, axis=axis, bc_type="natural")(places)
     (rows, columns), (dy, dx) = shape, spacing
     step_taken = (
         f"cut to {rows} rows of {columns} points from {origin[0] * dy:.6g} and {origin[1] * dx:.6g} µm (y, x) on, "
@@ -311,17 +312,17 @@ def _mask_between(missing: Any, places: Floats, axis: int) -> Any:
     return below | above
 
 
-def _splined(heights: Any, own: float, spacing: float, points: int, axis: int, align: Align = "start") -> Any:
+def _splined(heights: Any, actual: float, spacing: float, points: int, axis: int, align: Align = "start") -> Any:
     """Resample heights by natural cubic splines, or a mask, along an axis; equal spacing is only cropped."""
     if heights is None:
         return None
     last = heights.shape[axis] - 1
     # Position of the first point, in points of the old grid.
-    ratio = spacing / own
+    ratio = spacing / actual
     start = max(0.0, (last - (points - 1) * ratio) / 2) if align == "middle" else 0.0
-    if own == spacing:
-        kept = slice(int(start), int(start) + points)
-        return heights[kept] if axis == 0 else heights[:, kept]
+    if actual == spacing:
+        selected = slice(int(start), int(start) + points)
+        return heights[selected] if axis == 0 else heights[:, selected]
     from scipy.interpolate import CubicSpline
 
     # Round-off must not put a position beyond the last point.
@@ -377,9 +378,9 @@ def rotated(surface: Surface, angle: float) -> Surface:
     from scipy.interpolate import RectBivariateSpline
 
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
-    own = (rows - 1) * dy, (columns - 1) * dx
+    actual = (rows - 1) * dy, (columns - 1) * dx
     radians = math.radians(angle)
-    height, width = _inscribed(*own, radians)
+    height, width = _inscribed(*actual, radians)
     shape = math.floor(height / dy) + 1, math.floor(width / dx) + 1
     if min(shape) < MIN_POINTS:
         raise ValueError(
@@ -388,8 +389,8 @@ def rotated(surface: Surface, angle: float) -> Surface:
     y = (np.arange(shape[0]) - (shape[0] - 1) / 2)[:, np.newaxis] * dy
     x = (np.arange(shape[1]) - (shape[1] - 1) / 2) * dx
     # Position of a point before the rotation about the middle.
-    from_y = (own[0] / 2 - x * math.sin(radians) + y * math.cos(radians)) / dy
-    from_x = (own[1] / 2 + x * math.cos(radians) + y * math.sin(radians)) / dx
+    from_y = (actual[0] / 2 - x * math.sin(radians) + y * math.cos(radians)) / dy
+    from_x = (actual[1] / 2 + x * math.cos(radians) + y * math.sin(radians)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
     from_y, from_x = np.clip(from_y, 0, rows - 1), np.clip(from_x, 0, columns - 1)  # because of round-off at the sides
     heights, missing = spline.ev(from_y, from_x), None

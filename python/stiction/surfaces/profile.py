@@ -78,7 +78,7 @@ class Body(PlotRepr):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the heights over x, or a map of them.
 
-        Into given axes, or by default new ones, which are returned.
+        Draws into the given axes, or into new ones, and returns them.
         """
         if self.heights.ndim == 2:
             return draw_surface(axes_for(ax), self.heights, self.spacing)
@@ -110,9 +110,9 @@ class Body(PlotRepr):
         0.5
         """
         taken = extract_heights("other", other, unit=unit)
-        wanted, found = (("profile", "surface")[ndim - 1] for ndim in (cls._ndim, taken.heights.ndim))
-        if found != wanted:
-            raise ValueError(f"other must be a {wanted}, got a {found}; see {found.capitalize()}.from_")
+        targets, result = (("profile", "surface")[ndim - 1] for ndim in (cls._ndim, taken.heights.ndim))
+        if result != targets:
+            raise ValueError(f"other must be a {targets}, got a {result}; see {result.capitalize()}.from_")
         spacing = taken.spacing[0] if cls._ndim == 1 else taken.spacing
         return cls(taken.heights, spacing=spacing, history=taken.history, missing=taken.missing)
 
@@ -203,12 +203,12 @@ def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
     return missing
 
 
-def reject_missing(body: Any, what: str) -> None:
-    """Raise ValueError if a scan has missing data, which the operation `what` does not support."""
+def reject_missing(body: Any, operation: str) -> None:
+    """Raise ValueError if a scan has missing data, which the operation does not support."""
     if body.missing is not None:
         raise ValueError(
-            f"{what} takes whole scans, and {int(body.missing.sum())} points of one are masked: press it by the "
-            "half-space as it is, crop it, or interpolate"
+            f"{operation} requires complete scans, but {int(body.missing.sum())} points are masked: use the half-space "
+            "solver, which accepts missing points, crop the scan, or interpolate"
         )
 
 

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MAX_NOISE_FRACTION = 0.1  # largest noise fraction of the mean square slope: the error of h' is then below 5 %
-MIN_RANGE = 1e-70  # of the heights of a scan, µm; powers of smaller ones underflow
+MIN_RANGE = 1e-70  # smallest height range of a scan, µm; powers of smaller ranges underflow
 MIN_CORRELATION = 0.5  # smallest correlation of two scans of the same area
 _SMOOTHED = (8.0, 4.0, 2.0, 1.0, 0.0)  # widths (points) of the Gaussian filters in successive alignment stages
-_STEPS = 4  # Gauss-Newton steps per stage
+_NEWTON_STEPS = 4  # Gauss-Newton steps per stage
 _CORRELATED_POINTS = 2 * math.sqrt(math.pi)  # points per independent value of white noise after a filter of width 1
 _MARGIN = 3  # points beyond the overlap that spline interpolation needs
 _CANDIDATES = 400  # number of trial cutoffs
@@ -76,7 +76,7 @@ class RepeatedScans(PlotRepr):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the noise and the common part over the wavelength.
 
-        Into given axes, or by default new ones, which are returned.
+        Draws into the given axes, or into new ones, and returns them.
         """
         return draw_repeated_scans(axes_for(ax), self)
 
@@ -116,28 +116,30 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     if np.array_equal(first.heights, second.heights):
         raise ValueError("first and second must be two scans, but are identical, so the noise cannot be estimated")
     trend: Any = "line" if kind is Profile else "plane"
-    one, other, moved = _aligned(levelled(first, trend).heights, levelled(second, trend).heights)
+    solution, other, moved = _aligned(levelled(first, trend).heights, levelled(second, trend).heights)
     spacing = np.atleast_1d(first.spacing)
-    shift = tuple(round(float(each), 12) for each in moved * spacing)
-    one, other = (levelled(kind(each, spacing=first.spacing), trend).heights for each in (one, other))
-    alike = float(np.corrcoef(one.ravel(), other.ravel())[0, 1])
+    shift = tuple(round(float(item), 12) for item in moved * spacing)
+    solution, other = (levelled(kind(value, spacing=first.spacing), trend).heights for value in (solution, other))
+    alike = float(np.corrcoef(solution.ravel(), other.ravel())[0, 1])
     if not alike > MIN_CORRELATION:
-        raise ValueError(f"first and second must be scans of one place, but their correlation is {alike:.2f} at best")
-    step = f"mean of two scans of one place, the second shifted by {', '.join(f'{each:.4g}' for each in shift)} µm"
-    scan = kind((one + other) / 2, spacing=first.spacing, history=(*first.history, step))
+        raise ValueError(
+            f"first and second must be scans of the same area, but their correlation is {alike:.2f} at best"
+        )
+    step = f"mean of two scans of the same area, the second shifted by {', '.join(f'{item:.4g}' for item in shift)} µm"
+    scan = kind((solution + other) / 2, spacing=first.spacing, history=(*first.history, step))
     scan = levelled(scan, trend)
     q, of_mean = mean_square_heights(scan)
-    same = np.array_equal(one, other)
+    same = np.array_equal(solution, other)
     half = (
         np.zeros(q.size)
         if same
-        else mean_square_heights(levelled(kind((one - other) / 2, spacing=first.spacing), trend))[1]
+        else mean_square_heights(levelled(kind((solution - other) / 2, spacing=first.spacing), trend))[1]
     )
     shortest = 2 * float(spacing.max())
     octave = np.maximum(np.floor(np.log2(2 * math.pi / (q * shortest)) + 1e-9), 0).astype(np.intp)
-    noise, common = (np.sqrt(np.maximum(np.bincount(octave, each), 0)) for each in (2 * half, of_mean - half))
+    noise, common = (np.sqrt(np.maximum(np.bincount(octave, value), 0)) for value in (2 * half, of_mean - half))
     wavelength = read_only(np.asarray(shortest * np.exp2(np.arange(noise.size)), np.float64))
-    rms, longest = float(np.std(one - other) / math.sqrt(2)), float(np.min(scan.extent)) / 3
+    rms, longest = float(np.std(solution - other) / math.sqrt(2)), float(np.min(scan.extent)) / 3
     limit = _limit(q, of_mean, half, shortest, longest)
     return RepeatedScans(scan, shift, alike, wavelength, read_only(noise), read_only(common), rms, limit)
 
@@ -145,7 +147,7 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
 def _check(first: Any, second: Any) -> None:
     for name, body in (("first", first), ("second", second)):
         as_body(name, body)
-        reject_missing(body, "comparing two scans")
+        reject_missing(body, "the comparison of two scans")
         if not np.ptp(body.heights) > MIN_RANGE:
             raise ValueError(f"{name} must not be flat")
     if type(first) is not type(second) or not np.allclose(first.spacing, second.spacing, rtol=1e-6, atol=0):
@@ -161,8 +163,8 @@ def _limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: 
         return shortest
     wave: float
     for wave in np.geomspace(shortest, longest, _CANDIDATES).tolist():
-        kept = np.square(q * transmission(q, wave))
-        if noise @ kept <= MAX_NOISE_FRACTION * (of_mean @ kept):
+        selected = np.square(q * transmission(q, wave))
+        if noise @ selected <= MAX_NOISE_FRACTION * (of_mean @ selected):
             return round_up_wavelength(wave)
     return math.nan
 
@@ -173,30 +175,30 @@ def _aligned(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
 
     moved, best = _roughly(a, b), (math.inf, np.zeros(a.ndim))
     for width in _SMOOTHED:
-        one, other = (gaussian_filter(each, width) if width else each for each in (a, b))
+        item, other = (gaussian_filter(value, width) if width else value for value in (a, b))
         other = spline_filter(other, 3)
-        for _ in range(_STEPS):
+        for _ in range(_NEWTON_STEPS):
             above, places = _overlap(a.shape, b.shape, moved)
-            there = map_coordinates(other, np.meshgrid(*places, indexing="ij"), order=3, prefilter=False)
-            slopes = _slopes(there)
-            basis = [*(-each for each in slopes), np.ones(there.shape), *np.indices(there.shape)]
-            columns = np.stack([each.ravel() for each in basis], axis=1)
-            step, off = np.linalg.lstsq(columns, (one[above] - there).ravel())[:2]
-            moved = moved + np.clip(step[: there.ndim], -2 - width, 2 + width)
+            occupied = map_coordinates(other, np.meshgrid(*places, indexing="ij"), order=3, prefilter=False)
+            slopes = _slopes(occupied)
+            basis = [*(-slope for slope in slopes), np.ones(occupied.shape), *np.indices(occupied.shape)]
+            columns = np.stack([function.ravel() for function in basis], axis=1)
+            step, off = np.linalg.lstsq(columns, (item[above] - occupied).ravel())[:2]
+            moved = moved + np.clip(step[: occupied.ndim], -2 - width, 2 + width)
         # Variance of the shift, from the residual (correlated by the filter) and the common slopes.
-        alike = [float((own * each).mean()) for own, each in zip(_slopes(one[above]), slopes, strict=True)]
+        alike = [float((actual * slope).mean()) for actual, slope in zip(_slopes(item[above]), slopes, strict=True)]
         spread = sum(
-            float(np.square(each).mean()) / both**2 if both**2 > 0 else math.inf
-            for each, both in zip(slopes, alike, strict=True)
+            float(np.square(slope).mean()) / both**2 if both**2 > 0 else math.inf
+            for slope, both in zip(slopes, alike, strict=True)
         )
         spread *= float(np.sum(off)) * max(1.0, _CORRELATED_POINTS * width) ** a.ndim
-        best = min(best, (spread, moved), key=lambda each: each[0])
+        best = min(best, (spread, moved), key=lambda item: item[0])
     moved = best[1]
     above, places = _overlap(a.shape, b.shape, moved)
     whole = np.round(moved)
-    if np.abs(moved - whole).max() < _ON_POINT:  # as it is
-        moved, places = whole, [np.round(each) for each in places]
-        return a[above], b[np.ix_(*(each.astype(np.intp) for each in places))], moved
+    if np.abs(moved - whole).max() < _ON_POINT:  # no interpolation
+        moved, places = whole, [np.round(place) for place in places]
+        return a[above], b[np.ix_(*(place.astype(np.intp) for place in places))], moved
     return a[above], map_coordinates(b, np.meshgrid(*places, indexing="ij"), order=5), moved
 
 
@@ -210,7 +212,7 @@ def _roughly(a: Floats, b: Floats) -> Floats:
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
-    ones, others = ([rfftn(each, shape) for each in (np.ones(c.shape), c, c**2)] for c in (a, b))
+    ones, others = ([rfftn(value, shape) for value in (np.ones(c.shape), c, c**2)] for c in (a, b))
 
     def over(of_a: int, of_b: int) -> Floats:
         """Sum products of powers of both over the overlap, at every shift."""
@@ -226,12 +228,12 @@ def _roughly(a: Floats, b: Floats) -> Floats:
 
 def _overlap(shape: tuple[int, ...], other: tuple[int, ...], moved: Floats) -> tuple[tuple[slice, ...], list[Floats]]:
     """Return the overlap in the first scan at a shift in points, and its positions in the second scan."""
-    kept, places = [], []
+    selected, places = [], []
     for points, others, step in zip(shape, other, moved.tolist(), strict=True):
         first = max(0, math.ceil(step) + (_MARGIN if step > 0 else 0))
         end = min(points, math.floor(others + step) - (_MARGIN if others + step < points else 0))
         if end - first <= min(points, others) / 2:
             raise ValueError("first and second must overlap by more than half, or are not of the same area")
-        kept.append(slice(first, end))
+        selected.append(slice(first, end))
         places.append(np.clip(np.arange(first, end) - step, 0, others - 1))
-    return tuple(kept), places
+    return tuple(selected), places

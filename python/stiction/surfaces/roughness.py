@@ -1,4 +1,4 @@
-"""Roughness parameters of primary profiles and surfaces: of their heights, slopes, texture and features."""
+"""Roughness parameters of primary profiles and surfaces: height, slope, texture and feature parameters."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 Derivative = Literal["seven-point", "neighbours"]
 SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
-DECAY_LEVEL = 0.2  # autocorrelation at which its lengths are taken: the default of ISO 25178-3
-_DIRECTIONS = 720  # number of directions in which the autocorrelation is followed from its middle
-_SECTORS = 90  # number of sectors, of two degrees each, over which the power of the waves is summed
+DECAY_LEVEL = 0.2  # autocorrelation that defines the decay lengths: the default of ISO 25178-3
+_DIRECTIONS = 720  # number of directions along which the autocorrelation is evaluated
+_SECTORS = 90  # number of angular sectors, of two degrees each, over which the spectral power is summed
 
 
 def describe_levelling(history: tuple[str, ...]) -> str:
-    """Return the form that was subtracted from heights, by their history."""
+    """Return the form that was subtracted from heights, according to their history."""
     steps = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
     return steps[-1] if steps else NOT_LEVELLED
 
 
 class RoughnessParameters(ParameterSet):
-    """Parameters of a primary profile by the names of ISO 21920-2, about its mean.
+    """Parameters of a primary profile about its mean, with the names of ISO 21920-2.
 
     See the table of parameters for names, formulas and units.
 
@@ -51,29 +51,30 @@ class RoughnessParameters(ParameterSet):
 def roughness_parameters(
     profile: BodyLike, *, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> RoughnessParameters:
-    """Compute the P-parameters of a profile about its mean; levelling and filtering are the caller's.
+    """Compute the P-parameters of a profile about its mean. The caller levels and filters the profile.
 
     Parameters
     ----------
     profile : Profile or array_like
-        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
-        Not flat, and of at least 7 points.
+        Heights; not flat, and at least 7 points. An array requires `spacing` (µm, or text such as "39 nm"); its
+        heights are in `unit`.
     derivative : {"seven-point", "neighbours"}
-        How Pdq takes slopes. "seven-point" is that of ISO 4287 and of instruments, at all points that have three
-        neighbours on each side; it smooths, and sees nothing of wavelengths near twice the spacing. "neighbours" is
-        the difference of two neighbours over the spacing, which most codes for contact take.
+        Slope formula for Pdq. "seven-point" is the formula of ISO 4287 and of instruments. It is evaluated at points
+        with three neighbours on each side, and attenuates wavelengths near twice the spacing. "neighbours" is the
+        difference of two neighbours over the spacing, the usual formula of contact models.
     spacing, unit : optional
         Distance between the points of an array, and the unit of its heights.
 
     See Also
     --------
-    section_parameters : R- and W-parameters, behind the filters of drawings.
+    section_parameters : R- and W-parameters, after the filters that drawings specify.
 
     Notes
     -----
-    Seven points: :math:`z'_i = (z_{i+3} - 9z_{i+2} + 45z_{i+1} - 45z_{i-1} + 9z_{i-2} - z_{i-3}) / 60Δx`. On a
-    sinusoid of wavelength λ it is short by a factor 1 - (2πΔx/λ)^6/140, the difference of neighbours by
-    1 - (2πΔx/λ)²/24. The slope of a self-affine profile depends on where its spectrum ends, and so on the derivative.
+    Seven points: :math:`z'_i = (z_{i+3} - 9z_{i+2} + 45z_{i+1} - 45z_{i-1} + 9z_{i-2} - z_{i-3}) / 60Δx`. For a
+    sinusoid of wavelength λ the slope is too small by a factor 1 - (2πΔx/λ)^6/140; the difference of neighbours is
+    too small by 1 - (2πΔx/λ)²/24. The slope of a self-affine profile depends on the shortest wavelength, and therefore
+    on the formula.
 
     Examples
     --------
@@ -87,15 +88,15 @@ def roughness_parameters(
     z = profile.heights
     if z.size < SEVEN_POINTS.size:
         raise ValueError(f"profile must have at least {SEVEN_POINTS.size} points, got {z.size}")
-    found = profile_moments(z - z.mean(), profile.spacing, derivative)
-    values = {each.name: found[each.name[1:]] for each in PROFILE_PARAMETERS["P"]}
+    result = profile_moments(z - z.mean(), profile.spacing, derivative)
+    values = {parameter.name: result[parameter.name[1:]] for parameter in PROFILE_PARAMETERS["P"]}
     return RoughnessParameters(values, describe_levelling(profile.history))
 
 
 def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
-    """Compute the height and slope parameters of heights about their mean line, by names without the first letter."""
+    """Compute the height and slope parameters about the mean line, with names without the first letter."""
     scale = float(np.abs(z).max()) or 1.0
-    unit = z / scale  # so that the fourth power neither over- nor underflows
+    unit = z / scale  # prevents overflow and underflow of the fourth power
     rms = float(np.sqrt(np.mean(unit**2)))
     differences = np.correlate(unit, SEVEN_POINTS, mode="valid") / 60 if derivative == "seven-point" else np.diff(unit)
     return {
@@ -107,7 +108,7 @@ def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[s
 
 
 class SurfaceParameters(ParameterSet):
-    """Parameters of a surface by the names of ISO 25178-2, about its mean plane.
+    """Parameters of a surface about its mean plane, with the names of ISO 25178-2.
 
     See the table of parameters for names, formulas and units.
 
@@ -123,47 +124,47 @@ class SurfaceParameters(ParameterSet):
 def surface_parameters(
     surface: BodyLike, *, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> SurfaceParameters:
-    r"""Compute the parameters of a surface about its mean; levelling and filtering are the caller's.
+    r"""Compute the parameters of a surface about its mean. The caller levels and filters the surface.
 
     Parameters
     ----------
     surface : Surface or array_like
-        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
-        Not flat, and of at least 7 by 7 points.
+        Heights; not flat, and at least 7 by 7 points. An array requires `spacing` (µm, or text such as "39 nm"); its
+        heights are in `unit`.
     derivative : {"seven-point", "neighbours"}
-        How Sdq takes slopes, as for `roughness_parameters`: along rows and columns one by one, and the mean squares of
-        both added.
+        Slope formula for Sdq, as for `roughness_parameters`. Slopes are computed along rows and columns, and their
+        mean squares are added.
     spacing, unit : optional
         Distance between the points of an array, and the unit of its heights.
 
     Returns
     -------
     SurfaceParameters
-        Sal is NaN if the autocorrelation does not fall to 0.2 within half the surface; Str also if it does not do so in
-        some direction, and then it is below Sal over half the shorter side. S5p, S5v and S10z are NaN with fewer than
-        five peaks or pits.
+        Sal is NaN if the autocorrelation does not decrease to 0.2 within half of the surface. Str is NaN if that is so
+        in any direction; Str is then below Sal over half of the shorter side. S5p, S5v and S10z are NaN if there are
+        fewer than five peaks or pits.
 
     Notes
     -----
-    Sdr takes the mean of both ways to part each mesh of the grid into two triangles.
+    Sdr is the mean over both divisions of a grid cell into two triangles.
 
-    The autocorrelation is that of ISO 25178-2: the mean of the products over the area in which the surface and its
-    shifted copy overlap, over the mean square. It is followed from the middle to where it first falls to 0.2, in 720
-    directions, bilinear between shifts of whole points, up to half the length along each axis.
+    The autocorrelation follows ISO 25178-2: the mean product over the overlap of the surface and its shifted copy,
+    divided by the mean square. Along each of 720 directions, Sal and Str use the first shift at which it decreases to
+    0.2. Shifts extend to half the length along each axis, with bilinear interpolation between grid points.
 
-    The power of waves for Std is that after a Hann window, summed over sectors of two degrees from the third harmonic
-    of the longer side up to the smaller Nyquist wave number, in which all directions are there. A lay runs across the
-    direction, which means nothing where Str is near 1. Ssw is the wavelength of the largest Fourier coefficient without
-    a window.
+    Std is computed after a Hann window. The power is summed over sectors of two degrees, from the third harmonic of the
+    longer side to the smaller Nyquist wave number, up to which all directions are available. The lay is perpendicular
+    to Std. Std is meaningless if Str is near 1. Ssw is the wavelength of the largest Fourier coefficient without a
+    window.
 
-    The core is the 40 % of the points over which a secant of the material ratio curve is least steep; a straight line
-    is fitted to it by least squares, and Sk is its fall from 0 to 100 %. Spk and Svk are the heights of triangles
-    of the area of the peaks above and the valleys below the core, on the bases Smr1 and 1 - Smr2. The volumes part
-    peaks, core and valleys at material ratios of 10 % and 80 %.
+    The core is the 40 % of the points over which a secant of the material ratio curve is least steep. A straight line
+    is fitted to the core by least squares; Sk is its drop from 0 to 100 %. Spk and Svk are heights of triangles
+    with the areas of the peaks above and the valleys below the core, on the bases Smr1 and 1 - Smr2. For the volumes,
+    peaks, core and valleys are separated at material ratios of 10 % and 80 %.
 
-    Peaks and pits are those of hills and dales with eight neighbours, merged by Wolf pruning below 5 % of Sz. All of
-    them count for Spd, S5p and S5v, also where the border cuts their hill; the curvature Spc is that of second
-    differences at the peaks inside of the map.
+    Peaks and pits belong to hills and dales with eight neighbours, merged by Wolf pruning below 5 % of Sz. Spd, S5p and
+    S5v include features that the border cuts. Spc is the mean curvature, from second differences, of the peaks that are
+    not on the border.
 
     ISO 25178-2:2021.
 
@@ -182,14 +183,15 @@ def surface_parameters(
     z = surface.heights
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
-    deviation /= scale  # so that the fourth power neither over- nor underflows
+    deviation /= scale  # prevents overflow and underflow of the fourth power
     values = {
         **_heights(deviation, scale), **_material_ratio(deviation, scale), **_texture(surface, deviation),
         **_features(deviation, scale, surface.spacing),
         "Sz": float(np.ptp(z)), "Sdq": rms_gradient(surface, derivative), "Sdr": _developed(z, surface.spacing),
     }  # fmt: skip
     return SurfaceParameters(
-        {each.name: values[each.name] for each in SURFACE_PARAMETERS}, describe_levelling(surface.history)
+        {parameter.name: values[parameter.name] for parameter in SURFACE_PARAMETERS},
+        describe_levelling(surface.history),
     )
 
 
@@ -224,9 +226,9 @@ def _material_ratio(deviation: Floats, scale: float) -> dict[str, float]:
 def _texture(surface: Surface, deviation: Floats) -> dict[str, float]:
     shortest, longest = _decay_lengths(deviation, surface.spacing)
     q, angle, density = surface_spectrum(surface).waves()
-    kept = q > 2.5 * 2 * math.pi / max(surface.extent)
-    sector = np.rint(angle[kept] * _SECTORS / 180).astype(np.intp) % _SECTORS
-    strongest = int(np.argmax(np.bincount(sector, density[kept], minlength=_SECTORS)))
+    selected = q > 2.5 * 2 * math.pi / max(surface.extent)
+    sector = np.rint(angle[selected] * _SECTORS / 180).astype(np.intp) % _SECTORS
+    strongest = int(np.argmax(np.bincount(sector, density[selected], minlength=_SECTORS)))
     return {
         "Sal": shortest, "Str": shortest / longest, "Std": float(strongest * 180 / _SECTORS),
         "Ssw": _dominant_wavelength(deviation, surface.spacing),
@@ -247,9 +249,9 @@ def _dominant_wavelength(deviation: Floats, spacing: tuple[float, float]) -> flo
 
 
 def _features(deviation: Floats, scale: float, spacing: tuple[float, float]) -> dict[str, float]:
-    found = feature_parameters(deviation, spacing)
-    high, deep = scale * found.peak_height, scale * found.pit_depth
-    return {"Spd": found.density, "Spc": scale * found.curvature, "S5p": high, "S5v": deep, "S10z": high + deep}
+    result = feature_parameters(deviation, spacing)
+    high, deep = scale * result.peak_height, scale * result.pit_depth
+    return {"Spd": result.density, "Spc": scale * result.curvature, "S5p": high, "S5v": deep, "S10z": high + deep}
 
 
 def rms_gradient(surface: Surface, derivative: Derivative) -> float:
@@ -266,8 +268,8 @@ def _slopes(heights: Floats, axis: int, derivative: Derivative) -> Floats:
     lines = heights if axis == 1 else heights.T
     points = lines.shape[1] - SEVEN_POINTS.size + 1
     total = np.zeros((lines.shape[0], points))
-    for at, weight in enumerate(SEVEN_POINTS):
-        total += weight / 60 * lines[:, at : at + points]
+    for index, weight in enumerate(SEVEN_POINTS):
+        total += weight / 60 * lines[:, index : index + points]
     return total
 
 

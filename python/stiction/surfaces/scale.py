@@ -23,29 +23,27 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 TIP_FACTOR = 0.1  # c of `instrument_limit`: a tip of radius R resolves an rms curvature below c/R
 _PER_DECADE = 48  # wave number bins per decade for slope and curvature
 _PER_OCTAVE = 8  # wave number bins per octave in the search for instrument noise
-_WIDTHS = (1.0, 2.0)  # octaves over which a spectral exponent is fitted
+_WINDOW_OCTAVES = (1.0, 2.0)  # octaves over which a spectral exponent is fitted
 _DEVIATIONS = 3.0  # standard deviations by which an exponent must differ from that of the roughest self-affine surface
-_NEAR = 24.0  # points of the longest wave at which a hump is the instrument's; above, it is texture if all falls behind
-_ABOVE = 4.0  # density of the last trusted waves over the lowest of the spectrum: less, and noise is a part of them
-_RISE = 3.0  # density over the lowest of all longer waves, by which no surface's spectrum rises
-MAX_UNKNOWN_FRACTION = 0.1  # share of the mean square slope in waves of unknown origin above which no number is quoted
-CUTOFF_MARGIN = (
-    1.9  # cut-off over the wavelength of what must be taken off: a Gaussian filter leaves 8 % of its amplitude
-)
-_LEAST_SHARE = 1e-4  # smallest share of the mean square slope that is of an instrument and not of round-off
-_FOLDED = 0.6  # exponent of the last octave of a rough surface, with what is folded back at the Nyquist wave number
-_ROUNDED = 0.3  # share of the mean square second difference from which on rounding explains a noise floor
-_FLAT = 0.35  # exponent of a flat spectrum, and rms of the logarithm of its density, at most
-_HARDLY_FALLING = 0.7  # exponent over all wavelengths of a floor, some of which are partly the surface's
-_CLEAR_OF_SURFACE = 0.7  # wavelength over the limit below which a spectrum is that of the noise alone
-INSTRUMENT_REASONS = ("noise floor", "quantisation")  # reasons that are the instrument's whatever the surface is
-_FINEST = 1e-6  # fraction of the shortest wave of the scan, as far as a power law is followed
+_MAX_HUMP_POINTS = 24.0  # largest wavelength, in points, of an instrument hump; a hump above it is texture
+_MIN_TRUSTED_RATIO = 4.0  # smallest density of trusted wavelengths over the lowest density of the spectrum
+_MIN_RISE_RATIO = 3.0  # density over the lowest density at longer wavelengths: no surface has such a rise
+MAX_UNKNOWN_FRACTION = 0.1  # largest mean square slope fraction of unattributed wavelengths in a quotable result
+CUTOFF_MARGIN = 1.9  # cutoff over the wavelength to remove: a Gaussian filter then transmits 8 % of its amplitude
+_MIN_SLOPE_FRACTION = 1e-4  # mean square slope fractions below this may be round-off
+_MAX_ALIASED_EXPONENT = 0.6  # a rough surface falls faster than this in its last octave, even with aliasing
+_MIN_ROUNDED_FRACTION = 0.3  # mean square second difference due to rounding, over the total, of quantised heights
+_MAX_FLAT_EXPONENT = 0.35  # largest exponent, and rms log density, of a flat spectrum
+_MAX_FLOOR_EXPONENT = 0.7  # largest exponent of a noise floor that includes some of the surface's spectrum
+_NOISE_WAVELENGTH_RATIO = 0.7  # wavelength over the limit below which the spectrum consists of noise only
+INSTRUMENT_REASONS = ("noise floor", "quantisation")  # reasons that always indicate the instrument
+_MIN_WAVELENGTH_RATIO = 1e-6  # shortest wavelength of the extrapolation over the shortest of the scan
 _HALVINGS = 60
 
 Origin = Literal["instrument", "unknown"]
 
 Spectrum = tuple[Floats, Floats, Floats, float]
-"""Wave numbers, densities, and numbers of independent values of a spectrum, and the spacing of its points."""
+"""Wave numbers, densities, numbers of independent values, and the spacing of the points."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -57,12 +55,12 @@ class ScaleDependentRoughness(TextRepr):
     wavelength : (n,) ndarray of float, µm
         Descending, from the longest to the shortest wavelength of the grid.
     gradient : (n,) ndarray of float
-        h'_rms of all waves of at least the wavelength: of a surface its gradient over all directions, of a profile its
-        slope.
+        h'_rms of the wavelengths at or above each value: the gradient of a surface over all directions, or the slope
+        of a profile.
     curvature : (n,) ndarray of float, 1/µm
-        h''_rms of the same waves: of a surface the mean curvature, half of the Laplacian.
+        h''_rms of the same wavelengths; for a surface the mean curvature, half of the Laplacian.
     dimensions : int
-        1 of a profile, 2 of a surface.
+        1 for a profile, 2 for a surface.
 
     Examples
     --------
@@ -82,54 +80,56 @@ class ScaleDependentRoughness(TextRepr):
     dimensions: int
 
     def gradient_at(self, wavelength: ArrayLike) -> Floats:
-        """h'_rms of the waves of at least a wavelength (µm), of any shape; that of all waves below the shortest."""
-        return _between(self.wavelength, self.gradient, wavelength)
+        """Return h'_rms of wavelengths at or above the given ones (µm), of any shape, constant below the shortest."""
+        return _interpolate_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
-        """h''_rms (1/µm) of the waves of at least a wavelength (µm), as `gradient_at`."""
-        return _between(self.wavelength, self.curvature, wavelength)
+        """Return h''_rms (1/µm) of wavelengths at or above the given ones (µm), as `gradient_at`."""
+        return _interpolate_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
-        """Fraction of the mean square slope that is of waves shorter than a wavelength (µm)."""
+        """Return the fraction of the mean square slope below a wavelength (µm)."""
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""h'_rms down to wavelengths (µm) that the scan does not resolve, by the power law of a Hurst exponent.
+        r"""Return h'_rms down to unresolved wavelengths (µm), extrapolated with the power law of a Hurst exponent.
 
         Notes
         -----
-        Down to the shortest wavelength of the fitted band it is `gradient_at`; what is finer is added by the fitted
-        line,
+        Down to the shortest wavelength of the fitted band it equals `gradient_at`. The power law adds shorter
+        wavelengths,
 
         .. math:: h'(λ)^2 = h'(λ_b)^2 + \frac{1}{nπ} \int_{2π/λ_b}^{2π/λ} q^{n+1} C(q)\,dq, \qquad C ∝ q^{-n-2H}
 
         with n = 1 for profiles and 2 for surfaces.
         """
-        wanted = float_array("wavelength", wavelength)
+        wavelengths = float_array("wavelength", wavelength)
         shortest = estimate.shortest_wavelength
-        measured = self.gradient_at(np.maximum(wanted, shortest))
-        finer = np.minimum(wanted, shortest)
+        measured = self.gradient_at(np.maximum(wavelengths, shortest))
+        finer = np.minimum(wavelengths, shortest)
         return np.asarray(np.sqrt(np.square(measured) + extrapolated_slope(estimate, finer)))
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
-        """Wavelength (µm) down to which waves have an rms gradient, continued by a Hurst exponent if one is given.
+        """Find the wavelength (µm) above which all wavelengths together have an rms gradient.
 
-        The longest where that has it already; NaN where no wavelength has, of a power law down to a millionth of the
-        scan's shortest.
+        The power law of `estimate`, if given, extrapolates the spectrum.
+
+        Returns the longest wavelength if it already has the gradient. Returns NaN if the gradient is not reached, with
+        a power law down to a millionth of the scan's shortest wavelength.
         """
-        wanted = number("gradient", gradient, above=0)
-        finest = self.wavelength[-1] * (1.0 if estimate is None else _FINEST)
+        target = number("gradient", gradient, above=0)
+        finest = self.wavelength[-1] * (1.0 if estimate is None else _MIN_WAVELENGTH_RATIO)
         low, high = math.log(finest), math.log(self.wavelength[0])
 
         def value(place: float) -> float:
             length = math.exp(place)
             return float(self.gradient_at(length) if estimate is None else self.continued(length, estimate))
 
-        if value(low) < wanted:
+        if value(low) < target:
             return math.nan
         for _ in range(_HALVINGS):
             middle = (low + high) / 2
-            low, high = (middle, high) if value(middle) >= wanted else (low, middle)
+            low, high = (middle, high) if value(middle) >= target else (low, middle)
         return math.exp((low + high) / 2)
 
 
@@ -148,7 +148,7 @@ def extrapolated_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
-    # (end^x - start^x)/x, also at x = 0.
+    # Equals (end^x - start^x) / x, also at x = 0.
     grown = start**exponent * (np.expm1(exponent * ratio) / exponent if exponent != 0 else ratio)
     return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * grown)
 
@@ -161,8 +161,8 @@ def scale_dependent_roughness(
     Parameters
     ----------
     body : Profile, Surface or array_like
-        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
-        The least-squares line or plane is subtracted unless the body is periodic.
+        An array requires `spacing` (µm, or text such as "39 nm"); its heights are in `unit`. The least-squares line or
+        plane is subtracted unless the body is periodic.
     periodic : bool
         As for `power_spectrum`.
 
@@ -172,8 +172,8 @@ def scale_dependent_roughness(
               h''(λ)^2 = \frac1{16π^2} \int_{q<2π/λ} q^4 C^{2D} d^2q
 
     for surfaces; :math:`\frac1π \int q^2 C^{1D} dq` and :math:`\frac1π \int q^4 C^{1D} dq` for profiles. Sanner,
-    Nöhring, Thimons, Jacobs & Pastewka, Applied Surface Science Advances 7 (2022) 100190, explain why
-    a slope depends on the scale.
+    Nöhring, Thimons, Jacobs & Pastewka, Applied Surface Science Advances 7 (2022) 100190, discuss the scale dependence
+    of slopes.
 
     Examples
     --------
@@ -190,12 +190,12 @@ def scale_dependent_roughness(
     dimensions, curved = (1, 1.0) if isinstance(body, Profile) else (2, 0.25)
     index = np.floor(_PER_DECADE * np.log10(q / q.min()) + 1e-9).astype(np.intp)
     count = np.bincount(index)
-    there = count > 0
+    occupied = count > 0
     finest = np.zeros(count.size)
     np.maximum.at(finest, index, q)
-    sums = [np.bincount(index, q**power * weight)[there].cumsum() for power in (2, 4)]
+    sums = [np.bincount(index, q**power * weight)[occupied].cumsum() for power in (2, 4)]
     return ScaleDependentRoughness(
-        wavelength=read_only(2 * math.pi / finest[there]), gradient=read_only(np.sqrt(sums[0])),
+        wavelength=read_only(2 * math.pi / finest[occupied]), gradient=read_only(np.sqrt(sums[0])),
         curvature=read_only(np.sqrt(curved * sums[1])), dimensions=dimensions,
     )  # fmt: skip
 
@@ -212,45 +212,45 @@ def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> t
     return q[q > 0], weight[q > 0]
 
 
-def _between(wavelength: Floats, values: Floats, wanted: ArrayLike) -> Floats:
+def _interpolate_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> Floats:
     """Interpolate log-log at other wavelengths; zero above the longest wavelength."""
-    at = float_array("wavelength", wanted)
-    if not (at > 0).all():
-        raise ValueError(f"wavelength must be above 0 µm, got {wanted!r}")
+    lengths = float_array("wavelength", targets)
+    if not (lengths > 0).all():
+        raise ValueError(f"wavelength must be above 0 µm, got {targets!r}")
     with np.errstate(divide="ignore"):
-        found = np.exp(np.interp(-np.log(at), -np.log(wavelength), np.log(values)))
-    return np.asarray(np.where(at > wavelength[0] * (1 + 1e-9), 0.0, found))
+        interpolated = np.exp(np.interp(-np.log(lengths), -np.log(wavelength), np.log(values)))
+    return np.asarray(np.where(lengths > wavelength[0] * (1 + 1e-9), 0.0, interpolated))
 
 
 @dataclass(frozen=True, repr=False)
 class InstrumentLimit(TableRepr):
-    """The wavelength below which a scan is of the instrument rather than of the surface.
+    """Wavelength below which a scan shows the instrument rather than the surface, with its reason.
 
     Attributes
     ----------
     wavelength : float, µm
-        The largest of those below.
+        The largest of `pixels`, `noise` and `tip`.
     reason : str
-        Which it is: "pixels", "tip", or what the noise looks like: "noise floor", "quantisation", "line", "roll-up"
-        at the shortest waves, or "hump".
+        Which of them it is: "pixels", "tip", or the appearance of the noise: "noise floor", "quantisation", "line",
+        "roll-up" (a rise at the shortest wavelengths) or "hump".
     pixels : float, µm
         Two points of the coarser spacing.
     noise : float, µm
-        From which on, towards shorter waves, the spectrum is no surface's; NaN without such an end.
+        Wavelength below which the spectrum is not that of a surface; NaN if there is none.
     tip : float, µm
-        Below which the curvature is more than the tip follows; NaN without a tip radius, or if it follows all.
+        Wavelength below which the curvature exceeds that of the tip; NaN without a tip radius or such a wavelength.
     noise_x, noise_y : float, µm
-        Of a surface, `noise` of its lines along x and along y.
+        `noise` of the lines of a surface along x and along y.
     slope_fraction, curvature_fraction : float
-        Share of the mean square slope and curvature in waves below `wavelength`; 0 if that is of the pixels.
+        Fraction of the mean square slope and curvature below `wavelength`; 0 if the reason is "pixels".
     cut_off : float, µm
-        The wavelength at which `cut_off` leaves the mean square slope of the waves that are to be trusted, of which it
-        takes a part; at least two points.
+        Cutoff for `cut_off` that preserves the mean square slope of the trusted wavelengths; at least two points. The
+        filter also attenuates trusted wavelengths, so this cutoff is below `wavelength`.
     origin : {"instrument", "unknown"}
-        Origin of the waves below `wavelength`: "unknown" of a line, a roll-up or a hump, and of a floor below the
-        harmonics of a texture.
+        Origin of the wavelengths below `wavelength`: "unknown" for a line, a roll-up or a hump, and for a noise floor
+        below the harmonics of a texture.
     period : float, µm
-        Period of a texture whose harmonics stand in the spectrum, of a surface along x or y; NaN without one.
+        Period of a texture with harmonics in the spectrum, for a surface along x or y; NaN without one.
 
     Examples
     --------
@@ -289,37 +289,38 @@ def instrument_limit(
     ----------
     body : Profile or Surface
     tip_radius : float, µm, optional
-        Of the stylus or the probe.
+        Radius of the stylus or probe tip.
     periodic : bool
         As for `power_spectrum`.
     texture : bool
-        Whether lines and humps in the spectrum are known to be the surface's, as of a turned or milled one. A flat end
-        of the spectrum is the instrument's all the same.
+        Whether lines and humps in the spectrum are known to belong to the surface, for example a turned or milled one.
+        A flat end of the spectrum is attributed to the instrument in any case.
 
     Notes
     -----
-    The spectrum of a self-affine surface falls along a line as q^-(1+2H), with an exponent of -1 to -3, and steeper
-    where it is smooth. One that has fallen and is then shallower than -1 over one or two octaves, by three standard
-    deviations, or that rises to three times its lowest, is of something else: noise, a line, ringing, quantisation, or
-    the texture of a machined surface. A flat end of the spectrum is noise of the instrument. The limit is where the
-    density is four times its lowest, so that h' of the waves that are kept is right within 5 %. Lines, humps and
-    spectra that rise at their end are of unknown origin, but these are texture:
+    The spectrum of a self-affine surface is proportional to q^-(1+2H), with an exponent from -1 to -3, and decreases
+    faster where the surface is smooth. Other parts of a spectrum are noise, a spectral line, ringing, quantisation or
+    the texture of a machined surface. They are found where a decreasing spectrum becomes flatter than -1 over one or
+    two octaves, by three standard deviations, or where it rises to three times its minimum. A flat end is instrument
+    noise. The limit is the wavelength at which the density is four times its minimum; the h' of longer wavelengths then
+    has an error below 5 %. Lines, humps and spectra that rise at their end are of unknown origin, except for these
+    textures:
 
-    - Harmonics of one period, all of them or the odd ones, as feeds leave them. The spectrum is then judged between
-      the harmonics, and not at all if these are less than 10 bins apart.
-    - A hump further up than 24 points, if the spectrum falls behind it.
+    - All harmonics, or the odd harmonics, of one period, such as feed marks. The spectrum is then assessed between the
+      harmonics, or not at all if they are less than 10 bins apart.
+    - A hump at more than 24 points, if the spectrum decreases beyond it.
     - A hump in one line. Lines of a map along straight grooves are copies of each other and count as one: the number
       of independent lines is estimated from the spectrum across them.
 
-    A line that two surfaces share is no mark of texture, because one instrument may have left it in both. Noise whose
-    spectrum falls like a surface's, as pink noise, cannot be told from one; two scans of one place tell it. The optics
-    of an instrument, which cut waves off well above its pixels, are not seen: then the spectrum falls faster, and H
-    above 1 is found.
+    A spectral line common to two surfaces does not prove a texture, because one instrument may cause it in both scans.
+    Noise with a decreasing spectrum, such as pink noise, cannot be distinguished from a surface in one scan; two scans
+    of the same area reveal it (`compare_repeated_scans`). An optical resolution well above the pixel size is not
+    detected: the spectrum then decreases faster, and H is above 1.
 
-    A tip of radius R cannot follow curvatures above 1/R; h''_rms(λ) must be below c/R (Jacobs, Junge &
-    Pastewka, Surface Topography: Metrology and Properties 5 (2017) 013001; Sanner et al., Applied Surface Science
-    Advances 7 (2022) 100190). They take c of about 1/2; here it is 0.1, at which a simulated tip takes a tenth of the
-    spectrum. At 1/2 it leaves a third of it.
+    A tip of radius R cannot follow curvatures above 1/R, so h''_rms(λ) must be below c/R (Jacobs, Junge & Pastewka,
+    Surface Topography: Metrology and Properties 5 (2017) 013001; Sanner et al., Applied Surface Science Advances 7
+    (2022) 100190). These authors use c of about 1/2. Here c is 0.1, at which a simulated tip reduces the spectrum by a
+    tenth; at 1/2 it leaves a third of it.
 
     Examples
     --------
@@ -334,17 +335,19 @@ def instrument_limit(
     roughness = scale_dependent_roughness(body, periodic=periodic)
     spacing = max(body.spacings)
     spectra = _line_spectra(body, periodic)
-    found = [_foreign_waves(*each, periodic=periodic, textured=texture) for each in spectra]
-    whole = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
-    # An axis along which a surface is straight has nothing but round-off.
-    along = [each.wave if each.slope > _LEAST_SHARE * whole else math.nan for each in found]
-    first = int(np.nanargmax(along)) if np.isfinite(along).any() else 0
-    noise, kind = along[first], found[first].kind
-    period = next((each.period for each in found if each.period > 0), math.nan)
-    if not float(roughness.fraction_below(noise if noise > 0 else 2 * spacing)) > _LEAST_SHARE:
+    disturbances = [_find_disturbance(*item, periodic=periodic, textured=texture) for item in spectra]
+    total_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
+    # Along an axis without roughness there is only round-off.
+    waves = [item.wave if item.slope > _MIN_SLOPE_FRACTION * total_slope else math.nan for item in disturbances]
+    first = int(np.nanargmax(waves)) if np.isfinite(waves).any() else 0
+    noise, kind = waves[first], disturbances[first].kind
+    period = next((item.period for item in disturbances if item.period > 0), math.nan)
+    if not float(roughness.fraction_below(noise if noise > 0 else 2 * spacing)) > _MIN_SLOPE_FRACTION:
         noise = math.nan
     origin: Origin = (
-        "unknown" if kind not in INSTRUMENT_REASONS or (found[first].period > 0 and not texture) else "instrument"
+        "unknown"
+        if kind not in INSTRUMENT_REASONS or (disturbances[first].period > 0 and not texture)
+        else "instrument"
     )
     if kind == "noise floor" and noise > 0 and _is_quantised(body):
         kind = "quantisation"
@@ -353,17 +356,17 @@ def instrument_limit(
     if radius is not None and (sharp := roughness.curvature > TIP_FACTOR / radius).any():
         limits["tip"] = float(roughness.wavelength[int(np.argmax(sharp))])
     reason = max((name for name in limits if not math.isnan(limits[name])), key=lambda name: limits[name])
-    wave, shares, cut = limits[reason], (0.0, 0.0), 2 * spacing
+    wave, fractions, cut = limits[reason], (0.0, 0.0), 2 * spacing
     if reason != "pixels":
         bent = float(roughness.curvature_at(wave) / roughness.curvature[-1])
-        share = float(roughness.fraction_below(wave))
-        if reason == kind and period > 0:  # shorter waves are harmonics of the texture as well
-            share = min(share, sum(each.slope for each in found) / whole)
-        shares = share, 1 - bent**2
-        cut = _slope_kept(roughness, shares[0], wave, cut)
-    along_x, along_y = along if len(along) == 2 else (math.nan, math.nan)
+        fraction = float(roughness.fraction_below(wave))
+        if reason == kind and period > 0:  # shorter wavelengths include harmonics of the texture
+            fraction = min(fraction, sum(item.slope for item in disturbances) / total_slope)
+        fractions = fraction, 1 - bent**2
+        cut = _equivalent_cutoff(roughness, fractions[0], wave, cut)
+    along_x, along_y = waves if len(waves) == 2 else (math.nan, math.nan)
     return InstrumentLimit(
-        wave, reason, limits["pixels"], noise, limits["tip"], along_x, along_y, *shares, cut,
+        wave, reason, limits["pixels"], noise, limits["tip"], along_x, along_y, *fractions, cut,
         origin if reason == kind else "instrument", period,
     )  # fmt: skip
 
@@ -374,15 +377,15 @@ def round_up_wavelength(wavelength: float) -> float:
     return round(math.ceil(wavelength / digit - 1e-9) * digit, 12)
 
 
-def _slope_kept(roughness: ScaleDependentRoughness, share: float, longest: float, shortest: float) -> float:
+def _equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper: float, lower: float) -> float:
     """Return the cutoff between two wavelengths that removes a given fraction of the mean square slope."""
     q, slope = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
-    low, high = math.log(shortest), math.log(max(longest, shortest))
+    low, high = math.log(lower), math.log(max(upper, lower))
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        kept = float(slope @ np.square(transmission(q, math.exp(middle)))) / float(slope.sum())
-        low, high = (middle, high) if kept > 1 - share else (low, middle)
-    return max(shortest, float(f"{math.exp(high):.1e}"))  # two digits, which two scans of a kind share
+        selected = float(slope @ np.square(transmission(q, math.exp(middle)))) / float(slope.sum())
+        low, high = (middle, high) if selected > 1 - fraction else (low, middle)
+    return max(lower, float(f"{math.exp(high):.1e}"))  # two digits: repeated scans then give the same cutoff
 
 
 def _line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
@@ -393,10 +396,10 @@ def _line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
     heights = body.heights if periodic else levelled(body, "plane").heights
     spectra = []
     for axis in (1, 0):
-        along = heights if axis else heights.T
-        points, step = along.shape[1], body.spacing[axis]
+        lines = heights if axis else heights.T
+        points, step = lines.shape[1], body.spacing[axis]
         window = 1.0 if periodic else (1 - np.cos(2 * math.pi * np.arange(points) / points)) / math.sqrt(1.5)
-        transform = np.fft.rfft((along - along.mean(axis=1, keepdims=True)) * window)[:, 1:]
+        transform = np.fft.rfft((lines - lines.mean(axis=1, keepdims=True)) * window)[:, 1:]
         power = np.square(np.abs(transform)).mean(axis=0)
         q = 2 * math.pi * np.arange(1, power.size + 1) / (points * step)
         spectra.append((q, power * (step / points), _independent_lines(transform), step))
@@ -406,49 +409,49 @@ def _line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
 def _independent_lines(transform: NDArray[np.complex128]) -> Floats:
     """Estimate how many lines of a surface are independent, at each wave number along them.
 
-    The mean over lines of a spectrum has the relative variance sum(P²)/sum(P)² of the powers P across the lines. Lines
-    along straight grooves are copies of each other and count as one. P itself is exponentially distributed, hence the
-    factor 2.
+    The spectrum averaged over lines has the relative variance sum(P²)/sum(P)² of the powers P across the lines. Lines
+    along straight grooves are copies of each other and count as one. P is exponentially distributed, hence the factor
+    2.
     """
     power = np.square(np.abs(np.fft.fft(transform, axis=0)))
     squares = np.square(power).sum(axis=0)
-    whole = np.square(power.sum(axis=0))
-    return np.asarray(np.maximum(2 * whole / np.where(squares > 0, squares, 1.0) - 1, 1.0))
+    squared_sum = np.square(power.sum(axis=0))
+    return np.asarray(np.maximum(2 * squared_sum / np.where(squares > 0, squares, 1.0) - 1, 1.0))
 
 
-class _Foreign(NamedTuple):
+class _Disturbance(NamedTuple):
     """Part of a line spectrum that is not attributed to the surface."""
 
-    wave: float  # µm, limit of this part; NaN if there is none
+    wave: float  # µm, upper limit of the wavelengths of this part; NaN if there is none
     kind: str
-    slope: float  # mean square slope of lines in these waves, harmonics of a texture left out
-    period: float  # µm, of a texture; NaN without one
+    slope: float  # mean square slope of the lines in these wavelengths, without harmonics of a texture
+    period: float  # period of a texture, µm; NaN without one
 
 
-def _foreign_waves(
+def _find_disturbance(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
-) -> _Foreign:
+) -> _Disturbance:
     """Find the wavelengths not attributed to the surface, after removing the harmonics of a texture."""
     first, distance = find_period(density)
     period = 2 * math.pi / (float(q[0]) * first)
     if first > 0:
         if distance < MIN_HARMONIC_DISTANCE:
-            return _Foreign(math.nan, "noise floor", 0.0, period)
-        # Cusps of uneven depth have a hump about the first harmonic.
+            return _Disturbance(math.nan, "noise floor", 0.0, period)
+        # Cusps of unequal depth give a hump near the first harmonic.
         finer = slice(int(first), None)
         density, q, count = between_harmonics(density, count, distance)[finer], q[finer], count[finer]
-    wave, kind = _noise_of(q, density, count, spacing, periodic=periodic)
+    wave, kind = _find_noise(q, density, count, spacing, periodic=periodic)
     if not wave > 0 or (textured and kind not in INSTRUMENT_REASONS):
-        return _Foreign(math.nan, kind, 0.0, period)
+        return _Disturbance(math.nan, kind, 0.0, period)
     below = q * wave > 2 * math.pi
     slope = float((np.square(q) * density)[below].sum() * (q[1] - q[0]) / math.pi)
-    return _Foreign(wave, kind, slope, period)
+    return _Disturbance(wave, kind, slope, period)
 
 
-def _noise_of(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
+def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
     """Return the limit (µm) and kind of noise in a spectrum without harmonics; NaN if there is no noise."""
     nothing = math.nan, "noise floor"
-    if not periodic:  # the window's own
+    if not periodic:  # the first two harmonics contain leakage of the window
         q, density, count = q[2:], density[2:], count[2:]
     if q.size < _PER_OCTAVE:
         return nothing
@@ -458,29 +461,29 @@ def _noise_of(q: Floats, density: Floats, count: Floats, spacing: float, *, peri
     wave = 2 * math.pi * np.exp(-np.bincount(index, count * np.log(q)) / number)
     density = np.maximum(density, 1e-12 * density.max())
     chance = (1.0 if periodic else 35 / 18) / number
-    laws = [list(_exponents(-np.log(wave), np.log(density), chance, width)) for width in _WIDTHS]
-    if _slope(-np.log(wave), np.log(density), chance)[0] > -_FLAT:
+    laws = [list(_exponents(-np.log(wave), np.log(density), chance, width)) for width in _WINDOW_OCTAVES]
+    if _slope(-np.log(wave), np.log(density), chance)[0] > -_MAX_FLAT_EXPONENT:
         return float(wave[0]), "noise floor"
     last = wave <= 2.01 * wave[-1]
     end, deviation = _slope(-np.log(wave[last]), np.log(density[last]), chance[last])
-    places = [_lowest(law, wave / spacing, density, chance) for law in laws]
-    places.append(_before_a_rise(wave / spacing, density, chance))
-    if end - 2 * deviation > -_FOLDED:
-        places.append(int(np.argmin(np.where(last, density, math.inf))))
-    if not any(place is not None for place in places):
+    candidates = [_find_flattening(law, wave / spacing, density, chance) for law in laws]
+    candidates.append(_find_rise(wave / spacing, density, chance))
+    if end - 2 * deviation > -_MAX_ALIASED_EXPONENT:
+        candidates.append(int(np.argmin(np.where(last, density, math.inf))))
+    if not any(bin_ is not None for bin_ in candidates):
         return nothing
-    place = min(place for place in places if place is not None)
-    higher = np.flatnonzero(density[: place + 1] >= _ABOVE * density[place])
+    place = min(place for place in candidates if place is not None)
+    higher = np.flatnonzero(density[: place + 1] >= _MIN_TRUSTED_RATIO * density[place])
     trusted = int(higher[-1]) if higher.size else 0
     limit = math.sqrt(wave[trusted] * wave[min(trusted + 1, place)])
-    behind = place + np.flatnonzero(density[place:] > 2 * density[place])
-    if behind.size:
-        limit = max(limit, CUTOFF_MARGIN * float(wave[behind[0]]))
-    if behind.size and np.sum(density[place:] > density[place:].max() / 4) <= 2:
+    rising = place + np.flatnonzero(density[place:] > 2 * density[place])
+    if rising.size:
+        limit = max(limit, CUTOFF_MARGIN * float(wave[rising[0]]))
+    if rising.size and np.sum(density[place:] > density[place:].max() / 4) <= 2:
         return limit, "line"
     if _is_floor(wave, density, chance, limit):
         return limit, "noise floor"
-    if behind.size and wave[behind[0]] < 1.4 * wave[-1]:
+    if rising.size and wave[rising[0]] < 1.4 * wave[-1]:
         return limit, "roll-up"
     return limit, "hump"
 
@@ -488,22 +491,28 @@ def _noise_of(q: Floats, density: Floats, count: Floats, spacing: float, *, peri
 def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
     """Fit a straight line to values of given variances; return its slope and standard deviation."""
     weight = 1 / (variance + 0.01)
-    about = x - np.average(x, weights=weight)
-    square = float(weight @ about**2)
-    return float(weight @ (about * y)) / square, 1 / math.sqrt(square)
+    deviation = x - np.average(x, weights=weight)
+    square = float(weight @ deviation**2)
+    return float(weight @ (deviation * y)) / square, 1 / math.sqrt(square)
 
 
 def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bool:
-    """Return whether a spectrum ends flat, and hardly falls on the way from a limiting wavelength (µm) to the end."""
-    for longest, steepest in ((_CLEAR_OF_SURFACE * limit, _HARDLY_FALLING), (2.01 * float(wave[-1]), _FLAT)):
-        here = wave < longest
-        if here.sum() < _PER_OCTAVE // 2:
+    """Return whether the spectrum is nearly flat from a limiting wavelength (µm) to its end, and flat at its end."""
+    for max_wave, max_exponent in (
+        (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
+        (2.01 * float(wave[-1]), _MAX_FLAT_EXPONENT),
+    ):
+        selected = wave < max_wave
+        if selected.sum() < _PER_OCTAVE // 2:
             return False
-        x, y, variance = -np.log(wave[here]), np.log(density[here]), chance[here]
+        x, y, variance = -np.log(wave[selected]), np.log(density[selected]), chance[selected]
         slope, deviation = _slope(x, y, variance)
         weight = 1 / (variance + 0.01)
         scatter = np.square(y - np.average(y, weights=weight)) - variance
-        if not abs(slope) < max(steepest, 2 * deviation) or np.average(scatter, weights=weight) > _FLAT**2:
+        if (
+            not abs(slope) < max(max_exponent, 2 * deviation)
+            or np.average(scatter, weights=weight) > _MAX_FLAT_EXPONENT**2
+        ):
             return False
     return True
 
@@ -517,28 +526,34 @@ def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator
             yield first, end, *_slope(x[first:end], y[first:end], chance[first:end])
 
 
-def _lowest(law: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats) -> int | None:
-    """Return the lowest bin where a decreasing spectrum stops decreasing like that of a surface."""
+def _find_flattening(
+    law: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
+) -> int | None:
+    """Return the lowest bin where a decreasing spectrum becomes flatter than that of any surface, or None."""
     has_fallen = False
     for first, end, exponent, deviation in law:
         if exponent + _DEVIATIONS * deviation < -1:
             has_fallen = True
         elif has_fallen and exponent - _DEVIATIONS * deviation > -1:
-            behind = _slope(-np.log(points[first:]), np.log(density[first:]), chance[first:])[0]
-            if points[first] <= _NEAR or behind > -1:
+            slope = _slope(-np.log(points[first:]), np.log(density[first:]), chance[first:])[0]
+            if points[first] <= _MAX_HUMP_POINTS or slope > -1:
                 return first + int(np.argmin(density[first:end]))
     return None
 
 
-def _before_a_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
-    """Return the lowest bin before a strong rise near the resolution, or None."""
-    lowest, place = math.inf, 0
-    for at in np.flatnonzero(chance < 1 / 4):
-        if points[at] <= _NEAR and place and density[at] > max(_RISE, 1 + 5 * math.sqrt(chance[at])) * lowest:
-            return place
-        bound = float(density[at]) * (1 + 3 * math.sqrt(chance[at]))
+def _find_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
+    """Return the lowest bin before a strong rise at short wavelengths, or None."""
+    lowest, lowest_bin = math.inf, 0
+    for bin_ in np.flatnonzero(chance < 1 / 4):
+        if (
+            points[bin_] <= _MAX_HUMP_POINTS
+            and lowest_bin
+            and density[bin_] > max(_MIN_RISE_RATIO, 1 + 5 * math.sqrt(chance[bin_])) * lowest
+        ):
+            return lowest_bin
+        bound = float(density[bin_]) * (1 + 3 * math.sqrt(chance[bin_]))
         if bound < lowest:
-            lowest, place = bound, int(at)
+            lowest, lowest_bin = bound, int(bin_)
     return None
 
 
@@ -546,5 +561,5 @@ def _is_quantised(body: Profile | Surface) -> bool:
     """Return whether the heights have so few levels that rounding explains the noise."""
     steps = np.diff(np.unique(body.heights))
     bends = float(np.square(np.diff(body.heights, 2)).mean())
-    # Rounding to a step has a twelfth of its square as variance, and second differences of white noise six times that.
-    return bool(steps.size < body.heights.size / 4 and np.median(steps) ** 2 / 2 > _ROUNDED * bends)
+    # Rounding to a step s has the variance s²/12; second differences of white noise have six times its variance.
+    return bool(steps.size < body.heights.size / 4 and np.median(steps) ** 2 / 2 > _MIN_ROUNDED_FRACTION * bends)

@@ -20,12 +20,12 @@ from stiction.surfaces.roughness import SEVEN_POINTS, Derivative, describe_level
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat
 
-DEFAULT_SECTIONS = 5  # section lengths in the evaluation length by default
+DEFAULT_SECTIONS = 5  # default number of section lengths in the evaluation length
 _HEIGHT_DIFFERENCE = 0.2, 0.8  # material ratios of Rdc
 
 
 class SettingClass(NamedTuple):
-    """Default settings of a setting class, and the largest Ra and RSm that it is for; lengths in µm."""
+    """Default settings of a setting class, and its limits of Ra and RSm; lengths in µm."""
 
     name: str
     section_length: float
@@ -43,33 +43,33 @@ SETTING_CLASSES = (
     SettingClass("Sc4", 2500.0, 8.0, 5.0, 1.5, 10.0, 1300.0),
     SettingClass("Sc5", 8000.0, 25.0, 10.0, 5.0, math.inf, math.inf),
 )
-"""Setting classes of ISO 21920-3, with the limits of Ra and, of periodic profiles, RSm that ISO 4288 chooses by."""
+"""Setting classes of ISO 21920-3, selected by the limits of Ra and, for periodic profiles, RSm of ISO 4288."""
 
-_FIRST_CLASS = 2  # class that the search for the right one starts from
+_FIRST_CLASS = 2  # class with which the search starts
 
 
 class SectionError(ValueError):
-    """A profile is too short or too coarse for the section length."""
+    """The profile is too short or too coarse for the section length."""
 
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filters and sections of roughness and waviness parameters, and the reason for them.
+    """Filters and sections for roughness and waviness parameters, and the reason for their choice.
 
     Attributes
     ----------
     lc : float, µm
-        Cutoff wavelength between waviness and roughness, λc: the section length.
+        Cutoff wavelength λc between waviness and roughness, and section length.
     ls : float, µm, optional
-        Cutoff wavelength of the S-filter, λs; None without one.
+        Cutoff wavelength λs of the S-filter; None without an S-filter.
     sections : int
-        Section lengths in the evaluation length.
+        Number of section lengths in the evaluation length.
     robust : bool
         Whether the L-filter is the robust Gaussian regression.
     start, stop : int
-        First point of the evaluation length, and the point behind its last.
+        First point and exclusive end of the evaluation length.
     reason : str
-        How lc and ls were chosen.
+        Reason for the choice of lc and ls.
 
     Examples
     --------
@@ -102,7 +102,7 @@ class SectionParameters(ParameterSet):
     Attributes
     ----------
     filters : SectionFilters
-        Cutoffs and evaluation length that the values hold for.
+        Cutoffs and evaluation length of these values.
 
     See the table of parameters for names, formulas and units.
 
@@ -117,11 +117,11 @@ class SectionParameters(ParameterSet):
 
     filters: SectionFilters = None  # type: ignore[assignment]
 
-    def _shown_words(self) -> dict[str, str]:
-        found = self.filters
-        short = "none" if found.ls is None else with_unit(found.ls, "µm")
-        lengths = f"λc {with_unit(found.lc, 'µm')}, λs {short}, {found.sections} sections"
-        return super()._shown_words() | {"filters": f"{lengths}: {found.reason}"}
+    def _extra_rows(self) -> dict[str, str]:
+        filters = self.filters
+        short = "none" if filters.ls is None else with_unit(filters.ls, "µm")
+        lengths = f"λc {with_unit(filters.lc, 'µm')}, λs {short}, {filters.sections} sections"
+        return super()._extra_rows() | {"filters": f"{lengths}: {filters.reason}"}
 
 
 def section_parameters(
@@ -129,26 +129,26 @@ def section_parameters(
     sections: int = DEFAULT_SECTIONS, robust: bool = False, derivative: Derivative = "seven-point",
     spacing: Any = None, unit: str = "um",
 ) -> SectionParameters:  # fmt: skip
-    r"""Compute the R- and W-parameters of a profile as on drawings, by ISO 21920-2 with the defaults of ISO 21920-3.
+    r"""Compute the R- and W-parameters of a profile as specified on drawings (ISO 21920-2, defaults of ISO 21920-3).
 
     Parameters
     ----------
     profile : Profile or array_like of float
-        Without form (see `levelled`). Missing points have no weight in the filters; the parameters take the heights
-        that bridge them.
+        Profile without form (see `levelled`). Missing points have no weight in the filters; the parameters use their
+        interpolated heights.
     lc : float, µm, optional
-        Cutoff wavelength λc of the L-filter, which is also the section length. By default that of the setting class
-        (0.08, 0.25, 0.8, 2.5 or 8 mm) that Ra (up to 0.02, 0.1, 2, 10 µm and above) and RSm (up to 0.04, 0.13, 0.4,
-        1.3 mm and above) call for, the larger of both. The search starts at 0.8 mm, or the longest that the profile
-        holds, and goes class by class until the parameters fit to the class that they were computed for; of two
-        neighbouring classes that fit, it takes the shorter.
+        Cutoff wavelength λc of the L-filter, which is also the section length. The default is that of the setting class
+        (0.08, 0.25, 0.8, 2.5 or 8 mm), the larger of those for Ra (up to 0.02, 0.1, 2, 10 µm and above) and for
+        RSm (up to 0.04, 0.13, 0.4, 1.3 mm and above). The search starts at 0.8 mm, or at the longest section length
+        that fits the profile, and continues until the parameters belong to the class they were computed with. If two
+        neighbouring classes qualify, the shorter is used.
     ls : float, µm, optional
-        Cutoff wavelength λs of the S-filter; 0 for none. By default that of the setting class, 2.5, 8 or 25 µm, and
-        none where that is less than two points or the section length is of no class.
+        Cutoff wavelength λs of the S-filter; 0 for none. The default is that of the setting class, 2.5, 8 or 25 µm.
+        There is no S-filter by default if λs is below two points or the section length belongs to no class.
     sections : int
-        Largest number of sections to evaluate, from the middle of the profile.
+        Largest number of sections to evaluate, in the middle of the profile.
     robust : bool
-        Take the robust Gaussian regression filter for λc.
+        Use the robust Gaussian regression filter for λc.
     derivative : {"seven-point", "neighbours"}
         As for `roughness_parameters`.
     spacing, unit : optional
@@ -165,13 +165,13 @@ def section_parameters(
 
     Notes
     -----
-    The waviness profile is the mean line of the L-filter, and the roughness profile the deviation from it. Heights are
-    measured from the mean line and not from their own mean. Rz, Rp and Rv are means over the sections, other
-    R-parameters are taken over the evaluation length, and W-parameters over the whole profile, from which the form was
+    The waviness profile is the mean line of the L-filter, and the roughness profile is the deviation from it. Heights
+    are measured from the mean line, not from their own mean. Rz, Rp and Rv are means over the sections; other
+    R-parameters refer to the evaluation length. W-parameters refer to the whole profile, from which the form was
     removed.
 
-    A profile element is a hill that rises above a tenth of Rp and a dale that falls below a tenth of Rv, in either
-    order; see `profile_elements`. Rk, Rpk, Rvk, Rmrk1 and Rmrk2 take the same roughness profile as Ra.
+    A profile element consists of a hill that rises above a tenth of Rp and a dale that falls below a tenth of Rv, in
+    either order; see `profile_elements`. Rk, Rpk, Rvk, Rmrk1 and Rmrk2 use the same roughness profile as Ra.
 
     Examples
     --------
@@ -191,79 +191,79 @@ def section_parameters(
     if short is not None and short < 0:
         raise ValueError(f"ls must be 0 or above, got {ls!r}")
     if lc is not None:
-        found = _with_cutoff(profile, number("lc", lc, unit="µm", above=0), short, sections, robust, derivative)
-        return found
+        result = _with_cutoff(profile, number("lc", lc, unit="µm", above=0), short, sections, robust, derivative)
+        return result
     return _by_class(profile, short, sections, robust, derivative)
 
 
 def _by_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: Derivative
 ) -> SectionParameters:
-    """Compute the parameters for the setting class that fits to the Ra and RSm that it gives."""
-    lengths = [each.section_length for each in SETTING_CLASSES]
+    """Compute the parameters with the setting class that matches the resulting Ra and RSm."""
+    lengths = [setting.section_length for setting in SETTING_CLASSES]
     if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionError(_too_short(profile, lengths[0]))
-    fine, long = _fewest_points(profile.spacing), profile.extent * ROUND_OFF_FACTOR
+    fine, long = _min_section_length(profile.spacing), profile.extent * ROUND_OFF_FACTOR
     fitting = [index for index, length in enumerate(lengths) if fine <= length * ROUND_OFF_FACTOR and length <= long]
     if not fitting:
         raise SectionError(_too_coarse(profile))
     known: dict[int, SectionParameters] = {}
 
     def fitted(index: int) -> int:
-        """Return the class of the Ra and RSm that a class gives."""
+        """Return the class that matches the Ra and RSm computed with a given class."""
         if index not in known:
             lc = SETTING_CLASSES[index].section_length
             known[index] = _with_cutoff(profile, lc, ls, sections, robust, derivative)
-        found = known[index]
-        by_height = next(k for k, each in enumerate(SETTING_CLASSES) if found.Ra <= each.largest_mean_height)
-        by_element = next(k for k, each in enumerate(SETTING_CLASSES) if not found.RSm > each.largest_element)
+        result = known[index]
+        by_height = next(k for k, setting in enumerate(SETTING_CLASSES) if result.Ra <= setting.largest_mean_height)
+        by_element = next(k for k, item in enumerate(SETTING_CLASSES) if not result.RSm > item.largest_element)
         return max(by_height, by_element)
 
-    index, visited = min(fitting, key=lambda each: abs(each - _FIRST_CLASS)), set[int]()
-    while (wanted := fitted(index)) != index and index not in visited:
+    index, visited = min(fitting, key=lambda item: abs(item - _FIRST_CLASS)), set[int]()
+    while (targets := fitted(index)) != index and index not in visited:
         visited.add(index)
-        following = index + 1 if wanted > index else index - 1
+        following = index + 1 if targets > index else index - 1
         if following not in fitting:
-            why = _longer(profile) if wanted > index else _too_coarse(profile)
+            why = _too_short_remedy(profile) if targets > index else _too_coarse(profile)
             raise SectionError(
-                f"{_reasons(known[index])} call for a section length of {_words(lengths[wanted])}; {why}"
+                f"{_reasons(known[index])} call for a section length of {_format_length(lengths[targets])}; {why}"
             )
         index = following
-    if wanted != index:  # two classes call for each other
+    if targets != index:  # the two classes require each other
         index = max(index, max(visited & {index - 1, index, index + 1}))
     elif index - 1 in fitting and fitted(index - 1) == index - 1:
         index -= 1
-    found = known[index]
-    reason = f"{SETTING_CLASSES[index].name} of ISO 21920-3, for {_reasons(found)}"
-    return replace(found, filters=replace(found.filters, reason=reason))
+    result = known[index]
+    reason = f"{SETTING_CLASSES[index].name} of ISO 21920-3, for {_reasons(result)}"
+    return replace(result, filters=replace(result.filters, reason=reason))
 
 
-def _reasons(found: SectionParameters) -> str:
-    """Return Ra and RSm in words."""
-    elements = "" if math.isnan(found.RSm) else f" and RSm {with_unit(found.RSm, 'µm')}"
-    return f"Ra {with_unit(found.Ra, 'µm')}{elements}"
+def _reasons(parameters: SectionParameters) -> str:
+    """Format Ra and RSm."""
+    elements = "" if math.isnan(parameters.RSm) else f" and RSm {with_unit(parameters.RSm, 'µm')}"
+    return f"Ra {with_unit(parameters.Ra, 'µm')}{elements}"
 
 
-def _words(length: float) -> str:
+def _format_length(length: float) -> str:
     return with_unit(length, "µm")
 
 
-def _fewest_points(spacing: float) -> float:
-    """Return the shortest section length for a spacing."""
+def _min_section_length(spacing: float) -> float:
+    """Return the shortest section length (µm) for a spacing."""
     return SEVEN_POINTS.size * spacing
 
 
 def _too_short(profile: Profile, length: float) -> str:
-    return f"one section length is {_words(length)}, and {_longer(profile)}"
+    return f"one section length is {_format_length(length)}, and {_too_short_remedy(profile)}"
 
 
-def _longer(profile: Profile) -> str:
-    return f"the profile is {_words(profile.extent)} long: measure a longer one, or choose a shorter cutoff lc"
+def _too_short_remedy(profile: Profile) -> str:
+    return f"the profile is {_format_length(profile.extent)} long: measure a longer one, or choose a shorter cutoff lc"
 
 
 def _too_coarse(profile: Profile) -> str:
     return (
-        f"its points are {_words(profile.spacing)} apart, and a section needs at least {SEVEN_POINTS.size}: "
+        f"its points are {_format_length(profile.spacing)} apart, and a section needs at least {SEVEN_POINTS.size}: "
         "measure more finely, or choose a longer cutoff lc"
     )
 
@@ -275,13 +275,15 @@ def _with_cutoff(
     spacing = profile.spacing
     if lc > profile.extent * ROUND_OFF_FACTOR:
         raise SectionError(_too_short(profile, lc))
-    if lc * ROUND_OFF_FACTOR < _fewest_points(spacing):
+    if lc * ROUND_OFF_FACTOR < _min_section_length(spacing):
         raise ValueError(
-            f"lc must be at least {SEVEN_POINTS.size} points, {_fewest_points(spacing):g} µm, got {lc:g} µm"
+            f"lc must be at least {SEVEN_POINTS.size} points, {_min_section_length(spacing):g} µm, got {lc:g} µm"
         )
     given = ls is not None
     if ls is None:
-        ls = next((each.short_cutoff for each in SETTING_CLASSES if math.isclose(each.section_length, lc)), 0.0)
+        ls = next(
+            (setting.short_cutoff for setting in SETTING_CLASSES if math.isclose(setting.section_length, lc)), 0.0
+        )
         ls = ls if ls >= 2 * spacing else 0.0
     elif ls and not 2 * spacing <= ls * ROUND_OFF_FACTOR <= lc:
         raise ValueError(f"ls must be 0 or from two points, {2 * spacing:g} µm, to lc, {lc:g} µm, got {ls:g} µm")
@@ -296,7 +298,7 @@ def _with_cutoff(
     values = {f"R{stem}": value for stem, value in _roughness(roughness, ends, spacing, derivative).items()} | {
         f"W{stem}": value for stem, value in _waviness(waviness, spacing, derivative).items()
     }
-    names = [each.name for letter in "RW" for each in PROFILE_PARAMETERS[letter]]
+    names = [parameter.name for letter in "RW" for parameter in PROFILE_PARAMETERS[letter]]
     reason = f"lc{' and ls' * given} given"
     filters = SectionFilters(lc, ls or None, count, robust, start, start + points, reason)
     return SectionParameters({name: values[name] for name in names}, describe_levelling(profile.history), filters)

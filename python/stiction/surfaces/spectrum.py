@@ -34,14 +34,14 @@ class PowerSpectrum(PlotRepr):
     Attributes
     ----------
     wave_number : (n,) ndarray of float, 1/µm
-        q = 2π / wavelength, rising; in a bin the geometric mean.
+        q = 2π / wavelength, ascending; for bins the geometric mean.
     density : (n,) ndarray of float, µm³
-        C1D(q), so that the mean square height is 1/π times its integral over q from 0 on; in a bin the mean.
+        C1D(q); its integral over q from 0, times 1/π, is the mean square height. For bins the mean.
     count : (n,) ndarray of float
-        Harmonics in each value: 1, or those of its bin. The one at the Nyquist wave number counts half, because
-        it has no partner at the negative wave number.
+        Number of harmonics per value: 1, or those in the bin. The harmonic at the Nyquist wave number counts half,
+        because it has no counterpart at the negative wave number.
     resolution : float, 1/µm
-        Distance of the harmonics, 2π / extent.
+        Spacing of the harmonics, 2π / extent.
 
     Examples
     --------
@@ -58,7 +58,7 @@ class PowerSpectrum(PlotRepr):
     resolution: float = field(metadata={"unit": "1/µm"})
 
     def moment(self, order: int) -> float:
-        """1/π times the integral of q^order C1D, µm^(2 - order); from bins it is approximate unless the order is 0."""
+        """Return 1/π times the integral of q^order C1D, µm^(2 - order). For bins it is exact only for order 0."""
         order = whole_number("order", order, minimum=0)
         return float((self.wave_number**order * self.density * self.count).sum() * self.resolution / math.pi)
 
@@ -76,9 +76,9 @@ class PowerSpectrum(PlotRepr):
         return PowerSpectrum(*_in_bins(per_decade, self.wave_number, self.density, self.count), self.resolution)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw it on logarithmic scales, with its means over tenths of a decade.
+        """Draw the spectrum on logarithmic scales, with means over tenths of a decade.
 
-        Into given axes, or by default new ones, which are returned.
+        Draws into the given axes, or into new ones, and returns them.
         """
         bins = self.in_bins()
         return draw_spectrum(axes_for(ax), (self.wave_number, self.density), (bins.wave_number, bins.density))
@@ -86,7 +86,7 @@ class PowerSpectrum(PlotRepr):
 
 def _in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
     """Return geometric mean wave number, mean density and number of harmonics in bins of log q."""
-    # Harmonics are whole multiples of the first, whose decades must not fall to either side by round-off.
+    # Harmonics are multiples of the first; round-off must not move those at decades to another bin.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     number = np.bincount(index, count).astype(np.float64)
     middle = np.exp(np.bincount(index, count * np.log(q)) / number)
@@ -101,16 +101,16 @@ def power_spectrum(
     Parameters
     ----------
     profile : Profile or array_like
-        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
+        An array requires `spacing` (µm, or text such as "39 nm"); its heights are in `unit`.
     periodic : bool
-        True: as it is, and the mean square height is the sum of the spectrum to round-off. False: after a Hann window,
-        normalised to a mean square of 1; a level profile keeps its mean square on average, and the first two
-        harmonics are not to be trusted.
+        True: no window; the sum of the spectrum equals the mean square height to round-off. False: a Hann window,
+        normalised to a mean square of 1. On average a levelled profile then keeps its mean square; the first two
+        harmonics are unreliable.
 
     Returns
     -------
     PowerSpectrum
-        Of all harmonics from 2π/extent to the Nyquist wave number π/spacing.
+        All harmonics from 2π/extent to the Nyquist wave number π/spacing.
 
     Notes
     -----
@@ -194,20 +194,20 @@ def spectral_moments(
     periodic : bool
         As in `power_spectrum`.
     shortest_wavelength, longest_wavelength : float, µm
-        Wavelengths outside of these are left out. m2 and m4 of a rough profile are those of its shortest wavelengths,
-        and mean nothing without them.
+        Other wavelengths are excluded. m2 and m4 of a rough profile are dominated by the shortest wavelengths, and are
+        meaningless without this limit.
 
     Raises
     ------
     ValueError
-        If no wavelength is left, or the profile is flat.
+        If no wavelength remains, or the profile is flat.
 
     Notes
     -----
     .. math:: m_j = \frac1π \int_0^\infty q^j C(q)\,dq
 
-    These are moments of a profile, from its one-dimensional spectrum. On an isotropic surface they are the same along
-    any line. `ProfileMoments.nayak_parameter` is m0 m4 / m2². Nayak, Journal of Lubrication Technology 93 (1971) 398.
+    These are moments of the one-dimensional spectrum. On an isotropic surface they are equal along all lines.
+    `ProfileMoments.nayak_parameter` is m0 m4 / m2². Nayak, Journal of Lubrication Technology 93 (1971) 398.
 
     Examples
     --------
@@ -225,13 +225,15 @@ def spectral_moments(
             f"longest_wavelength must be above shortest_wavelength, {shortest:g} µm, got {longest_wavelength!r}"
         )
     spectrum = power_spectrum(profile, periodic=periodic)
-    kept = in_band(spectrum.wave_number, shortest, longest_wavelength)
-    if not kept.any():
+    selected = in_band(spectrum.wave_number, shortest, longest_wavelength)
+    if not selected.any():
         raise ValueError(
             f"no wavelength of the profile lies from shortest_wavelength {shortest:g} µm to longest_wavelength "
             f"{longest_wavelength:g} µm; it has {2 * profile.spacing:g} to {profile.extent:g} µm"
         )
-    part = PowerSpectrum(spectrum.wave_number[kept], spectrum.density[kept], spectrum.count[kept], spectrum.resolution)
+    part = PowerSpectrum(
+        spectrum.wave_number[selected], spectrum.density[selected], spectrum.count[selected], spectrum.resolution
+    )
     return ProfileMoments(height=part.moment(0), slope=part.moment(2), curvature=part.moment(4))
 
 
@@ -244,16 +246,16 @@ def in_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RadialSpectrum(TextRepr):
-    """Mean of a surface's spectrum over the directions of the wave vector.
+    """Spectrum of a surface, averaged over the directions of the wave vector.
 
     Attributes
     ----------
     wave_number : (n,) ndarray of float, 1/µm
-        Their lengths, 2π / wavelength, rising; the geometric mean of those in a bin.
+        Magnitudes of the wave vectors, 2π / wavelength, ascending; the geometric mean in every bin.
     density : (n,) ndarray of float, µm⁴
         C2D, the mean over the bin.
     count : (n,) ndarray of float
-        Waves in each bin; one wave vector and its opposite are one wave.
+        Number of waves in every bin; a wave vector and its opposite are one wave.
 
     Examples
     --------
@@ -279,9 +281,9 @@ class SurfaceSpectrum(TextRepr):
     ----------
     wave_number_y : (rows,) ndarray of float, 1/µm
     wave_number_x : (columns,) ndarray of float, 1/µm
-        Rising, zero in the middle; at an even number of points the first is that at the Nyquist frequency.
+        Ascending, zero in the middle; for an even number of points the first is the Nyquist wave number.
     density : (rows, columns) ndarray of float, µm⁴
-        C2D(q), so that the mean square height is 1/4π² times its integral over both; zero at q = 0.
+        C2D(q); its integral over both wave numbers, times 1/4π², is the mean square height. Zero at q = 0.
 
     Examples
     --------
@@ -305,12 +307,12 @@ class SurfaceSpectrum(TextRepr):
         -----
         .. math:: m_n = \frac{1}{4π^2} \int (q_x \cos φ + q_y \sin φ)^n\, C^{2D}\, d^2q
 
-        `ProfileMoments.nayak_parameter` is that of the lines. Longuet-Higgins, Philosophical Transactions A 249 (1957)
-        321; Nayak, Journal of Lubrication Technology 93 (1971) 398.
+        `ProfileMoments.nayak_parameter` is that of the profile along the line. Longuet-Higgins, Philosophical
+        Transactions A 249 (1957) 321; Nayak, Journal of Lubrication Technology 93 (1971) 398.
         """
         angle = math.radians(number("direction", direction))
         along = self.wave_number_x * math.cos(angle) + self.wave_number_y[:, np.newaxis] * math.sin(angle)
-        steps = [float(each[1] - each[0]) for each in (self.wave_number_y, self.wave_number_x)]
+        steps = [float(value[1] - value[0]) for value in (self.wave_number_y, self.wave_number_x)]
         square, weight = np.square(along), self.density * (steps[0] * steps[1] / (4 * math.pi**2))
         return ProfileMoments(
             height=float(weight.sum()),
@@ -321,9 +323,9 @@ class SurfaceSpectrum(TextRepr):
     def steepest_direction(self) -> float:
         r"""Return the direction with the largest mean square slope, in degrees from +x towards +y, in [0, 180).
 
-        A lay runs across it. Of generated maps whose waves were 1.5, 2 and 3 times as long in one direction, 128 by 160
-        points, nine tenths were within 5.3, 3.1 and 2.2 degrees; the sector of the most powerful waves (Std of
-        ISO 25178-2) is that of a few long waves, and scatters by tens of degrees.
+        A lay is perpendicular to this direction. In simulations, maps of 128 by 160 points were stretched in one
+        direction by 1.5, 2 and 3; nine tenths of the results were within 5.3, 3.1 and 2.2 degrees. Std of ISO 25178-2,
+        the sector with the most power, depends on a few long wavelengths and scatters by tens of degrees.
 
         Notes
         -----
@@ -342,15 +344,17 @@ class SurfaceSpectrum(TextRepr):
         """
         y, x = self.wave_number_y[:, np.newaxis], self.wave_number_x
         q = np.hypot(y, x)
-        limit = min(float(-each[0]) if each.size % 2 == 0 else float(each[-1]) for each in (y[:, 0], x))
-        # One of each wave vector and its opposite.
-        kept = ((y > 0) | ((y == 0) & (x > 0))) & (q < limit * (1 - 1e-9))
-        order = np.argsort(q[kept], kind="stable")
-        angle = np.degrees(np.arctan2(np.broadcast_to(y, q.shape)[kept], np.broadcast_to(x, q.shape)[kept]))[order]
-        return q[kept][order], angle % 180, self.density[kept][order]
+        limit = min(float(-value[0]) if value.size % 2 == 0 else float(value[-1]) for value in (y[:, 0], x))
+        # A wave vector and its opposite are one wave.
+        selected = ((y > 0) | ((y == 0) & (x > 0))) & (q < limit * (1 - 1e-9))
+        order = np.argsort(q[selected], kind="stable")
+        angle = np.degrees(np.arctan2(np.broadcast_to(y, q.shape)[selected], np.broadcast_to(x, q.shape)[selected]))[
+            order
+        ]
+        return q[selected][order], angle % 180, self.density[selected][order]
 
     def radial(self, per_decade: int = 10) -> RadialSpectrum:
-        """Means over rings of equal width in log q, as many to a decade; rings without a wave are left out.
+        """Return means over rings of equal width in log q, `per_decade` per decade; empty rings are omitted.
 
         Examples
         --------
@@ -371,16 +375,16 @@ class SurfaceSpectrum(TextRepr):
 def surface_spectrum(
     surface: BodyLike, *, periodic: bool = False, spacing: Any = None, unit: str = "um"
 ) -> SurfaceSpectrum:
-    r"""Power spectral density C2D of a surface about its mean.
+    r"""Compute the power spectral density C2D of a surface about its mean.
 
     Parameters
     ----------
     surface : Surface or array_like
-        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
-        Levelled, unless it is periodic: a tilt is a jump between opposite sides.
+        An array requires `spacing` (µm, or text such as "39 nm"); its heights are in `unit`. Level the surface first
+        unless it is periodic: a tilt is a jump between opposite sides.
     periodic : bool
-        True: as it is, and the mean square height is the sum of the spectrum to round-off. False: after a Hann window
-        along both axes, normalised to a mean square of 1.
+        True: no window; the sum of the spectrum equals the mean square height to round-off. False: a Hann window along
+        both axes, normalised to a mean square of 1.
 
     Notes
     -----
@@ -431,13 +435,13 @@ def find_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float]
     density = np.maximum(bins.density, np.finfo(float).tiny)
     size = density.size
     reach = np.minimum(np.minimum(np.arange(size), np.arange(size)[::-1]), _PEAK_REACH)
-    level = np.array([np.median(density[at - each : at + each + 1]) for at, each in enumerate(reach)])
+    level = np.array([np.median(density[index - item : index + item + 1]) for index, item in enumerate(reach)])
     excess = density / level
     chance = 1 + 5 * np.sqrt(2 / (bins.count * lines))
     peaks = (reach >= _PEAK_REACH // 2) & (excess > np.maximum(3.0, chance))
     if not peaks.any():
         return None
     power = bins.wave_number**4 * density * bins.count
-    share = float((power - power / excess)[peaks].sum() / power.sum())
+    fraction = float((power - power / excess)[peaks].sum() / power.sum())
     highest = int(np.argmax(np.where(peaks, excess, 0)))
-    return 2 * math.pi / float(bins.wave_number[highest]), share
+    return 2 * math.pi / float(bins.wave_number[highest]), fraction

@@ -12,12 +12,12 @@ from stiction.surfaces.profile import Profile, Side, reject_missing
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat
 
-_RINGS = 12  # rings per decade of wave numbers; fewer where a ring has no harmonic
-_SMOOTH = 2.0  # harmonics that a bend of the spectrum must have for it: rings of one or two follow their neighbours
+_RINGS = 12  # rings of wave number per decade; empty rings are merged with their neighbours
+_SMOOTH = 2.0  # weight of the smoothness penalty, in harmonics: it dominates in rings of one or two harmonics
 _FLOOR = 1e-14  # fraction of the largest density below which a spectrum is round-off
-_STEPS = 1000  # largest number of steps of the fit; typically about ten
-_SETTLED = 1e-6  # largest change of the logarithm of a density in a step at which the fit has converged
-_MOST = 512  # rows and columns by default: some tenths of a second for a solution as a half-space
+_MAX_SCORING_STEPS = 1000  # largest number of iterations of the fit; about ten are typical
+_SETTLED = 1e-6  # convergence: largest change of the logarithm of a density in an iteration
+_MAX_DEFAULT_POINTS = 512  # default limit of rows and columns: a half-space solution then takes some tenths of a second
 
 
 def surrogate(
@@ -30,33 +30,32 @@ def surrogate(
     Parameters
     ----------
     body : Profile or Surface
-        Levelled, unless it is periodic: a slope of the whole would become waves as long as the body.
+        Level the body first unless it is periodic: otherwise its tilt becomes a wave as long as the body.
     seed, repetition : int
     side : {"lower", "upper"}
-        The phases are `random_phases` of these three.
+        The phases are those of `random_phases` with these three arguments.
     periodic : bool
-        Whether the given profile is; its spectrum is then kept to round-off.
+        Whether the given body is periodic; its spectrum is then preserved to round-off.
 
     Returns
     -------
     Profile or Surface
-        Of as many points; periodic in any case.
+        Body with the same number of points, always periodic.
 
     Notes
     -----
-    A profile that is not periodic is continued by its mirror image, without a jump, and the spectrum of the two is
-    averaged to the wave numbers of one. A window instead would take most of the ends away, and the straight line
-    between the ends, taken off, would take some of the height with it. At last the surrogate is scaled to the Pq of the
-    given profile. The corners at the two ends of the image put a spectrum of 1/q⁴ on top, and each density is averaged
-    with a half of its neighbours: there are no sharp lines in the spectrum of such a surrogate, and for H near 1.5 and
-    above it has too many short wavelengths.
+    A profile that is not periodic is extended by its mirror image, which avoids a jump. The spectrum of the extended
+    profile is then averaged to the wave numbers of the original. The surrogate is scaled to the Pq of the profile. The
+    corners at both ends of the mirror image add a spectrum of 1/q⁴, and every density is averaged with half of each
+    neighbour. Therefore the surrogate has no sharp spectral lines, and too much power at short wavelengths if H is near
+    1.5 or above.
 
-    A surface cannot be continued by its image without mixing the directions of its waves, so it is faded out by a Hann
-    window along both axes: its spectrum is that of the middle, smoothed over neighbouring waves. An Sq that is mostly
-    of waves as long as the map is not kept in their proportion.
+    A mirror image of a surface would mix the directions of its waves, so a Hann window is applied along both axes. The
+    spectrum is then that of the central part, smoothed over neighbouring wave vectors. The proportion of wavelengths as
+    long as the map is not preserved.
 
-    Random phases keep the spectrum alone. The heights become normally distributed: a surrogate of a worn or
-    plateau-honed profile has lost its skewness, and grooves and other features are spread over the whole length.
+    Random phases preserve the spectrum only. The heights become normally distributed: the surrogate of a worn or
+    plateau-honed profile has no skewness, and grooves and other features are spread over the whole length.
     Theiler et al., Physica D 58 (1992) 77.
 
     Examples
@@ -79,12 +78,12 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # The image continues the profile without a jump. Of its harmonics, twice as close, every second is one of
-        # the profile's length; the others go in halves to both sides.
+        # The mirror image extends the profile without a jump. Its harmonics are twice as close: every second harmonic
+        # is one of the original, and half of each other harmonic is added to both neighbours.
         image = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         image = np.append(image, image[-2])
-        own = 2 * np.arange(points // 2 + 1)
-        amplitude = np.sqrt(image[own] / 2 + image[np.abs(own - 1)] / 4 + image[own + 1] / 4)
+        actual = 2 * np.arange(points // 2 + 1)
+        amplitude = np.sqrt(image[actual] / 2 + image[np.abs(actual - 1)] / 4 + image[actual + 1] / 4)
     phases = random_phases(seed, repetition=repetition, side=side, directions=points // 2, frequencies=1)[:, 0]
     transform = np.zeros(points // 2 + 1, dtype=np.complex128)
     transform[1:] = amplitude[1:] * np.exp(1j * phases)
@@ -104,9 +103,9 @@ def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side,
     # Opposite wave vectors have opposite phases; self-conjugate coefficients are real.
     opposite = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
     heights = ifft2(amplitude * np.exp(1j * (phases - opposite))).real
-    own = np.zeros((rows, columns), dtype=bool)
-    own[np.ix_([0, rows // 2] if rows % 2 == 0 else [0], [0, columns // 2] if columns % 2 == 0 else [0])] = True
-    heights += ifft2(np.where(own, amplitude * (np.sign(np.cos(phases)) - 1), 0)).real
+    actual = np.zeros((rows, columns), dtype=bool)
+    actual[np.ix_([0, rows // 2] if rows % 2 == 0 else [0], [0, columns // 2] if columns % 2 == 0 else [0])] = True
+    heights += ifft2(np.where(actual, amplitude * (np.sign(np.cos(phases)) - 1), 0)).real
     heights *= surface.heights.std() / heights.std()
     return Surface(heights + surface.heights.mean(), spacing=surface.spacing)
 
@@ -117,28 +116,29 @@ def isotropic_spectrum(profile: Profile, *, periodic: bool = False) -> RadialSpe
     Parameters
     ----------
     profile : Profile
-        Levelled, unless it is periodic.
+        Level the profile first unless it is periodic.
     periodic : bool
         As for `power_spectrum`.
 
     Returns
     -------
     RadialSpectrum
-        In rings of the wave number, from the profile's first harmonic to the corners of the grid; the count is that of
-        the profile's harmonics in each ring.
+        Densities in rings of the wave number, from the profile's first harmonic to the corners of the grid. The count
+        is the number of the profile's harmonics in every ring.
 
     Notes
     -----
-    A section sums up the waves of a surface across it,
+    The spectrum of a section integrates over the wave numbers across it,
 
     .. math:: C^{1D}(k) = \frac1π \int_0^{π/Δx} C^{2D}(\sqrt{k^2 + s^2})\,ds,
 
-    which is Abel's integral where the spectrum ends before the grid does. It is inverted by
+    which is an Abel integral if the spectrum ends before the Nyquist wave number. Its inverse is
     :math:`C^{2D}(q) = -2 \int_q^\infty dC^{1D}/dk\,(k^2 - q^2)^{-1/2} dk`, but the derivative of a measured spectrum is
-    mostly scatter. So here that C2D is looked for, even in each ring, that makes the measured spectrum :math:`P_k` most
-    likely: with sections of :math:`C_k` it has the least :math:`\sum_k P_k / C_k + \ln C_k` (Whittle, Arkiv för
-    Matematik 2 (1953) 423) and a small cost for each bend of its logarithm. It is scaled so that its sections have the
-    mean square slope of the profile; the surface has twice that mean square gradient.
+    dominated by scatter. Instead, C2D is constant in every ring and fitted by maximum likelihood: for the section
+    spectrum
+    :math:`C_k` it minimises :math:`\sum_k P_k / C_k + \ln C_k` (Whittle, Arkiv för Matematik 2 (1953) 423) plus a small
+    penalty on the curvature of its logarithm. It is scaled so that sections have the mean square slope of the profile;
+    the surface has twice that mean square gradient.
 
     Examples
     --------
@@ -164,26 +164,26 @@ def isotropic_surface(
 ) -> Surface:
     """Generate an isotropic Gaussian surface with the spectrum of a profile: an areal surrogate.
 
-    Many of them are an ensemble of surfaces of which one line has been measured, *if* these are isotropic. A profile
-    across the grooves of a ground face makes hills of them, which are steeper than the face by the square root of two.
+    An ensemble represents a surface of which one line was measured, *if* the surface is isotropic. A profile across
+    the grooves of a ground surface gives hills, whose rms gradient is larger by the square root of two.
 
     Parameters
     ----------
     profile : Profile
-        Levelled, unless it is periodic.
+        Level the profile first unless it is periodic.
     seed, repetition : int
     side : {"lower", "upper"}
-        The random numbers are `random_phases` of these three.
+        The random numbers are those of `random_phases` with these three arguments.
     shape : (int, int), optional
-        Rows and columns, at least 4 each; by default as many as the profile has points, at most 512. Waves longer than
-        the surface are left out.
+        Rows and columns, at least 4 each; by default the number of points of the profile, at most 512. Wavelengths
+        longer than the surface are excluded.
     periodic : bool
-        Whether the given profile is; the surface is periodic in any case.
+        Whether the given profile is periodic; the generated surface always is.
 
     Returns
     -------
     Surface
-        With the profile's spacing along both axes and a mean of zero; its spectrum is `isotropic_spectrum` on average.
+        Surface with the profile's spacing along both axes and zero mean. Its mean spectrum is `isotropic_spectrum`.
 
     Examples
     --------
@@ -193,12 +193,12 @@ def isotropic_surface(
     (1.28, 1.28)
     """
     profile = as_body("profile", profile, Profile)
-    most = min(len(profile), _MOST)
-    rows, columns = parse_shape((most, most) if shape is None else shape, least=4)
+    limit = min(len(profile), _MAX_DEFAULT_POINTS)
+    rows, columns = parse_shape((limit, limit) if shape is None else shape, least=4)
     edges, density, _ = _fitted(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    ring = np.searchsorted(edges, q, side="right")  # 0: longer waves than the profile has
+    ring = np.searchsorted(edges, q, side="right")  # 0: wavelengths longer than the profile
     power = np.concatenate([[0.0], density, density[-1:]])[ring] * (rows * columns / profile.spacing**2)
     step = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
     heights, both = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)
@@ -212,7 +212,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, draws = random[:, :columns], random[:, columns:] / (2 * math.pi)
-    # The real part joins each wave with its opposite, and halves the power.
+    # The real part combines each wave vector with its opposite, which halves the power.
     waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)
     return np.asarray(ifft2(waves, overwrite_x=True).real)
 
@@ -221,9 +221,9 @@ def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     """Return the edges of the rings, C2D in the rings, and the number of harmonics in every ring."""
     check_bool("periodic", periodic)
     reject_flat(profile)
-    reject_missing(profile, "a surface of a profile's spectrum")
+    reject_missing(profile, "an isotropic surrogate")
     spectrum = power_spectrum(profile, periodic=periodic)
-    # A harmonic stands for half a step to both sides.
+    # A harmonic covers half a step on both sides.
     k, step, limit = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
     bins = np.floor(_RINGS * np.log10(k / k[0]) + 1e-9)
     first = np.flatnonzero(np.diff(bins, prepend=-1))
@@ -233,37 +233,37 @@ def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     count = np.bincount(index, spectrum.count).astype(np.float64)
     measured = np.bincount(index, spectrum.count * spectrum.density) / count
     measured = np.maximum(measured, _FLOOR * measured.max())
-    # The corners of the grid belong to the rings that go on beyond the shortest wave along it.
+    # The corners of the grid belong to rings beyond the Nyquist wave number of one axis.
     edges = np.append(edges, math.sqrt(2) * limit * (1 + 1e-9))
-    # The mean of each bin over its harmonics of what a ring of unit density gives.
+    # Section spectrum of a ring with unit density, averaged over the harmonics of every bin.
     reach = np.minimum(np.sqrt(np.maximum(edges**2 - k[:, np.newaxis] ** 2, 0)), limit)
     of_harmonic = np.diff(reach, axis=1) / math.pi
-    share = np.zeros((count.size, edges.size - 1))
-    np.add.at(share, index, spectrum.count[:, np.newaxis] * of_harmonic)
-    share /= count[:, np.newaxis]
+    fraction = np.zeros((count.size, edges.size - 1))
+    np.add.at(fraction, index, spectrum.count[:, np.newaxis] * of_harmonic)
+    fraction /= count[:, np.newaxis]
     density = np.full(edges.size - 1, 1.0)
     density[: measured.size] = measured / np.sqrt(edges[:-2] * edges[1:-1])
     density[-1] = density[-2]
-    density = _most_likely(share, measured, count, density)
-    made = share @ density
-    # As steep as the profile, to the last digit.
+    density = _fit_densities(fraction, measured, count, density)
+    made = fraction @ density
+    # Match the mean square slope of the profile exactly.
     squares = np.bincount(index, spectrum.count * k**2)
     density *= float(squares @ measured / (squares @ made))
     return edges, density, np.append(count, 0.0)
 
 
-def _most_likely(share: Floats, measured: Floats, count: Floats, density: Floats) -> Floats:
+def _fit_densities(response: Floats, measured: Floats, count: Floats, density: Floats) -> Floats:
     """Fit densities by maximum likelihood of their sections, by Fisher scoring from initial values."""
 
     def cost(logarithm: Floats) -> float:
-        made = share @ np.exp(logarithm)
+        made = response @ np.exp(logarithm)
         return float(count @ (measured / made + np.log(made)) + _SMOOTH / 2 * np.square(bend @ logarithm).sum())
 
     bend = np.diff(np.eye(density.size), 2, axis=0)
     logarithm = np.log(density)
     least = cost(logarithm)
-    for _ in range(_STEPS):
-        parts = share * np.exp(logarithm)
+    for _ in range(_MAX_SCORING_STEPS):
+        parts = response * np.exp(logarithm)
         made = parts.sum(axis=1)
         gradient = parts.T @ (count * (1 - measured / made) / made) + _SMOOTH * bend.T @ (bend @ logarithm)
         relative = parts / made[:, np.newaxis]

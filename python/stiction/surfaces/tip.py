@@ -21,22 +21,23 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     Parameters
     ----------
     scan : Profile or Surface
-    radius : float, µm
+    Radius of the stylus or probe tip, above 0.
         Of the stylus or the probe, above 0.
 
     Returns
     -------
     body : Profile or Surface
-        Nowhere above the scan; the step is added to its history.
+        Reconstructed body, nowhere above the scan; the step is added to its history.
     certain : ndarray of bool, of the shape of the heights
-        Points where the tip touches in a single point and the surface is exact; elsewhere it may be lower.
+        True where the tip touches the surface in a single point, so that the height is exact. Elsewhere the true
+            surface may be lower.
 
     Notes
     -----
-    A ball that touches records :math:`i(x) = \max_u [s(x + u) - P(u)]` with :math:`P(u) = R - (R^2 - u^2)^{1/2}`; the
-    erosion :math:`\min_u [i(x - u) + P(u)]` is the least upper bound of s, and s itself where the ball at its place
-    touches that bound in one point (Villarrubia, J. Res. Natl. Inst. Stand. Technol. 102 (1997) 425). Noise is taken
-    for surface: take it off first. Of a ball that reaches beyond the edges nothing is certain.
+    The scan of a tip is the dilation :math:`i(x) = \max_u [s(x + u) - P(u)]` with :math:`P(u) = R - (R^2 - u^2)^{1/2}`.
+    The erosion :math:`\min_u [i(x - u) + P(u)]` is the least upper bound of the surface s. It equals s where the tip
+    touches this bound in one point (Villarrubia, J. Res. Natl. Inst. Stand. Technol. 102 (1997) 425). Noise is treated
+    as roughness, so remove it first. Points from which the tip extends beyond the edges are not certain.
 
     Examples
     --------
@@ -52,43 +53,43 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     seen, spacing = scan.heights, np.array(scan.spacings)
     deepest = float(np.ptp(seen))
     eroded = seen.copy()
-    for here, there, depth in _ball(seen.shape, spacing, radius, deepest):
-        np.minimum(eroded[here], seen[there] + depth, out=eroded[here])
+    for selected, occupied, depth in _ball(seen.shape, spacing, radius, deepest):
+        np.minimum(eroded[selected], seen[occupied] + depth, out=eroded[selected])
     touched, alone = np.zeros(seen.shape, np.int32), np.zeros(seen.shape, np.bool_)
     near = _TOUCHING * max(deepest, float(np.abs(seen).max()))
-    _, most = _reach(seen.shape, spacing, radius, deepest)
+    _, limit = _reach(seen.shape, spacing, radius, deepest)
     inside = np.zeros(seen.shape, np.bool_)
-    inside[tuple(slice(each, points - each) for each, points in zip(most, seen.shape, strict=True))] = True
+    inside[tuple(slice(reach, points - reach) for reach, points in zip(limit, seen.shape, strict=True))] = True
     for counting in (True, False):
-        for here, there, depth in _ball(seen.shape, spacing, radius, deepest):
-            at = eroded[there] - depth >= seen[here] - near
+        for selected, occupied, depth in _ball(seen.shape, spacing, radius, deepest):
+            index = eroded[occupied] - depth >= seen[selected] - near
             if counting:
-                touched[here] += at
+                touched[selected] += index
             else:
-                alone[there] |= at & (touched[here] == 1) & inside[here]
-    step = f"a ball of {radius:g} µm taken back, {100 * float(alone.mean()):.0f} % of the points certain"
+                alone[occupied] |= index & (touched[selected] == 1) & inside[selected]
+    step = f"reconstructed for a tip radius of {radius:g} µm, {100 * float(alone.mean()):.0f} % of the points certain"
     return scan.changed(eroded, step), read_only(alone)
 
 
 def _ball(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Points, those beside them by each step that a ball reaches, and how far it lies above its lowest point there."""
-    reach, most = _reach(shape, spacing, radius, deepest)
-    for steps in np.ndindex(*(2 * each + 1 for each in most)):
-        moved = np.subtract(steps, most)
+    """Return the grid points, their neighbours within reach of the tip, and the tip's height above its lowest point."""
+    reach, limit = _reach(shape, spacing, radius, deepest)
+    for steps in np.ndindex(*(2 * item + 1 for item in limit)):
+        moved = np.subtract(steps, limit)
         square = float(np.square(moved * spacing).sum())
         if square > reach**2 * (1 + 1e-12):
             continue
         sizes = list(zip(moved.tolist(), shape, strict=True))
-        here, there = (
-            tuple(slice(max(0, sign * each), points + min(0, sign * each)) for each, points in sizes)
+        selected, occupied = (
+            tuple(slice(max(0, sign * offset), points + min(0, sign * offset)) for offset, points in sizes)
             for sign in (-1, 1)
         )
-        yield here, there, radius - math.sqrt(max(0.0, radius**2 - square))
+        yield selected, occupied, radius - math.sqrt(max(0.0, radius**2 - square))
 
 
 def _reach(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
-    """How far from its lowest point a ball touches where heights span so much, µm, and in points along each axis."""
+    """Return the reach of the tip from its lowest point, in µm and in points along each axis, for a height range."""
     reach = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
     return reach, [min(int(reach / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)]

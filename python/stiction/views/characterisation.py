@@ -19,7 +19,7 @@ from stiction.studies.input_caveats import REASONS, doubts_of_scan
 from stiction.surfaces.filters import checked_cutoff, filtered
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.lines import MAX_MISFIT, LineRoughness, lines_along_both, power_law_misfit
-from stiction.surfaces.measured.writing import with_gaps
+from stiction.surfaces.measured.writing import heights_with_nan
 from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS, find_outliers
 from stiction.surfaces.parameters import PARAMETERS, PROFILE_PARAMETERS, Parameter
 from stiction.surfaces.profile import Profile
@@ -235,7 +235,7 @@ class Characterisation:
             rows.append(Row("" if at else "points", (text,)))
         if self.body.missing is not None:
             rows.append(Row("", ("what follows is of heights with straight lines over the holes",)))
-        count = int(find_outliers(with_gaps(self.body)).sum())
+        count = int(find_outliers(heights_with_nan(self.body)).sum())
         single = f"{count} single points" if count > 1 else "a single point"
         text = f"{single} beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of the neighbours; --outliers mask masks"
         rows.append(Row("outliers", (text if count else "none",), (entry("outliers", count),)))

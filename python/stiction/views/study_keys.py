@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic_core import PydanticUndefined
 
 from stiction._units import Quantity
-from stiction.mechanics.law import NAMED
+from stiction.mechanics.law import LAWS_BY_NAME
 from stiction.studies import values
 from stiction.studies.contact_tables import CONTACTS, LAW_TABLES, SHARED
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
@@ -33,7 +33,9 @@ _QUANTITIES: tuple[tuple[Any, str], ...] = (
 
 _DEGREES = f"degrees from {-values.MOST_DEGREES} to {values.MOST_DEGREES}"
 _ALLOWED = {
-    "law": " or ".join([*(f'`"{name}"`' for name in NAMED), *(f'a table of name `"{name}"`' for name in LAW_TABLES)]),
+    "law": " or ".join(
+        [*(f'`"{name}"`' for name in LAWS_BY_NAME), *(f'a table of name `"{name}"`' for name in LAW_TABLES)]
+    ),
     "sliding": '`"opposing"`, `"all"` or a list of both',
     "unit": "a unit of length or a list of two",
     "spacing": "a length above 0 or a list of two",

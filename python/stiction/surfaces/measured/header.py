@@ -1,4 +1,4 @@
-"""Facts that the words above the numbers declare: names and units of columns, spacings, sizes, factors, codes."""
+"""Declarations in the header of a table: column names, units, spacings, sizes, factors, codes for missing points."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from stiction.surfaces.measured.raw import LENGTH_UNITS, Declared, Stated, length_unit
+from stiction.surfaces.measured.raw import LENGTH_UNITS, Declarations, StatedLength, length_unit
 from stiction.surfaces.measured.split import Dialect
 
 _T = TypeVar("_T")
-COMMENT = "#%!/ "  # characters that begin a line of words in some programs
+COMMENT = "#%!/ "  # characters that start a comment line in some programs
 
 _DIGITS = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})?"
 _SEPARATOR = r"\s*(?:[:=,;\t]|\s)\s*"
@@ -21,14 +21,14 @@ _LENGTHS = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
 _IN_CELL = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTHS})[\s,;]*$)|\s*)"
 """Space between a number and its unit, or the end of a cell if a unit of length fills the last one."""
 
-_STATED = re.compile(
+_SPACING = re.compile(
     r"\W*(?:(?:measurement|x|lateral|horizontal|sampl\w*|point|data|scan)[\s_-]*)*"
     r"(spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch|dx|"
     r"Schrittweite|Punktabstand|Messpunktabstand|Abstand)\s*(?:[\[(]([^\])]{1,12})[\])])?\s*[:=,;\t ]\s*"
     rf"({_DIGITS}){_IN_CELL}({_UNIT})?\s*(/|per\b)?",
     re.IGNORECASE,
 )
-_AXIS_STATED = {
+_AXIS_SPACING = {
     axis: re.compile(
         rf"\W*(?:{axis}[\s_-]*(?:spacing|step(?:[ _-]?size)?|increment|interval|resolution|scale|pixel[ _-]?size|pitch|"
         rf"direction)|d{axis}|(?:spacing|step|pitch|pixel[ _-]?size)[\s_-]*(?:in |along )?{axis})"
@@ -37,11 +37,11 @@ _AXIS_STATED = {
     )
     for axis in "yx"
 }
-_SPACINGS = tuple(
+_OWN_SPACINGS = tuple(
     re.compile(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
     for axis in "yx"
 )
-"""Header lines as `write_surface` writes them above a matrix."""
+"""Header lines that `write_surface` writes above a matrix."""
 
 _SIZES = tuple(
     re.compile(
@@ -54,7 +54,7 @@ _SIZES = tuple(
         "x[ _-]?(?:length|size|range|amplitude)|length x",
     )
 )
-"""Height and width above a matrix, as Gwyddion and others write them."""
+"""Height and width above a matrix, as written by Gwyddion and other programs."""
 
 _UNIT_OF_HEIGHTS = re.compile(
     r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+|"
@@ -70,7 +70,7 @@ _FACTOR = re.compile(
     re.IGNORECASE,
 )
 _CONVERSION = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
-"""Evidence that a scale converts numbers to heights; without it, a scale is often the range of the colours."""
+"""Evidence that a scale converts numbers to heights; otherwise a scale is often a colour range."""
 
 _CODE = re.compile(
     rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
@@ -88,20 +88,20 @@ _TIP = re.compile(
 )
 _HISTORY = "# history: "
 
-NO_LENGTH = re.compile(
+NON_LENGTH_UNIT = re.compile(
     r"(?:[afpnuµμmcdhkMGT]|micror?|milli|nano|kilo)?[ -]?"
     r"(?:rad(?:ians?)?|V|A|N|s|Hz|Pa|K|C|W|J|g|F|T|volts?|amp(?:ere)?s?|newtons?|seconds?|sec|min|deg(?:rees?)?|°|°C|"
     r"counts?|cts|lsb|digits?|adu|dB|%|a\.?u\.?|arb\.?(?: ?units?)?|px|pixels?|pts?|points?|inch(?:es)?|in|mil|"
     r"1/0|0/1|bool|waves?|fringes?|lines?|1)(?:/[\w.°µ]+)?"
 )
-"""Units of other things than lengths, and of lengths that are read by no program without a doubt."""
+"""Units of quantities other than lengths, and ambiguous units of length."""
 
-NO_HEIGHT = re.compile(
+NON_HEIGHT_NAME = re.compile(
     r"\b(slopes?|steigung|pente|phase|current|strom|voltage|spannung|intensity|intensität|luminance|brightness|"
     r"deflection|friction|lateral force|force|kraft|time|zeit|curvature|krümmung|gradient|temperature)\b",
     re.IGNORECASE,
 )
-"""Names of quantities that are no heights."""
+"""Names of quantities that are not heights."""
 
 _HEIGHT_NAME = re.compile(
     r"(?<![^\W_])(?:z|heights?|höhen?|hauteurs?|altezz[ae]|alturas?|topograph\w*|elevations?|amplitudes?)(?![^\W_])",
@@ -115,30 +115,30 @@ _VALUE = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d
 
 
 @dataclass(frozen=True)
-class Heads:
-    """Names and units of the columns of a table, as far as there are any."""
+class ColumnHeads:
+    """Names and units of the columns of a table, if present."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    height_unit: str | None = None  # of a line that names heights alone
+    height_unit: str | None = None  # from a line that names only heights
 
 
-def normal(line: str) -> str:
-    """Return a line with characters of full width, ligatures of units and quotes as plain ones."""
+def normalise_line(line: str) -> str:
+    """Replace full-width characters, unit ligatures and quotes of a line by plain characters."""
     return unicodedata.normalize("NFKC", line).replace('"', "").replace("\u03bc", "µ")
 
 
-def declared(header: Sequence[str], *, below: Sequence[str] = ()) -> Declared:
-    """Return the facts that lines above, or below, the numbers declare; the first line that does so decides."""
-    lines = [normal(line) for line in (*header, *below)]
-    pixel = _first(_STATED, lines, lambda match: _spacing(match) if match[1].casefold().startswith("pixel") else None)
-    spacings: tuple[Stated, Stated] | None = (
-        _pair([_first(pattern, lines, lambda match: _stated(*match.groups())) for pattern in _SPACINGS])
-        or _pair([_first(_AXIS_STATED[axis], lines, _bracketed) for axis in "yx"])
+def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> Declarations:
+    """Parse the declarations above, and below, the numbers; the first match of each kind counts."""
+    lines = [normalise_line(line) for line in (*header, *below)]
+    pixel = _first(_SPACING, lines, lambda match: _spacing(match) if match[1].casefold().startswith("pixel") else None)
+    spacings: tuple[StatedLength, StatedLength] | None = (
+        _pair([_first(pattern, lines, lambda match: parse_length(*match.groups())) for pattern in _OWN_SPACINGS])
+        or _pair([_first(_AXIS_SPACING[axis], lines, _bracketed) for axis in "yx"])
         or _pair([pixel, pixel])
     )
-    bare: list[float | None] = [_first(_AXIS_STATED[axis], lines, _bare) for axis in "yx"]
-    plain_bare = _first(_STATED, lines, lambda match: _bare(match) if not match[5] else None)
+    bare: list[float | None] = [_first(_AXIS_SPACING[axis], lines, _unitless) for axis in "yx"]
+    plain_bare = _first(_SPACING, lines, lambda match: _unitless(match) if not match[5] else None)
     unit_line = next((line for line in lines if (match := _UNIT_OF_HEIGHTS.fullmatch(line)) and is_unit(match[1])), "")
     scales = [line for line in lines if (match := _FACTOR.fullmatch(line)) and _unit_of_factor(match)]
     factor_line = next((line for line in scales if _CONVERSION.search(line)), "")
@@ -150,12 +150,12 @@ def declared(header: Sequence[str], *, below: Sequence[str] = ()) -> Declared:
     code_lines = [match for line in lines if (match := _CODE.fullmatch(line))]
     is_count = [match[1] is None and _float(match[2]).is_integer() and _float(match[2]) >= 0 for match in code_lines]
     points = next((int(match[1]) for line in lines if (match := _POINTS.fullmatch(line))), None)
-    both = tuple(each for each in bare if each is not None)
-    return Declared(
-        spacing=_first(_STATED, lines, _spacing),
+    unitless = tuple(value for value in bare if value is not None)
+    return Declarations(
+        spacing=_first(_SPACING, lines, _spacing),
         spacings=spacings,
         size=_pair([_first(pattern, lines, _bracketed) for pattern in _SIZES]),
-        bare_spacing=both if both else None if plain_bare is None else (plain_bare,),
+        bare_spacing=unitless if unitless else None if plain_bare is None else (plain_bare,),
         unit=unit,
         factor=factor,
         codes=tuple(_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if not count),
@@ -167,50 +167,48 @@ def declared(header: Sequence[str], *, below: Sequence[str] = ()) -> Declared:
     )
 
 
-def history_of(header: Sequence[str]) -> list[str]:
-    """Return the steps of the history that `write_profile` and `write_surface` put above the numbers."""
+def parse_history(header: Sequence[str]) -> list[str]:
+    """Return the history steps that `write_profile` and `write_surface` write above the numbers."""
     return [line.removeprefix(_HISTORY) for line in header if line.startswith(_HISTORY)]
 
 
 def _first(pattern: re.Pattern[str], lines: Sequence[str], read: Callable[[re.Match[str]], _T | None]) -> _T | None:
     matches = (match for line in lines if (match := pattern.match(line)))
-    return next((found for match in matches if (found := read(match)) is not None), None)
+    return next((value for match in matches if (value := read(match)) is not None), None)
 
 
-def _pair(both: Sequence[_T | None]) -> tuple[_T, _T] | None:
-    first, second = both
+def _pair(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
+    first, second = pair
     return None if first is None or second is None else (first, second)
 
 
-def _spacing(match: re.Match[str]) -> Stated | None:
-    """Return a spacing in words; a resolution is one if it is a length per sample."""
+def _spacing(match: re.Match[str]) -> StatedLength | None:
+    """Parse a spacing; a resolution counts only if it is a length per sample."""
     if match[1].casefold() == "resolution" and not match[5]:
         return None
     if "," in match[3] and "," in match[0][match.end(3) - match.start() :]:  # cells between commas, or a decimal comma
         return None
-    return _stated(match[3], match[4] or match[2])
+    return parse_length(match[3], match[4] or match[2])
 
 
-def _bracketed(match: re.Match[str]) -> Stated | None:
-    """Return a length whose unit stands behind it, or in brackets behind its name."""
-    return _stated(match[2], match[3] or match[1])
+def _bracketed(match: re.Match[str]) -> StatedLength | None:
+    """Parse a length whose unit follows it, or is in brackets after its name."""
+    return parse_length(match[2], match[3] or match[1])
 
 
-def _bare(match: re.Match[str]) -> float | None:
-    """Return a number without any unit."""
+def _unitless(match: re.Match[str]) -> float | None:
+    """Parse a number without a unit."""
     number, units = (match[3], (match[4], match[2])) if len(match.groups()) == 5 else (match[2], (match[3], match[1]))
     return None if any(units) else _float(number)
 
 
-def _stated(digits: str, unit: str | None) -> Stated | None:
+def parse_length(digits: str, unit: str | None) -> StatedLength | None:
+    """Parse a number and its unit; return None if the unit is not a length."""
     if unit is None or length_unit(unit) is None:
         return None
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
     digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")
-    return Stated(float(f"{mantissa}e{exponent or 0}"), digit, str(length_unit(unit)))
-
-
-stated = _stated
+    return StatedLength(float(f"{mantissa}e{exponent or 0}"), digit, str(length_unit(unit)))
 
 
 def _float(digits: str) -> float:
@@ -223,19 +221,21 @@ def _unit_of_factor(match: re.Match[str]) -> str | None:
 
 
 def _is_declaration(line: str) -> bool:
-    """Return whether a line declares a fact, and so is no line of column names."""
-    whole = (_UNIT_OF_HEIGHTS, _FACTOR, _CODE, _POINTS)
-    beginnings = (_STATED, *_AXIS_STATED.values(), *_SIZES)
-    return any(pattern.fullmatch(line) for pattern in whole) or any(pattern.match(line) for pattern in beginnings)
+    """Return whether a line is a declaration, and therefore not a line of column names."""
+    full_patterns = (_UNIT_OF_HEIGHTS, _FACTOR, _CODE, _POINTS)
+    prefix_patterns = (_SPACING, *_AXIS_SPACING.values(), *_SIZES)
+    return any(pattern.fullmatch(line) for pattern in full_patterns) or any(
+        pattern.match(line) for pattern in prefix_patterns
+    )
 
 
 def _last_named(lines: Sequence[str]) -> str | None:
-    """Return the last line with letters."""
+    """Return the last line that contains letters."""
     return next((line.lstrip(COMMENT) for line in reversed(lines) if any(map(str.isalpha, line))), None)
 
 
 def _names_heights_alone(line: str) -> bool:
-    """Return whether a line names heights and their unit, and no positions or other lengths."""
+    """Return whether a line names heights with their unit, but no positions or other lengths."""
     return bool(
         len(_units_in(line)) == 1
         and not _has_value(line)
@@ -245,47 +245,51 @@ def _names_heights_alone(line: str) -> bool:
 
 
 def _units_in(line: str) -> list[str]:
-    """Return the units in a line: in brackets, or else as words."""
+    """Return the units in a line: those in brackets, or otherwise those that are separate words."""
     bracketed = [word for word in _BRACKETS.findall(line) if is_unit(word)]
     units = [length_unit(word.strip(" \"'.:")) or word for word in bracketed]
     return units or [unit for word in re.split(r"[\s,;]+", line) if (unit := length_unit(word.strip(" \"'.:")))]
 
 
 def _has_value(line: str) -> bool:
-    """Return whether a line has a number outside brackets: "Length (um): 1500" contains no names of columns."""
+    """Return whether a line has a number outside brackets, such as "Length (um): 1500"; it then names no columns."""
     return _VALUE.search(_BRACKETS.sub(" ", line)) is not None
 
 
 def is_unit(word: str) -> bool:
-    """Return whether a word is a unit, of a length or of anything else."""
-    return length_unit(word) is not None or NO_LENGTH.fullmatch(word) is not None
+    """Return whether a word is a unit of length or of another quantity."""
+    return length_unit(word) is not None or NON_LENGTH_UNIT.fullmatch(word) is not None
 
 
-# ---- Names of columns -----------------------------------------------------------------------------------------------
+# ---- Column names ---------------------------------------------------------------------------------------------------
 
 
-def heads_of(header: Sequence[str], width: int, dialect: Dialect) -> Heads:
-    """Return names and units of so many columns from the lines above them."""
-    lines = [line for line in map(normal, header) if not _is_declaration(line)]
+def parse_column_heads(header: Sequence[str], width: int, dialect: Dialect) -> ColumnHeads:
+    """Parse the names and units of `width` columns from the lines above them."""
+    lines = [line for line in map(normalise_line, header) if not _is_declaration(line)]
     if not lines:
-        return Heads()
+        return ColumnHeads()
     names, units = _names(lines, width, dialect), _units(lines, width, dialect)
-    named = _last_named(lines)
-    is_of_heights = width > 2 and not any(units) and named is not None and _names_heights_alone(named)
-    return Heads(names, units, _units_in(named)[0] if is_of_heights and named is not None else None)
+    name_line = _last_named(lines)
+    is_of_heights = width > 2 and not any(units) and name_line is not None and _names_heights_alone(name_line)
+    return ColumnHeads(names, units, _units_in(name_line)[0] if is_of_heights and name_line is not None else None)
 
 
-def split_heads(line: str, width: int, dialect: Dialect) -> list[str] | None:
-    """Return the cells of a line of names, which may be parted in another way than the numbers below it."""
-    bare = line.lstrip(COMMENT) if line.lstrip(" ")[:1] in tuple("#%!/") else line
-    ways = [dialect.cells(bare), *(bare.split(separator) for separator in "\t;,|"), re.split(r"\s{2,}", bare.strip())]
-    for cells in ways:
+def split_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
+    """Split a line of names into `width` cells; its separator may differ from that of the numbers below."""
+    uncommented = line.lstrip(COMMENT) if line.lstrip(" ")[:1] in tuple("#%!/") else line
+    candidates = [
+        dialect.cells(uncommented),
+        *(uncommented.split(separator) for separator in "\t;,|"),
+        re.split(r"\s{2,}", uncommented.strip()),
+    ]
+    for cells in candidates:
         cells = [cell.strip(" \"'") for cell in cells]
         while len(cells) > width and not cells[-1]:
             cells.pop()
         if len(cells) == width:
             return cells
-        if len(cells) == width - 1 and line[:1] in "\t;, ":  # nothing above the numbers of rows
+        if len(cells) == width - 1 and line[:1] in "\t;, ":  # no name above the row numbers
             return ["", *cells]
     return None
 
@@ -293,37 +297,37 @@ def split_heads(line: str, width: int, dialect: Dialect) -> list[str] | None:
 def _names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str, ...]:
     if width == 1:
         return ()
-    last = split_heads(lines[-1], width, dialect)
-    if last is None:
+    names = split_names(lines[-1], width, dialect)
+    if names is None:
         return ()
-    if len(lines) > 1 and all(is_unit(cell.strip("[]() ")) or not cell for cell in last):
-        above = split_heads(lines[-2], width, dialect)
-        if above is not None:
+    if len(lines) > 1 and all(is_unit(cell.strip("[]() ")) or not cell for cell in names):
+        previous = split_names(lines[-2], width, dialect)
+        if previous is not None:
             return tuple(
-                f"{name} [{unit.strip('[]() ')}]" if unit else name for name, unit in zip(above, last, strict=True)
+                f"{name} [{unit.strip('[]() ')}]" if unit else name for name, unit in zip(previous, names, strict=True)
             )
-    return tuple(last)
+    return tuple(names)
 
 
 def _units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
     """Return the unit of each column from the line of names above the data."""
-    named = _last_named(lines)
-    if named is None or _has_value(named):
+    name_line = _last_named(lines)
+    if name_line is None or _has_value(name_line):
         return (None,) * width
-    cells = split_heads(named, width, dialect) if width > 1 else None
-    if cells is not None and any(unit_of(cell) for cell in cells):
-        return tuple(unit_of(cell) for cell in cells)
-    units = _units_in(named)
+    cells = split_names(name_line, width, dialect) if width > 1 else None
+    if cells is not None and any(unit_in_name(cell) for cell in cells):
+        return tuple(unit_in_name(cell) for cell in cells)
+    units = _units_in(name_line)
     if len(units) == width:
         return tuple(units)
-    is_for_all = width > 2 and len(units) == 1 and not _names_heights_alone(named)
+    is_for_all = width > 2 and len(units) == 1 and not _names_heights_alone(name_line)
     return (units[0] if is_for_all else None,) * width
 
 
-def unit_of(cell: str) -> str | None:
-    """Return the unit that the name of a column ends with: "z (nm)", "z [nm]", "z/nm", "height in nm", "z nm"."""
+def unit_in_name(cell: str) -> str | None:
+    """Return the unit at the end of a column name: "z (nm)", "z [nm]", "z/nm", "height in nm", "z nm"."""
     bracketed = _BRACKETS.findall(cell)
     last = bracketed[-1].strip() if bracketed else cell.strip(" \"'")
-    if NO_LENGTH.fullmatch(last):  # which is refused, if it is this column that is meant
+    if NON_LENGTH_UNIT.fullmatch(last):  # an error if this column is used as heights
         return last
     return length_unit((last if bracketed else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))

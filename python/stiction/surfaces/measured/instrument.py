@@ -1,4 +1,4 @@
-"""Heights in the files of instruments, by SurfaceTopography."""
+"""Reading of instrument files with SurfaceTopography."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ def is_available() -> bool:
 
 
 def read_instrument(path: Path) -> Channels:
-    """By the readers of SurfaceTopography, which know some forty formats of instruments."""
+    """Read a file with SurfaceTopography, which supports about forty instrument formats."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # of what it would use if it were there
+        with warnings.catch_warnings(action="ignore"):  # warnings about optional dependencies
             import SurfaceTopography  # noqa: F401
     except ImportError:
         raise FormatError(
-            f"ends in {path.suffix}, which the package SurfaceTopography may read: "
+            f"ends in {path.suffix}, which the package SurfaceTopography may be able to read: "
             "pip install SurfaceTopography; text should end in .csv or .txt"
         ) from None
     with _opened(path) as reader:
         names = tuple(str(channel.name)[:80] for channel in reader.channels)
         default = int(reader.default_channel.index)
-    return Channels(names, lambda at: _channel(path, at, names[at]), default)
+    return Channels(names, lambda index: _channel(path, index, names[index]), default)
 
 
 @contextmanager
@@ -45,26 +45,26 @@ def _opened(path: Path) -> Iterator[Any]:
             yield reader
     except FormatError:
         raise
-    except Exception as error:  # forty readers have as many ways to fail
-        said = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
-        if type(error).__name__ == "CannotDetectFileFormat":  # which goes on with what each of the forty says
-            said = ""
+    except Exception as error:  # the readers raise many kinds of errors
+        detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
+        if type(error).__name__ == "CannotDetectFileFormat":  # its message lists the errors of all readers
+            detail = ""
         raise FormatError(
-            f"is no profile or surface of a known format{said}; save it as X3P, or as text that ends in .csv or .txt"
+            f"is not a profile or surface in a known format{detail}; save it as X3P, or as text ending in .csv or .txt"
         ) from None
 
 
-def _channel(path: Path, at: int, name: str) -> Raw:
+def _channel(path: Path, index: int, name: str) -> Raw:
     with _opened(path) as reader:
-        channel = reader.channels[at]
+        channel = reader.channels[index]
         points = int(np.prod(channel.nb_grid_pts))
         if points > MAX_POINTS:
-            raise FormatError(f"holds {points} points; at most {MAX_POINTS} can be read")
-        if isinstance(channel.unit, tuple):  # of positions and of values, where these are no lengths
-            raise FormatError(f"has a channel {at} ({name}) of something else than heights; choose another by channel")
-        known = channel.physical_sizes is not None
-        # A file without sizes is read with its numbers of points, of which nothing is made.
-        sizes = {} if known else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
+            raise FormatError(f"contains {points} points; at most {MAX_POINTS} can be read")
+        if isinstance(channel.unit, tuple):  # units of positions and of values, if values are not lengths
+            raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
+        has_sizes = channel.physical_sizes is not None
+        # Without sizes, SurfaceTopography needs placeholders; the resulting spacing is not used.
+        sizes = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = Source(f"{reader.format()} by SurfaceTopography", column=name)
         body = channel.topography(**sizes)
         heights = np.ma.filled(np.ma.asarray(body.heights(), dtype=np.float64), np.nan)
@@ -73,8 +73,8 @@ def _channel(path: Path, at: int, name: str) -> Raw:
             positions = np.array(body.positions(), dtype=np.float64)
             return Raw(heights, unit=unit, positions=positions, position_unit=unit, source=source)
         spacing = None
-        if known:
+        if has_sizes:
             along_x_first = np.atleast_1d(body.pixel_size)
-            spacing = tuple(float(each) for each in reversed(along_x_first))
+            spacing = tuple(float(item) for item in reversed(along_x_first))
     # SurfaceTopography has x along the first axis.
     return Raw(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit, source=source)

@@ -1,7 +1,4 @@
-"""Third step of reading: resolve the units, the spacing and the missing points of a scan, in µm.
-
-Nothing is guessed.
-"""
+"""Third step of reading: convert heights and spacing to µm and find the missing points. Units are never guessed."""
 
 from __future__ import annotations
 
@@ -15,9 +12,9 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, check_choice, read_only
 from stiction._units import Quantity, quantity
-from stiction.surfaces.measured.plausibility import CAVEATS, Scan, caveats_of
-from stiction.surfaces.measured.raw import LENGTH_UNITS, Caveat, FormatError, Raw, Stated, length_unit
-from stiction.surfaces.measured.shapes import UNEVEN, Chosen
+from stiction.surfaces.measured.plausibility import CAVEATS, Scan, find_caveats
+from stiction.surfaces.measured.raw import LENGTH_UNITS, Caveat, FormatError, Raw, StatedLength, length_unit
+from stiction.surfaces.measured.shapes import MAX_UNEVENNESS, Selection
 from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS, describe_missing, find_outliers, interpolate_missing
 from stiction.surfaces.preparation import find_crop_range
 from stiction.surfaces.profile import MIN_POINTS, Profile
@@ -26,40 +23,40 @@ from stiction.surfaces.surface import Surface
 Missing = Literal["error", "interpolate", "mask"]
 Outliers = Literal["keep", "mask"]
 
-TELLING = 1000
-"""Last printed digits that the length must have, if they make up for uneven positions: the spacing is then good to
-1/1000."""
+MIN_LENGTH_DIGITS = 1000
+"""Length of the positions in units of their last printed digit, above which they may be uneven: the spacing then has
+a relative error of 1/1000."""
 
-_SPACINGS = (1e-6, 1e6)
-_HIGHEST = 1e9  # µm; what is outside is no length of a surface, but a slip of the unit or a mark for missing points
-SAME = 1e-6  # relative difference of a height from a code for missing points, in files of single precision
+_SPACING_RANGE = (1e-6, 1e6)
+_MAX_LENGTH = 1e9  # µm; larger values have a wrong unit or mark missing points
+CODE_TOLERANCE = 1e-6  # relative difference between a height and a code, for single precision
 _Length = TypeVar("_Length", float, Floats)
 
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What the caller says about a file, checked."""
+    """Checked options of the caller for a file."""
 
     position_unit: str | None
     height_unit: str | None
     spacing: tuple[Quantity | None, Quantity | None]
     missing: Missing
-    channel: Chosen | None
-    columns: tuple[Chosen, ...] | None
+    channel: Selection | None
+    columns: tuple[Selection, ...] | None
     outliers: Outliers
-    crop: tuple[float, ...] | None  # first and last x, and of a surface y, µm
-    codes: tuple[float, ...] = ()  # heights of missing points, as they stand in the file
-    words: tuple[str, ...] = ()  # words for them
-    accept: tuple[str, ...] = ()  # names of caveats that are settled
-    one_unit: bool = False  # whether one unit is given for all lengths: then it is for those without one in the file
+    crop: tuple[float, ...] | None  # first and last x, then y for a surface, µm
+    codes: tuple[float, ...] = ()  # numbers for missing points, as in the file
+    words: tuple[str, ...] = ()  # words for missing points
+    accept: tuple[str, ...] = ()  # names of accepted caveats
+    one_unit: bool = False  # whether `unit` is one string, which applies to lengths without a unit in the file
 
 
 def read_options(
     unit: Any, spacing: Any, missing: Missing, channel: Any = None, columns: Any = None, outliers: Outliers = "keep",
     crop: Any = None, missing_value: Any = None, accept: Any = None,
 ) -> ReadOptions:  # fmt: skip
-    """Check what the caller says about a file."""
-    codes, words = _codes(missing_value)
+    """Check the options of the caller for a file."""
+    codes, words = _parse_codes(missing_value)
     accepted = tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
     if not set(accepted) <= set(CAVEATS):
         raise ValueError(f"accept must be one of {', '.join(CAVEATS)}, or several, got {accept!r}")
@@ -75,17 +72,17 @@ def read_options(
         columns = (columns,) if isinstance(columns, (str, int)) else columns
         if not isinstance(columns, (tuple, list)) or len(columns) not in (1, 2, 3):
             raise ValueError(
-                "columns must be one of heights, or two of positions and heights, or three of x, y and z, "
+                "columns must be one for heights, two for positions and heights, or three for x, y and z, "
                 f"got {columns!r}"
             )
-    for name, each in (("channel", channel), *(("columns", column) for column in columns or ())):
-        if each is not None and (isinstance(each, bool) or not isinstance(each, (str, int))):
-            raise ValueError(f"{name} must be a name or a number from 0 on, got {each!r}")
+    for name, selection in (("channel", channel), *(("columns", column) for column in columns or ())):
+        if selection is not None and (isinstance(selection, bool) or not isinstance(selection, (str, int))):
+            raise ValueError(f"{name} must be a name or a number counted from 0, got {selection!r}")
     columns = None if columns is None else tuple(columns)
-    dy, dx = (None if each is None else _length("spacing", each) for each in pair)
-    crop = None if crop is None else tuple(float(_length("crop", each, zero=True)) for each in crop)
+    dy, dx = (None if item is None else _parse_length("spacing", item) for item in pair)
+    crop = None if crop is None else tuple(float(_parse_length("crop", bound, zero=True)) for bound in crop)
     return ReadOptions(
-        *_units(unit),
+        *_parse_units(unit),
         (dy, dx),
         missing,
         channel,
@@ -99,8 +96,8 @@ def read_options(
     )
 
 
-def _codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Return codes of missing points that are numbers, and those that are words."""
+def _parse_codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
+    """Split marks of missing points into numbers and words."""
     parts = given.split(",") if isinstance(given, str) else () if given is None else given
     parts = (parts,) if isinstance(parts, (int, float)) else parts
     codes, words = [], []
@@ -115,7 +112,7 @@ def _codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
 
 
 def _without_unit_axis(raw: Raw) -> Raw:
-    """A matrix of one row or one column as the profile that it is."""
+    """Convert a matrix of one row or one column to a profile."""
     if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
         return raw
     along = int(raw.heights.shape[1] > 1)
@@ -126,108 +123,115 @@ _Body = TypeVar("_Body", bound=Profile | Surface, covariant=True)
 
 
 @dataclass(frozen=True)
-class Interpreted(Generic[_Body]):
-    """A profile or a surface with what was resolved on the way."""
+class InterpretedScan(Generic[_Body]):
+    """Profile or surface with the unit, the missing points and the caveats of its file."""
 
     body: _Body
-    unit: str  # of heights in the file
-    missing: int  # points without a height in the file
+    unit: str  # unit of the heights in the file
+    missing: int  # number of missing points in the file
     caveats: tuple[Caveat, ...] = ()
 
 
-def to_profile_or_surface(raw: Raw, name: str, options: ReadOptions) -> Interpreted[Profile | Surface]:
-    """Return a profile or a surface, whichever the file holds."""
+def to_profile_or_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
+    """Convert to a profile or a surface, depending on the content of the file."""
     if _without_unit_axis(raw).heights.ndim == 1:
         return to_profile(raw, name, options)
     return to_surface(raw, name, options)
 
 
-def to_profile(raw: Raw, name: str, options: ReadOptions) -> Interpreted[Profile]:
-    """Return a profile."""
+def to_profile(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Profile]:
+    """Convert to a profile."""
     raw = _without_unit_axis(raw)
     if raw.heights.ndim != 1:
         raise FormatError(
-            f"holds {raw.heights.shape[0]} rows of {raw.heights.shape[1]} columns; a profile has one column of "
+            f"contains {raw.heights.shape[0]} rows of {raw.heights.shape[1]} columns; a profile has one column of "
             "heights or two of positions and heights, and read_surface() reads surfaces"
         )
     if raw.heights.size < MIN_POINTS:
         raise FormatError(
-            f"holds too few points, {raw.heights.size}: a profile needs at least {MIN_POINTS}, a map two rows and "
+            f"contains too few points, {raw.heights.size}: a profile needs at least {MIN_POINTS}, a map two rows and "
             "two columns"
         )
     given, other = options.spacing
     if given != other:
-        raise FormatError("holds a profile, which has one spacing; two are given")
-    _ask_for_all(raw, options)
+        raise FormatError("contains a profile, which has one spacing, but two are given")
+    _require_unit_or_spacing(raw, options)
     heights, unit, caveats, coded = _heights(raw, options)
-    dx, steps, doubts = _profile_spacing(raw, _given_lateral(raw, options), given)
+    dx, steps, doubts = _profile_spacing(raw, _position_unit(raw, options), given)
     if dx < 0:
         heights, dx = heights[::-1], -dx
-        steps.append("turned round, because its positions decreased")
-    return _interpreted(Profile, raw, name, options, heights, (_sane(dx),), [*coded, *steps], unit, [*caveats, *doubts])
+        steps.append("reversed, because its positions decreased")
+    return _to_body(
+        Profile, raw, name, options, heights, (_check_spacing(dx),), [*coded, *steps], unit, [*caveats, *doubts]
+    )
 
 
-def to_surface(raw: Raw, name: str, options: ReadOptions) -> Interpreted[Surface]:
-    """Return a surface."""
+def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Surface]:
+    """Convert to a surface."""
     raw = _without_unit_axis(raw)
     if raw.heights.ndim != 2:
-        raise FormatError(f"holds a profile of {raw.heights.size} points; read_profile() reads profiles")
-    _ask_for_all(raw, options)
+        raise FormatError(f"contains a profile of {raw.heights.size} points; read_profile() reads profiles")
+    _require_unit_or_spacing(raw, options)
     heights, unit, caveats, steps = _heights(raw, options)
     if raw.size is not None and raw.spacing is None:
-        (dy, dx), said = _of_size(raw.size, heights.shape, options.spacing)
-        steps += said
+        (dy, dx), notes = _spacings_from_size(raw.size, heights.shape, options.spacing)
+        steps += notes
     elif raw.spacing is not None:
-        length = _unit("positions", raw.position_unit, _given_lateral(raw, options))
-        dy, dx = (_agreeing(_in_um(own, length), each) for own, each in zip(raw.spacing, options.spacing, strict=True))
+        length = _unit("positions", raw.position_unit, _position_unit(raw, options))
+        dy, dx = (
+            _check_agreement(_in_um(declared, length), given)
+            for declared, given in zip(raw.spacing, options.spacing, strict=True)
+        )
         _compare_declared(raw, (dy, dx))
     elif options.spacing[0] is not None and options.spacing[1] is not None:
         dy, dx = float(options.spacing[0]), float(options.spacing[1])
-        own, off = _stated(raw) or (dx, 0.0)  # of one of the two, whichever
-        if min(abs(own - dy), abs(own - dx)) > off:
-            raise FormatError(f"says that its spacing is {own:g} µm, but {dy:g} µm and {dx:g} µm are given")
+        declared, tolerance = _stated_spacing(raw) or (dx, 0.0)  # may be that of rows or of columns
+        if min(abs(declared - dy), abs(declared - dx)) > tolerance:
+            raise FormatError(f"declares a spacing of {declared:g} µm, but {dy:g} µm and {dx:g} µm are given")
         _compare_bare(raw, (dy, dx))
     else:
         raise FormatError(_NO_MAP_SPACING)
-    return _interpreted(Surface, raw, name, options, heights, (_sane(dy), _sane(dx)), steps, unit, caveats)
+    return _to_body(
+        Surface, raw, name, options, heights, (_check_spacing(dy), _check_spacing(dx)), steps, unit, caveats
+    )
 
 
-def _interpreted(
+def _to_body(
     kind: Any, raw: Raw, name: str, options: ReadOptions, heights: Floats, spacing: tuple[float, ...],
     steps: Sequence[str], unit: str, caveats: Sequence[Caveat],
-) -> Interpreted[Any]:  # fmt: skip
+) -> InterpretedScan[Any]:  # fmt: skip
     scan = Scan(
         heights, spacing, factor=LENGTH_UNITS[unit] * (raw.factor or 1.0), from_text=raw.source.lines is not None
     )
-    absent = int(np.count_nonzero(np.isnan(heights)))
-    found = () if absent == heights.size else caveats_of(scan)
-    kept = tuple(each for each in (*raw.caveats, *caveats, *found) if each.name not in options.accept)
-    accepted = sorted({each.name for each in (*raw.caveats, *caveats, *found)} & set(options.accept))
+    num_missing = int(np.count_nonzero(np.isnan(heights)))
+    result = () if num_missing == heights.size else find_caveats(scan)
+    remaining = tuple(value for value in (*raw.caveats, *caveats, *result) if value.name not in options.accept)
+    accepted = sorted({value.name for value in (*raw.caveats, *caveats, *result)} & set(options.accept))
     steps = [*steps, *(f"accepted: {name}" for name in accepted)]
     try:
-        heights, missing, filled = _without_gaps(heights, spacing, options)
+        heights, missing, filled = _fill_gaps(heights, spacing, options)
     except FormatError as error:
-        codes = [each for each in kept if each.name == "repeated-extreme"]
+        codes = [item for item in remaining if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, codes)])) from None
     history = (f"read from {name}", *raw.history, *steps, *filled)
     heights = read_only(heights) if heights.base is None else heights  # which the body then need not copy
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
-    return Interpreted(body, unit, absent, kept)
+    return InterpretedScan(body, unit, num_missing, remaining)
 
 
 # ---- Units and spacings ---------------------------------------------------------------------------------------------
 
 
-def _units(unit: Any) -> tuple[str | None, str | None]:
-    """Units of positions and of heights."""
+def _parse_units(unit: Any) -> tuple[str | None, str | None]:
+    """Return the units of positions and of heights."""
     pair = unit if isinstance(unit, tuple) else (unit, unit)
-    if len(pair) != 2 or not all(each is None or (isinstance(each, str) and length_unit(each)) for each in pair):
+    if len(pair) != 2 or not all(item is None or (isinstance(item, str) and length_unit(item)) for item in pair):
         raise ValueError(f"unit must be a unit of length (m, mm, um, nm, pm) or a pair of them, got {unit!r}")
     return pair
 
 
-def _length(name: str, text: Any, *, zero: bool = False) -> Quantity:
-    """A length, or a position, which may be `zero` or below."""
+def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
+    """Parse a length above 0, or with `zero` a position of any sign."""
     try:
         length = quantity(text.strip() if zero and isinstance(text, str) else text, "length")
     except ValueError as error:
@@ -237,178 +241,181 @@ def _length(name: str, text: Any, *, zero: bool = False) -> Quantity:
     return length
 
 
-def _unit(what: str, of_file: str | None, of_caller: str | None) -> str:
-    """What file and caller say, of whom one must."""
-    known = None if of_file is None else length_unit(of_file)
-    if of_file is not None and known is None:
-        raise FormatError(f"has {what} in {of_file!r}, which is no length that is known here (m, mm, um, nm, ...)")
-    caller = None if of_caller is None else length_unit(of_caller)
-    if known is not None and caller is not None and LENGTH_UNITS[known] != LENGTH_UNITS[caller]:
-        raise FormatError(f"says that its {what} are in {of_file}, but unit says {of_caller}")
-    unit = known if known is not None else caller
+def _unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str:
+    """Return the unit from the file or from the caller; they must agree, and one of them is required."""
+    file_unit = None if of_file is None else length_unit(of_file)
+    if of_file is not None and file_unit is None:
+        raise FormatError(
+            f"has {quantity_name} in {of_file!r}, which is not a supported unit of length (m, mm, um, nm, ...)"
+        )
+    caller_unit = None if of_caller is None else length_unit(of_caller)
+    if file_unit is not None and caller_unit is not None and LENGTH_UNITS[file_unit] != LENGTH_UNITS[caller_unit]:
+        raise FormatError(f"declares its {quantity_name} in {of_file}, but unit is {of_caller}")
+    unit = file_unit if file_unit is not None else caller_unit
     if unit is None:
-        raise FormatError(f'does not say in which unit its {what} are; give the unit, as in "um" (--unit um)')
+        raise FormatError(f'does not contain the unit of its {quantity_name}; give the unit, as in "um" (--unit um)')
     return unit
 
 
-def _given_lateral(raw: Raw, options: ReadOptions) -> str | None:
-    """Return the unit of positions that is given; one unit for all lengths is not for those that the file has."""
-    known = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
-    return None if known else options.position_unit
+def _position_unit(raw: Raw, options: ReadOptions) -> str | None:
+    """Return the given unit of positions; a single unit for all lengths does not override the unit in the file."""
+    has_own_unit = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
+    return None if has_own_unit else options.position_unit
 
 
 def _in_um(values: _Length, unit: str) -> _Length:
     factor = LENGTH_UNITS[unit]
-    # A division, where it is one, so that 100 nm are 0.1 µm to the bit.
+    # Dividing by an integer, where possible, makes 100 nm exactly 0.1 µm.
     return values / round(1 / factor) if factor < 1 else values * factor
 
 
 def _heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[Caveat], list[str]]:
-    """Return heights in µm, NaN where they are missing, their unit, doubts, and steps of the history."""
+    """Return heights in µm with NaN where missing, their unit, caveats, and history steps."""
     unit, caveats, steps = _height_unit(raw, options.height_unit)
     numbers = raw.heights
     for code in (*raw.codes, *options.codes):
-        at = np.abs(numbers - code) <= SAME * abs(code)
-        if at.any():
-            numbers = np.where(at, np.nan, numbers)
-            steps.append(f"{int(at.sum())} points of {code:g} are missing points")
+        is_missing = np.abs(numbers - code) <= CODE_TOLERANCE * abs(code)
+        if is_missing.any():
+            numbers = np.where(is_missing, np.nan, numbers)
+            steps.append(f"{int(is_missing.sum())} points of {code:g} are missing points")
         elif code in options.codes:
             steps.append(f"no point is {code:g}, the code for missing points")
     with np.errstate(all="ignore"):
         if raw.factor is not None:
             numbers = numbers * raw.factor
-            steps.append(f"multiplied by {raw.factor:g} {unit}, as the file says")
+            steps.append(f"multiplied by {raw.factor:g} {unit}, as declared in the file")
         heights = _in_um(numbers, unit)
         lowest, highest = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
-        while not (lowest >= -_HIGHEST and highest <= _HIGHEST) and not np.isnan(lowest):
-            value = highest if highest > _HIGHEST else lowest
-            at = heights == value
-            if at.sum() < 2 or np.isinf(value):
-                wild = int((np.abs(heights) > _HIGHEST).sum())
+        while not (lowest >= -_MAX_LENGTH and highest <= _MAX_LENGTH) and not np.isnan(lowest):
+            value = highest if highest > _MAX_LENGTH else lowest
+            is_missing = heights == value
+            if is_missing.sum() < 2 or np.isinf(value):
+                num_outside = int((np.abs(heights) > _MAX_LENGTH).sum())
                 raise FormatError(
-                    f"holds a height of {value:.3g} µm, which no surface has ({wild} such values); if it marks missing "
-                    f"points, --missing-value {value / LENGTH_UNITS[unit]:.6g} says so"
+                    f"contains a height of {value:.3g} µm, which is impossible ({num_outside} such values); "
+                    f"if it marks missing points, use --missing-value {value / LENGTH_UNITS[unit]:.6g}"
                 )
-            heights = np.where(at, np.nan, heights)
-            steps.append(f"{int(at.sum())} points of {value:.3g} µm, which no surface has, are missing points")
+            heights = np.where(is_missing, np.nan, heights)
+            steps.append(f"{int(is_missing.sum())} points of {value:.3g} µm, an impossible height, are missing points")
             lowest, highest = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
     return heights, unit, caveats, steps
 
 
 def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[Caveat], list[str]]:
-    """Return the unit of heights; a file that converts its numbers by a factor of its own needs none."""
+    """Return the unit of heights; a file that declares a factor and a unit does not need the caller's unit."""
     if raw.factor is None or given is None or raw.unit is None or length_unit(raw.unit) is None:
         return _unit("heights", raw.unit, given), [], []
-    own, caller = str(length_unit(raw.unit)), str(length_unit(given))
-    if LENGTH_UNITS[own] == LENGTH_UNITS[caller]:
-        return own, [], []
-    text = f"unit says {given}, but the file converts its heights to {own} by a factor, which is applied"
-    return own, [Caveat("unit-not-needed", text, "leave out --unit")], []
+    actual, caller_unit = str(length_unit(raw.unit)), str(length_unit(given))
+    if LENGTH_UNITS[actual] == LENGTH_UNITS[caller_unit]:
+        return actual, [], []
+    text = f"unit is {given}, but the file converts its heights to {actual} by a factor, which is applied"
+    return actual, [Caveat("unit-not-needed", text, "omit --unit")], []
 
 
 _NO_MAP_SPACING = (
-    'holds no spacing; give it, as in "0.5 um" (--spacing "0.5 um"), or "2 um" for rows and "0.5 um" for columns'
+    'contains no spacing; give it, as in "0.5 um" (--spacing "0.5 um"), or "2 um" for rows and "0.5 um" for columns'
 )
 
 
-def _ask_for_all(raw: Raw, options: ReadOptions) -> None:
-    """Refuse a file that lacks its units and its spacing, with one message for both."""
+def _require_unit_or_spacing(raw: Raw, options: ReadOptions) -> None:
+    """Reject a file without units and spacing, with one message for both."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
-        each is None for each in (raw.positions, raw.spacing, raw.size, raw.stated if raw.heights.ndim == 1 else None)
+        value is None for value in (raw.positions, raw.spacing, raw.size, raw.stated if raw.heights.ndim == 1 else None)
     )
     if not (lacks_unit and lacks_spacing):
         return
     example = '--unit um --spacing "0.5 um"'
-    bare = (
-        f"; its header has a spacing of {' and '.join(f'{each:g}' for each in raw.bare_spacing)} without a unit"
+    hint = (
+        f"; its header has a spacing of {' and '.join(f'{item:g}' for item in raw.bare_spacing)} without a unit"
         if raw.bare_spacing
         else ""
     )
     raise FormatError(
-        "does not say in which unit its heights are, and holds no spacing of its points; give the unit, as in "
-        f'"um", and the spacing, as in "0.5 um" ({example}){bare}'
+        "contains neither the unit of its heights nor the spacing of its points; give the unit, as in "
+        f'"um", and the spacing, as in "0.5 um" ({example}){hint}'
     )
 
 
 def _compare_bare(raw: Raw, given: tuple[float, ...]) -> None:
-    """Refuse a spacing that is no multiple by units of that which stands in the header without a unit."""
+    """Reject a spacing that differs from a declared spacing without a unit by more than a change of units."""
     if raw.bare_spacing is None:
         return
-    own = raw.bare_spacing if len(raw.bare_spacing) == len(given) else raw.bare_spacing * len(given)
-    ratios = [each / bare for each, bare in zip(given, own[: len(given)], strict=True) if bare > 0]
+    actual = raw.bare_spacing if len(raw.bare_spacing) == len(given) else raw.bare_spacing * len(given)
+    ratios = [value / bare for value, bare in zip(given, actual[: len(given)], strict=True) if bare > 0]
     units = set(LENGTH_UNITS.values())
     if ratios and not any(all(abs(ratio / unit - 1) <= 1e-3 for ratio in ratios) for unit in units):
         raise FormatError(
-            f"has a spacing of {' and '.join(f'{each:g}' for each in own)} in its header, without a unit, but spacing "
-            f"says {' and '.join(f'{each:g}' for each in given)} µm"
+            f"has a spacing of {' and '.join(f'{item:g}' for item in actual)} in its header, without a unit, "
+            f"but spacing is {' and '.join(f'{item:g}' for item in given)} µm"
         )
 
 
 def _compare_declared(raw: Raw, spacing: tuple[float, float]) -> None:
-    """Reject positions (spacings in µm) that contradict the spacings or the size in the words of a file."""
+    """Reject a grid (spacings in µm) that contradicts the declared spacings or the declared size."""
     for step, stated in zip(spacing, raw.stated_spacings or (), strict=False):
-        own = stated.length * LENGTH_UNITS[stated.unit]
-        if abs(own - step) > max(0.51 * stated.digit * LENGTH_UNITS[stated.unit], UNEVEN * own):
-            raise FormatError(f"says that its spacing is {own:g} µm, but its positions are {step:g} µm apart")
+        actual = stated.length * LENGTH_UNITS[stated.unit]
+        if abs(actual - step) > max(0.51 * stated.digit * LENGTH_UNITS[stated.unit], MAX_UNEVENNESS * actual):
+            raise FormatError(f"declares a spacing of {actual:g} µm, but its positions are {step:g} µm apart")
     for step, points, stated in zip(spacing, raw.heights.shape, raw.size or (), strict=False):
-        own, digit = stated.length * LENGTH_UNITS[stated.unit], stated.digit * LENGTH_UNITS[stated.unit]
-        off = max(0.51 * digit, UNEVEN * own)
-        if not (points - 1) * step - off <= own <= points * step + off:
-            raise FormatError(f"says that its size is {own:g} µm, but its positions span {(points - 1) * step:g} µm")
+        actual, digit = stated.length * LENGTH_UNITS[stated.unit], stated.digit * LENGTH_UNITS[stated.unit]
+        tolerance = max(0.51 * digit, MAX_UNEVENNESS * actual)
+        if not (points - 1) * step - tolerance <= actual <= points * step + tolerance:
+            raise FormatError(f"declares a size of {actual:g} µm, but its positions span {(points - 1) * step:g} µm")
 
 
-def _of_size(
-    size: tuple[Stated, Stated], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
+def _spacings_from_size(
+    size: tuple[StatedLength, StatedLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
-    """Spacings of an area of a size that stands in words, and what the history says of them."""
+    """Return the spacings from a declared size, and a history step."""
     spacings = []
-    for own, points, each in zip(size, shape, given, strict=True):
-        length = own.length * LENGTH_UNITS[own.unit] / points
-        off = max(0.51 * own.digit * LENGTH_UNITS[own.unit] / points, UNEVEN * length)
-        if each is not None and abs(each - length) > off:
-            raise FormatError(f"says by its size that its spacing is {length:.7g} µm, but spacing says {each.text}")
-        spacings.append(length if each is None else float(each))
-    height, width = (f"{own.length:g} {own.unit}" for own in size)
+    for actual, points, stated in zip(size, shape, given, strict=True):
+        length = actual.length * LENGTH_UNITS[actual.unit] / points
+        tolerance = max(0.51 * actual.digit * LENGTH_UNITS[actual.unit] / points, MAX_UNEVENNESS * length)
+        if stated is not None and abs(stated - length) > tolerance:
+            raise FormatError(f"declares a size with a spacing of {length:.7g} µm, but spacing is {stated.text}")
+        spacings.append(length if stated is None else float(stated))
+    height, width = (f"{actual.length:g} {actual.unit}" for actual in size)
     return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y (header)"]
 
 
 def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str], list[Caveat]]:
-    """Return the spacing of a profile (µm, negative if its positions decrease), steps of the history, and doubts."""
-    stated = _stated(raw)
+    """Return the spacing of a profile (µm, negative if its positions decrease), history steps, and caveats."""
+    stated = _stated_spacing(raw)
     if raw.positions is None:
         if raw.spacing is not None:
             own_spacing = _in_um(raw.spacing[0], _unit("positions", raw.position_unit, unit))
-            return _agreeing(own_spacing, given), [], []
+            return _check_agreement(own_spacing, given), [], []
         if stated is not None:
             if given is not None and abs(given - stated[0]) > stated[1]:
-                raise FormatError(f"says that its spacing is {stated[0]:g} µm, but spacing says {given.text}")
+                raise FormatError(f"declares a spacing of {stated[0]:g} µm, but spacing is {given.text}")
             return given if given is not None else stated[0], [], []
         if given is None:
-            raise FormatError('holds heights only; give the spacing of its points, as in "0.5 um" (--spacing "0.5 um")')
+            raise FormatError(
+                'contains heights only; give the spacing of its points, as in "0.5 um" (--spacing "0.5 um")'
+            )
         _compare_bare(raw, (given,))
         return given, [], []
     length = _unit("positions", raw.position_unit, unit)
     with np.errstate(all="ignore"):
         x = _in_um(raw.positions, length)
-        if not np.isfinite(x).all() or np.abs(x).max() > _HIGHEST:
-            at = int(np.flatnonzero(~(np.abs(x) <= _HIGHEST))[0])
-            raise FormatError(f"has no usable position at point {at}, from 0 on; each height needs one")
-        digit = _Digits(raw, length)
+        if not np.isfinite(x).all() or np.abs(x).max() > _MAX_LENGTH:
+            point = int(np.flatnonzero(~(np.abs(x) <= _MAX_LENGTH))[0])
+            raise FormatError(f"has no usable position at point {point}, counted from 0; each height needs one")
+        digit = _PositionDigits(raw, length)
         measured = float((x[-1] - x[0]) / (x.size - 1))
         direction = -1.0 if measured < 0 else 1.0
         if given is not None:
-            if _worst_as_printed(x, direction * given, digit, UNEVEN * given) is not None:
-                _refuse_uneven(x, measured, digit)  # if it is not uniform at all, that is what is wrong
-                numbering = "".join(f"; {each.cure}" for each in raw.caveats if each.name == "numbering")
+            if _worst_printed_deviation(x, direction * given, digit, MAX_UNEVENNESS * given) is not None:
+                _reject_uneven(x, measured, digit)  # takes precedence
+                numbering = "".join(f"; {caveat.cure}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
-                    f"says by its positions that the spacing is {abs(measured):.7g} µm, but spacing says "
-                    f"{given.text}{numbering}"
+                    f"has positions with a spacing of {abs(measured):.7g} µm, but spacing is {given.text}{numbering}"
                 )
             return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
-        if stated is not None and _worst_as_printed(x, direction * stated[0], digit, 1e-9 * stated[0]) is None:
+        if stated is not None and _worst_printed_deviation(x, direction * stated[0], digit, 1e-9 * stated[0]) is None:
             return direction * stated[0], [f"spacing {stated[0]:.7g} µm (header and positions agree)"], []
-        _refuse_uneven(x, measured, digit)
+        _reject_uneven(x, measured, digit)
     doubts: list[Caveat] = []
     step = f"spacing {abs(measured):.7g} µm from its positions"
     if stated is not None:
@@ -416,25 +423,25 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
             doubts.append(
                 Caveat(
                     "spacing",
-                    f"its spacing is said to be {stated[0]:g} µm, but its positions are {abs(measured):.7g} µm apart, "
-                    "which is taken",
+                    f"its declared spacing is {stated[0]:g} µm, but its positions are {abs(measured):.7g} µm apart, "
+                    "which is used",
                     "check the unit of positions, --unit",
                 )
             )
-        step += f", where it says {stated[0]:g} µm"
+        step += f", declared as {stated[0]:g} µm"
     return measured, [step], doubts
 
 
-def _stated(raw: Raw) -> tuple[float, float] | None:
-    """The spacing that stands in words in a file and how far off it may be, µm."""
+def _stated_spacing(raw: Raw) -> tuple[float, float] | None:
+    """Return the declared spacing and its tolerance, µm."""
     if raw.stated is None:
         return None
     factor = LENGTH_UNITS[raw.stated.unit]
     return raw.stated.length * factor, 0.51 * raw.stated.digit * factor
 
 
-class _Digits:
-    """What the last printed digits of positions are worth (µm), computed when it is needed first."""
+class _PositionDigits:
+    """Values of the last printed digits of positions (µm), computed on first use."""
 
     def __init__(self, raw: Raw, unit: str) -> None:
         self._raw, self._unit = raw, unit
@@ -448,52 +455,53 @@ class _Digits:
             return _in_um(self._raw.digits(), self._unit)
 
 
-def _worst_as_printed(x: Floats, spacing: float, digit: _Digits, slack: float) -> tuple[int, float] | None:
-    """Return `_worst` of the printed digits, which most positions do not need to be uniform."""
-    if _worst(x, spacing, np.zeros(x.size), slack) is None:
+def _worst_printed_deviation(
+    x: Floats, spacing: float, digit: _PositionDigits, slack: float
+) -> tuple[int, float] | None:
+    """Return `_worst_deviation` within the printed digits, which are only parsed if they are needed."""
+    if _worst_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
-    return _worst(x, spacing, digit.values, slack)
+    return _worst_deviation(x, spacing, digit.values, slack)
 
 
-def _worst(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
-    """The point that is most off a uniform grid and by how much, if the printed digits do not explain it."""
+def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
+    """Return the point with the largest deviation from a uniform grid, if its printed digits do not explain it."""
     steps = np.arange(x.size)
     off = x - x[0] - steps * spacing
-    # Rounded, first and last point are off by half a digit each; cut off, by less than one together.
-    explained = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
+    # First and last point are each off by half a digit if rounded, or together by less than one digit if truncated.
+    tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
-    beyond = np.abs(off) - explained - slack - round_off
-    at = int(np.argmax(beyond))
-    return (at, float(off[at])) if beyond[at] > 0 else None
+    beyond = np.abs(off) - tolerance - slack - round_off
+    point = int(np.argmax(beyond))
+    return (point, float(off[point])) if beyond[point] > 0 else None
 
 
-def _refuse_uneven(x: Floats, measured: float, digit: _Digits) -> None:
-    """Refuse positions that are not uniform, or have too few digits to tell their spacing."""
+def _reject_uneven(x: Floats, measured: float, digit: _PositionDigits) -> None:
+    """Reject positions that are not uniform, or have too few digits for the spacing."""
     if measured == 0:
-        raise FormatError("has first and last point at the same position")
-    worst = _worst_as_printed(x, measured, digit, UNEVEN * abs(measured))
+        raise FormatError("has its first and last point at the same position")
+    worst = _worst_printed_deviation(x, measured, digit, MAX_UNEVENNESS * abs(measured))
     if worst is not None:
-        at, off = worst
+        point, off = worst
         raise FormatError(
-            f"is not uniform: point {at}, from 0 on, is at {x[at]:.7g} µm, {abs(off):.3g} µm away from where a spacing "
-            f"of {abs(measured):.6g} µm puts it; resample it first"
+            f"is not uniform: point {point}, counted from 0, is at {x[point]:.7g} µm, {abs(off):.3g} µm "
+            f"from its position at a spacing of {abs(measured):.6g} µm; resample it first"
         )
-    even = np.abs(np.diff(x) - measured).max() <= UNEVEN * abs(measured)
-    if not even and abs(x[-1] - x[0]) < TELLING * digit.values.max():
+    is_uniform = np.abs(np.diff(x) - measured).max() <= MAX_UNEVENNESS * abs(measured)
+    if not is_uniform and abs(x[-1] - x[0]) < MIN_LENGTH_DIGITS * digit.values.max():
         raise FormatError(
-            f"has positions with too few digits to tell their spacing ({abs(measured):.3g} µm?); give it, as in "
-            '"0.5 um"'
+            f'has positions with too few digits for their spacing ({abs(measured):.3g} µm?); give it, as in "0.5 um"'
         )
 
 
-def _agreeing(own: float, given: Quantity | None) -> float:
-    if given is not None and not abs(own - given) <= UNEVEN * abs(own):
-        raise FormatError(f"says that its spacing is {own:.7g} µm, but spacing says {given.text}")
-    return own
+def _check_agreement(actual: float, given: Quantity | None) -> float:
+    if given is not None and not abs(actual - given) <= MAX_UNEVENNESS * abs(actual):
+        raise FormatError(f"has a spacing of {actual:.7g} µm, but spacing is {given.text}")
+    return actual
 
 
-def _sane(spacing: float) -> float:
-    lowest, highest = _SPACINGS
+def _check_spacing(spacing: float) -> float:
+    lowest, highest = _SPACING_RANGE
     if not lowest <= spacing <= highest:
         raise FormatError(f"has a spacing of {spacing:g} µm; from {lowest:g} to {highest:g} µm is allowed")
     return spacing
@@ -502,14 +510,14 @@ def _sane(spacing: float) -> float:
 # ---- Missing points -------------------------------------------------------------------------------------------------
 
 
-def _without_gaps(
+def _fill_gaps(
     heights: Floats, spacing: tuple[float, ...], options: ReadOptions
 ) -> tuple[Floats, NDArray[np.bool_] | None, list[str]]:
-    """Cropped heights without outliers and bridged, where they are masked, and what was done."""
+    """Return cropped heights, interpolated and masked as requested, their mask, and history steps."""
     steps: list[str] = []
     if options.crop is not None:
         if len(options.crop) != 2 * heights.ndim:
-            raise FormatError(f"is cropped by {2 * heights.ndim} positions, got {len(options.crop)}")
+            raise FormatError(f"needs {2 * heights.ndim} positions for crop, got {len(options.crop)}")
         ends = zip(
             options.crop[::-2], options.crop[-2::-2], heights.shape, spacing, "yx"[2 - heights.ndim :], strict=True
         )
@@ -521,31 +529,31 @@ def _without_gaps(
         raise FormatError("has no heights: all points are missing")
     if gaps.any() and missing == "error":
         first = np.argwhere(gaps)[0].tolist()
-        at = f"point {first[0]}" if gaps.ndim == 1 else f"row {first[0]}, column {first[1]}"
+        position = f"point {first[0]}" if gaps.ndim == 1 else f"row {first[0]}, column {first[1]}"
         raise FormatError(
-            f"has {int(gaps.sum())} missing points of {gaps.size}, the first at {at}, from 0 on; "
-            'missing="mask" (--missing mask) presses what is there, and missing="interpolate" (--missing interpolate) '
-            "puts them on a line between their neighbours"
+            f"has {int(gaps.sum())} missing points of {gaps.size}, the first at {position}, counted from 0; "
+            'missing="mask" (--missing mask) uses only measured points, and missing="interpolate" '
+            "(--missing interpolate) interpolates between their neighbours"
         )
     if options.outliers == "mask" and (outlying := find_outliers(heights)).any():
         missing = "mask" if missing == "error" else missing
         gaps, heights = gaps | outlying, np.where(outlying, np.nan, heights)
         steps.append(
-            f"{int(outlying.sum())} outliers beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of their neighbours taken out"
+            f"{int(outlying.sum())} outliers beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of their neighbours removed"
         )
     if heights.ndim == 1 and (gaps[0] or gaps[-1]):
-        known = np.flatnonzero(~gaps)
-        inside = slice(int(known[0]), int(known[-1]) + 1)
-        steps.append(f"{heights.size - (inside.stop - inside.start)} missing points at its ends left out")
+        measured = np.flatnonzero(~gaps)
+        inside = slice(int(measured[0]), int(measured[-1]) + 1)
+        steps.append(f"{heights.size - (inside.stop - inside.start)} missing points at its ends removed")
         heights, gaps = heights[inside], gaps[inside]
     if not gaps.any():
         return heights, None, steps
-    full = interpolate_missing(heights, extrapolate=missing == "mask")
-    if left := int(np.isnan(full).sum()):
+    filled = interpolate_missing(heights, extrapolate=missing == "mask")
+    if num_left := int(np.isnan(filled).sum()):
         raise FormatError(
-            f"has {left} missing points at its edges without neighbours on both sides to interpolate from; "
-            'missing="mask" (--missing mask) presses what is there'
+            f"has {num_left} missing points at its edges without neighbours on both sides to interpolate from; "
+            'missing="mask" (--missing mask) uses only measured points'
         )
-    done = "masked" if missing == "mask" else "interpolated"
-    steps.append(f"{int(gaps.sum())} missing points {done}, {describe_missing(gaps, spacing)}")
-    return full, gaps if missing == "mask" else None, steps
+    treatment = "masked" if missing == "mask" else "interpolated"
+    steps.append(f"{int(gaps.sum())} missing points {treatment}, {describe_missing(gaps, spacing)}")
+    return filled, gaps if missing == "mask" else None, steps

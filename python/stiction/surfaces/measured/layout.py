@@ -1,4 +1,4 @@
-"""A layout of texts, or of workbooks, that the program of an instrument writes."""
+"""Layouts: text files and workbooks of specific instrument programs."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from typing import Any
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.raw import Content, FormatError
 
-Sheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells by the names of sheets
+Sheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells by sheet name
 
-MAX_COUNT = 100_000_000  # points, or lines, that a header may declare
+MAX_COUNT = 100_000_000  # largest number of points, or lines, that a header may declare
 _NUMBER = re.compile(r"\s*([+-]?[0-9]{0,40}(?:[.,][0-9]{0,40})?(?:[eE][+-]?[0-9]{1,5})?)(?![0-9.,])")
 
 
-def number(facts: Mapping[str, str], name: str, default: float | None = None) -> float:
-    """Return the finite number that the value of a fact begins with; a `FormatError` without one."""
-    text = facts.get(name.casefold())
+def number(header: Mapping[str, str], name: str, default: float | None = None) -> float:
+    """Return the finite number at the start of a header value. Raises `FormatError` if there is none."""
+    text = header.get(name.casefold())
     if text is None and default is not None:
         return default
     match = _NUMBER.match(text or "")
@@ -28,21 +28,23 @@ def number(facts: Mapping[str, str], name: str, default: float | None = None) ->
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise FormatError(f"lacks a number for {name}" if text is None else f"has {text[:40]!r} for {name}, no number")
+        raise FormatError(
+            f"lacks a number for {name}" if text is None else f"has {text[:40]!r} for {name}, not a number"
+        )
     return value
 
 
-def whole(facts: Mapping[str, str], name: str, least: int = 1, most: int = MAX_COUNT) -> int:
-    """Return the whole number that the value of a fact begins with; a `FormatError` if it is outside its range."""
-    value = number(facts, name)
-    if not (value.is_integer() and least <= value <= most):
-        raise FormatError(f"has {value:g} for {name}, which must be a whole number from {least} to {most}")
+def integer(header: Mapping[str, str], name: str, minimum: int = 1, maximum: int = MAX_COUNT) -> int:
+    """Return the integer at the start of a header value. Raises `FormatError` if it is outside its range."""
+    value = number(header, name)
+    if not (value.is_integer() and minimum <= value <= maximum):
+        raise FormatError(f"has {value:g} for {name}, which must be a whole number from {minimum} to {maximum}")
     return int(value)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """How the texts of an instrument are recognised and read."""
+    """Recognition and reading of the text files of an instrument."""
 
     name: str
     recognise: Callable[[Text], bool]
@@ -51,7 +53,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class WorkbookLayout:
-    """How the workbooks of an instrument are recognised and read."""
+    """Recognition and reading of the workbooks of an instrument."""
 
     name: str
     recognise: Callable[[Sheets], bool]

@@ -1,4 +1,4 @@
-"""Named checks of heights and spacing that hardly any surface has, for all formats and for bodies in memory."""
+"""Named checks for implausible heights and spacings, for files of all formats and for bodies in memory."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from stiction._checks import Floats
 from stiction._repr import with_unit
 from stiction.surfaces.measured.raw import Caveat
 
-MIN_REPEATS = 2  # points at an extreme value that may be a code for missing points
-FAR = 2.0  # range of all other heights by which such a value is away from them
-MIN_DISTINCT = 5  # different values among the others, below which a surface is one of steps
-MAX_CODES = 3  # codes that one scan may have
-MIN_POINTS = 20  # points of a scan; fewer are an example
+MIN_REPEATS = 2  # smallest number of points at an extreme value that may be a code for missing points
+MIN_CODE_DISTANCE = 2.0  # smallest distance of a code from all other heights, over their range
+MIN_DISTINCT_HEIGHTS = 5  # smallest number of different heights; fewer are a surface with steps
+MAX_CODES = 3  # largest number of codes in a scan
+MIN_CHECKED_POINTS = 20  # smaller scans are not checked: they are examples
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # µm: an ångström, a centimetre and a metre
 
 
 @dataclass(frozen=True)
 class Scan:
-    """What is checked: heights in µm, NaN where they are missing, and how they were written."""
+    """Heights in µm, NaN where missing, with their spacing and original format."""
 
     heights: Floats
     spacing: tuple[float, ...]  # µm, along (y and) x
-    factor: float = 1.0  # from the numbers of the file to µm
-    from_text: bool = True  # whether the numbers were written in words, so that counts are whole numbers
+    factor: float = 1.0  # from the numbers in the file to µm
+    from_text: bool = True  # whether the numbers were read from text, where counts are integers
 
     @cached_property
     def known(self) -> Floats:
@@ -44,106 +44,125 @@ class Scan:
 
 
 class Check(NamedTuple):
-    """A check by its name: yields its findings, and the option or the edit that settles them."""
+    """Named check: a function that yields its findings, and the option or edit that settles them."""
 
     name: str
     find: Callable[[Scan], Iterator[str]]
     cure: str
 
 
-def caveats_of(scan: Scan) -> tuple[Caveat, ...]:
-    """Return the doubts about a scan by all checks."""
-    if scan.heights.size < MIN_POINTS:
+def find_caveats(scan: Scan) -> tuple[Caveat, ...]:
+    """Return the caveats of all checks for a scan."""
+    if scan.heights.size < MIN_CHECKED_POINTS:
         return ()
-    found = [(check, text) for check in CHECKS[:1] for text in check.find(scan)]
-    codes = [float(text.partition("|")[2]) * scan.factor for _, text in found]
-    if codes:  # which say nothing of the heights
+    findings = [(check, text) for check in CHECKS[:1] for text in check.find(scan)]
+    codes = [float(text.partition("|")[2]) * scan.factor for _, text in findings]
+    if codes:  # exclude the codes from the other checks
         is_code = np.isclose(scan.heights[..., np.newaxis], codes, rtol=1e-9, atol=0.0).any(axis=-1)
         scan = replace(scan, heights=np.where(is_code, np.nan, scan.heights))
-    found += [(check, text) for check in CHECKS[1:] for text in check.find(scan)]
+    findings += [(check, text) for check in CHECKS[1:] for text in check.find(scan)]
     return tuple(
         Caveat(check.name, text.partition("|")[0], check.cure.replace("{}", text.partition("|")[2]))
-        for check, text in found
+        for check, text in findings
     )
 
 
 def _repeated_extremes(scan: Scan) -> Iterator[str]:
-    """Find extreme values that repeat to the last digit, far from all others."""
+    """Find extreme values that repeat exactly, far from all other heights."""
     heights = scan.known
     for _ in range(MAX_CODES):
-        found = _code(heights)
-        if found is None:
+        code = _find_code(heights)
+        if code is None:
             return
-        value, count, away = found
+        value, count, distance = code
         number = float(f"{value / scan.factor:.12g}")
         yield (
-            f"{count} of {scan.heights.size} heights are exactly {number:.12g}, {with_unit(away, 'µm')} away from all "
-            f"others, as a code for missing points is|{number:.12g}"
+            f"{count} of {scan.heights.size} heights are exactly {number:.12g}, {with_unit(distance, 'µm')} from all "
+            f"others, like a code for missing points|{number:.12g}"
         )
         heights = heights[heights != value]
 
 
-def _code(heights: Floats) -> tuple[float, int, float] | None:
-    """Return an extreme value that repeats, its count, and its distance from all others."""
-    if heights.size < 2 * MIN_DISTINCT:
+def _find_code(heights: Floats) -> tuple[float, int, float] | None:
+    """Return a repeated extreme value, its count, and its distance from all other heights; None if there is none."""
+    if heights.size < 2 * MIN_DISTINCT_HEIGHTS:
         return None
     for sign in (1.0, -1.0):
         value = float(heights.min() if sign > 0 else heights.max())
-        at = heights == value
-        count = int(np.count_nonzero(at))
+        is_extreme = heights == value
+        count = int(np.count_nonzero(is_extreme))
         if not MIN_REPEATS <= count < heights.size:
             continue
-        low, high = _range_without(heights, at)
-        away = low - value if sign > 0 else value - high
-        if away > FAR * (high - low) and np.unique(heights[~at][:1000]).size >= MIN_DISTINCT:
-            return value, count, away
+        low, high = _range_without(heights, is_extreme)
+        distance = low - value if sign > 0 else value - high
+        if (
+            distance > MIN_CODE_DISTANCE * (high - low)
+            and np.unique(heights[~is_extreme][:1000]).size >= MIN_DISTINCT_HEIGHTS
+        ):
+            return value, count, distance
     return None
 
 
-def _range_without(heights: Floats, at: NDArray[np.bool_]) -> tuple[float, float]:
-    kept = ~at
-    return (float(np.min(heights, where=kept, initial=np.inf)), float(np.max(heights, where=kept, initial=-np.inf)))
+def _range_without(heights: Floats, excluded: NDArray[np.bool_]) -> tuple[float, float]:
+    included = ~excluded
+    return (
+        float(np.min(heights, where=included, initial=np.inf)),
+        float(np.max(heights, where=included, initial=-np.inf)),
+    )
 
 
 def _whole_numbers(scan: Scan) -> Iterator[str]:
-    """Find heights that are all whole numbers of a µm or more."""
+    """Find heights that are all integers in a unit of 1 µm or more."""
     if scan.factor < 1 or not scan.from_text:
         return
-    first = scan.heights.flat[:MIN_POINTS] / scan.factor
-    if not np.array_equal(first[~np.isnan(first)], np.round(first[~np.isnan(first)])):
+    sample = scan.heights.flat[:MIN_CHECKED_POINTS] / scan.factor
+    if not np.array_equal(sample[~np.isnan(sample)], np.round(sample[~np.isnan(sample)])):
         return
     numbers = scan.known / scan.factor
-    if numbers.size >= MIN_POINTS and np.ptp(numbers) >= MIN_DISTINCT and np.array_equal(numbers, np.round(numbers)):
-        yield f"all heights are whole numbers of {with_unit(scan.factor, 'µm')}, as counts of a converter are"
+    if (
+        numbers.size >= MIN_CHECKED_POINTS
+        and np.ptp(numbers) >= MIN_DISTINCT_HEIGHTS
+        and np.array_equal(numbers, np.round(numbers))
+    ):
+        yield f"all heights are multiples of {with_unit(scan.factor, 'µm')}, like counts of a converter"
 
 
 def _sizes(scan: Scan) -> Iterator[str]:
-    """Find scans of metres, and spacings below an ångström."""
+    """Find scans of a metre or more, points a centimetre or more apart, and spacings below an ångström."""
     for axis, points, step in zip("xy", scan.heights.shape[::-1], scan.spacing[::-1], strict=False):
         if points * step >= MAX_EXTENT:
             yield f"the scan is {points * step / 1e6:.3g} m long along {axis}"
         elif step >= MAX_SPACING:
             yield f"points are {with_unit(step, 'µm')} apart along {axis}"
         if step < MIN_SPACING:
-            yield f"points are {step * 1e6:.3g} pm apart along {axis}, less than an atom"
+            yield f"points are {step * 1e6:.3g} pm apart along {axis}, closer than atoms"
 
 
 def _tall(scan: Scan) -> Iterator[str]:
-    """Find heights that span more than the scan is long."""
-    longest = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
-    if scan.span > longest:
-        yield f"heights span {with_unit(scan.span, 'µm')} over a scan of {with_unit(longest, 'µm')}"
+    """Find heights with a range larger than the scan."""
+    length = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
+    if scan.span > length:
+        yield f"heights span {with_unit(scan.span, 'µm')} over a scan of {with_unit(length, 'µm')}"
 
 
 CHECKS = (
-    Check("repeated-extreme", _repeated_extremes, "--missing-value {} takes them for missing points"),
+    Check("repeated-extreme", _repeated_extremes, "--missing-value {} treats them as missing points"),
     Check("whole-numbers", _whole_numbers, "multiply counts by their height first; see the header and the manual"),
     Check("size", _sizes, "check the unit of the spacing, --unit and --spacing"),
     Check("tall", _tall, "check the units of heights and spacing, --unit and --spacing"),
 )
-"""Checks of all scans, by name."""
+"""Checks for all scans."""
 
-OF_FILES = ("x3p-increment", "numbering", "truncated", "first-number", "unit-not-needed", "spacing", "points", "scale")
-"""Names of the doubts that readers of files have besides."""
+READER_CAVEATS = (
+    "x3p-increment",
+    "numbering",
+    "truncated",
+    "first-number",
+    "unit-not-needed",
+    "spacing",
+    "points",
+    "scale",
+)
+"""Names of further caveats, from the readers of files."""
 
-CAVEATS = (*(check.name for check in CHECKS), *OF_FILES)
+CAVEATS = (*(check.name for check in CHECKS), *READER_CAVEATS)

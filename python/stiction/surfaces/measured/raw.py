@@ -18,25 +18,25 @@ LENGTH_UNITS = {
     "nanometre": 1e-3, "nanometer": 1e-3, "nanometres": 1e-3, "nanometers": 1e-3,
     "angstrom": 1e-4, "ångström": 1e-4,
 }  # fmt: skip
-"""Factors to µm; both Unicode spellings of micro and of the ring. Symbols as they are written, words in any case."""
+"""Factors to µm, with both Unicode characters for micro and for ångström. Symbols are case-sensitive, words are not."""
 
-MOST_BYTES = 2_000_000_000
-MOST_TEXT_BYTES = 300_000_000  # largest text, which takes some ten times its size in memory while it is parsed
+MAX_BYTES = 2_000_000_000
+MAX_TEXT_BYTES = 300_000_000  # parsing a text needs about ten times its size in memory
 _CHUNK = 1 << 16
-_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # methods that unpack no more than is asked for at a time
+_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # methods that allow reading in pieces of limited size
 
 
 class FormatError(ValueError):
-    """A file that cannot be read as a measured surface: damaged, of another kind, or incomplete."""
+    """File that cannot be read as a measured surface: damaged, of another kind, or incomplete."""
 
 
 class FormatWarning(UserWarning):
-    """A file that contradicts itself, or heights that are hardly those of a surface."""
+    """File that contradicts itself, or heights that are implausible for a surface."""
 
 
 @dataclass(frozen=True)
 class Caveat:
-    """A doubt about a file that was read, named, with the option or the edit that settles it."""
+    """Named doubt about a file that was read, with the option or the edit that settles it."""
 
     name: str
     text: str
@@ -47,8 +47,8 @@ class Caveat:
 
 
 @dataclass(frozen=True)
-class Stated:
-    """A length that stands in words beside the data, with what its last digit is worth."""
+class StatedLength:
+    """Length from a declaration next to the data, with the value of one unit in its last digit."""
 
     length: float
     digit: float
@@ -57,15 +57,15 @@ class Stated:
 
 @dataclass(frozen=True)
 class Source:
-    """Place of the heights in a file: how the file is laid out, which part was read and which was skipped."""
+    """Location of the heights in a file: the layout, the part that was read, and the number of skipped lines."""
 
     layout: str = ""
     column: str = ""  # column, channel or block of the heights
     encoding: str = ""  # of a text
     separator: str = ""
     decimal_mark: str = ""
-    lines: tuple[int, int] | None = None  # first and last line of the data, from 1 on
-    lines_above: int = 0  # lines with words or numbers that are no data
+    lines: tuple[int, int] | None = None  # first and last line of the data, counted from 1
+    lines_above: int = 0  # lines that do not belong to the data
     lines_below: int = 0
 
 
@@ -74,63 +74,63 @@ Digits = Callable[[], Floats]
 
 @dataclass(frozen=True)
 class Raw:
-    """Numbers as they stand in a file, each with its unit if the file has one; missing heights are NaN."""
+    """Numbers of a file without conversion, with their units if the file contains them; missing heights are NaN."""
 
     heights: Floats  # (n,) or (rows, columns)
     unit: str | None = None
     positions: Floats | None = None  # (n,) of a profile
-    digits: Digits | None = None  # returns (n,), what the last printed digit of each position is worth
-    position_unit: str | None = None  # unit of the positions, or else of the spacing
-    spacing: tuple[float, ...] | None = None  # (Δx,) or (Δy, Δx), where there are no positions
-    stated: Stated | None = None  # a spacing in words
-    stated_spacings: tuple[Stated, Stated] | None = None  # spacings of an area in words, between rows and columns
-    size: tuple[Stated, Stated] | None = None  # height and width of an area in words
-    history: tuple[str, ...] = ()  # what was chosen of what the file holds, a short sentence for each
+    digits: Digits | None = None  # returns (n,), the value of the last printed digit of each position
+    position_unit: str | None = None  # unit of the positions, or of the spacing if there are none
+    spacing: tuple[float, ...] | None = None  # (Δx,) or (Δy, Δx), if there are no positions
+    stated: StatedLength | None = None  # declared spacing
+    stated_spacings: tuple[StatedLength, StatedLength] | None = None  # declared spacings of rows and columns
+    size: tuple[StatedLength, StatedLength] | None = None  # declared height and width of a map
+    history: tuple[str, ...] = ()  # selections that were made in the file, one phrase each
     source: Source = Source()
     codes: tuple[float, ...] = ()  # declared values of missing points
-    factor: float | None = None  # declared factor from the numbers of the file to `unit`
-    bare_spacing: tuple[float, ...] | None = None  # a spacing in words without a unit
+    factor: float | None = None  # declared factor from the numbers to `unit`
+    bare_spacing: tuple[float, ...] | None = None  # declared spacing without a unit
     caveats: tuple[Caveat, ...] = ()
 
 
 @dataclass(frozen=True)
 class Table:
-    """Numbers in columns, of which one or two make a profile, or all an area."""
+    """Numbers in columns: one or two columns are a profile, or all columns are a map."""
 
-    values: Floats  # (rows, columns), NaN where they are missing
-    names: tuple[str, ...] = ()  # names of the columns; empty if they have none
+    values: Floats  # (rows, columns), NaN at missing values
+    names: tuple[str, ...] = ()  # column names; empty if there are none
     units: tuple[str | None, ...] = ()
-    digits: Callable[[int], Floats] | None = None  # (rows,) worth of the last printed digit of each number of a column
-    row_digits: Callable[[int], Floats] | None = None  # the same of a row
-    declared: Declared = field(default_factory=lambda: Declared())
-    history: tuple[str, ...] = ()  # what was done to the heights before they were written, a sentence for each step
-    area: bool = False  # whether two columns may be an area as well: then positions are known by counting evenly
+    digits: Callable[[int], Floats] | None = None  # returns (rows,), values of the last printed digits of a column
+    row_digits: Callable[[int], Floats] | None = None  # returns (columns,), the same for a row
+    declared: Declarations = field(default_factory=lambda: Declarations())
+    history: tuple[str, ...] = ()  # processing steps before the heights were written
+    area: bool = False  # whether two columns may be a map; positions are then recognised by equal steps
     source: Source = Source()
-    places: tuple[int, ...] | None = None  # numbers of the columns as a user counts them, if some are left out
+    places: tuple[int, ...] | None = None  # column numbers in the file, if some columns are skipped
     caveats: tuple[Caveat, ...] = ()
 
     def column_digits(self, column: int) -> Digits | None:
-        """Return the function that computes the worth of the last digits of a column."""
+        """Return a function that computes the values of the last printed digits of a column."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 
 
 @dataclass(frozen=True)
-class Declared:
-    """Facts that the words above the numbers declare."""
+class Declarations:
+    """Declarations in the header of a table."""
 
-    spacing: Stated | None = None  # of a profile, or in one direction of an area
-    spacings: tuple[Stated, Stated] | None = None  # between rows and between columns of an area
-    size: tuple[Stated, Stated] | None = None  # height and width of an area
+    spacing: StatedLength | None = None  # of a profile, or along one axis of a map
+    spacings: tuple[StatedLength, StatedLength] | None = None  # of rows and columns of a map
+    size: tuple[StatedLength, StatedLength] | None = None  # height and width of a map
     bare_spacing: tuple[float, ...] | None = None  # without a unit: (Δx,) or (Δy, Δx)
-    unit: str | None = None  # of heights; it may be no length
-    factor: float | None = None  # from the numbers to `unit`
+    unit: str | None = None  # unit of the heights, possibly not a length
+    factor: float | None = None  # factor from the numbers to `unit`
     codes: tuple[float, ...] = ()  # values of missing points
-    counts: tuple[float, ...] = ()  # whole numbers that are values of missing points, or count missing points
-    scale: str = ""  # line with a factor or a range of heights, without evidence for either
-    points: int | None = None  # of a profile
-    tip_radius: Stated | None = None  # of the stylus
-    line: str = ""  # that declares the unit or the factor
+    counts: tuple[float, ...] = ()  # integers that are either codes or numbers of missing points
+    scale: str = ""  # line with either a factor or a range of heights
+    points: int | None = None  # number of points of a profile
+    tip_radius: StatedLength | None = None  # radius of the stylus tip
+    line: str = ""  # line that declares the unit or the factor
 
 
 @dataclass(frozen=True)
@@ -138,18 +138,18 @@ class Channels:
     """Several sets of heights in one file, each with a name."""
 
     names: tuple[str, ...]
-    read: Callable[[int], Raw | Table]  # what a channel holds, by its place
-    default: int | None  # read if none is asked for; without one, one has to be chosen
+    read: Callable[[int], Raw | Table]  # returns the content of a channel by its index
+    default: int | None  # channel to read by default; None if the caller must choose one
 
 
-Content = Raw | Table | Channels  # what a reader may find in a file
+Content = Raw | Table | Channels  # result of a reader
 
 
 def length_unit(text: str) -> str | None:
-    """Return the unit of length that a text is, as a key of `LENGTH_UNITS`, or None."""
+    """Return the key of `LENGTH_UNITS` for a unit of length, or None."""
     if text in LENGTH_UNITS:
         return text
-    plain = unicodedata.normalize("NFKC", text)  # among others of single characters such as ㎛
+    plain = unicodedata.normalize("NFKC", text)  # converts ligatures such as ㎛
     if plain in LENGTH_UNITS:
         return plain
     folded = plain.casefold()
@@ -159,20 +159,20 @@ def length_unit(text: str) -> str | None:
 # ---- Archives -------------------------------------------------------------------------------------------------------
 
 
-def chunks(archive: zipfile.ZipFile, name: str, most: int) -> Iterator[bytes]:
-    """A member piece by piece, at most so many bytes, whatever the archive's directory says of its size."""
+def read_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> Iterator[bytes]:
+    """Yield a member of an archive in pieces, up to `max_bytes`, independently of the size in its directory."""
     try:
         info = archive.getinfo(name)
     except KeyError:
-        raise FormatError(f"lacks {name[:80]!r}, where its data should be") from None
+        raise FormatError(f"lacks {name[:80]!r}, which should contain its data") from None
     if info.compress_type not in _METHODS:
-        raise FormatError(f"holds {name[:80]!r} compressed by another method than deflate")
-    if info.file_size > most:
-        raise FormatError(f"holds {name[:80]!r} of {info.file_size} bytes; at most {most} can be read")
+        raise FormatError(f"contains {name[:80]!r} with a compression method other than deflate")
+    if info.file_size > max_bytes:
+        raise FormatError(f"contains {name[:80]!r} with {info.file_size} bytes; at most {max_bytes} can be read")
     total = 0
     with archive.open(info) as member:
         while chunk := member.read(_CHUNK):
             total += len(chunk)
-            if total > most:
-                raise FormatError(f"holds {name[:80]!r} of more than {most} bytes")
+            if total > max_bytes:
+                raise FormatError(f"contains {name[:80]!r} with more than {max_bytes} bytes")
             yield chunk

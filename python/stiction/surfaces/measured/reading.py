@@ -1,4 +1,4 @@
-"""Reading measured profiles and surfaces: the reader of a file, and what was understood of it."""
+"""Reading of measured profiles and surfaces: selection of the reader, and the interpretation of the file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from stiction.surfaces.measured.decode import decode, is_text
 from stiction.surfaces.measured.excel import read_excel
 from stiction.surfaces.measured.instrument import is_available, read_instrument
 from stiction.surfaces.measured.interpret import (
-    Interpreted,
+    InterpretedScan,
     Missing,
     Outliers,
     ReadOptions,
@@ -29,8 +29,8 @@ from stiction.surfaces.measured.interpret import (
 )
 from stiction.surfaces.measured.npy import read_npy
 from stiction.surfaces.measured.raw import (
-    MOST_BYTES,
-    MOST_TEXT_BYTES,
+    MAX_BYTES,
+    MAX_TEXT_BYTES,
     Caveat,
     Content,
     FormatError,
@@ -38,8 +38,8 @@ from stiction.surfaces.measured.raw import (
     Raw,
     Source,
 )
-from stiction.surfaces.measured.shapes import Chosen, raw_of
-from stiction.surfaces.measured.text import layout_of, read_text
+from stiction.surfaces.measured.shapes import Selection, select_heights
+from stiction.surfaces.measured.text import find_layout, read_text
 from stiction.surfaces.measured.x3p import read_x3p
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -52,13 +52,13 @@ READERS: dict[str, Callable[[bytes], Content]] = {
     ".xlsx": read_excel,
     **dict.fromkeys(TEXT_SUFFIXES, read_text),
 }
-"""Readers by the ending of a name in lower case. SurfaceTopography reads all others, and binary files among texts."""
+"""Readers by file name ending in lower case. SurfaceTopography reads other files, and binary files named as text."""
 
-_BEGINNINGS = {
+_SIGNATURES = {
     b"\x93NUMPY": ((".npy",), "a NumPy array (.npy)"),
     b"PK": ((".x3p", ".xlsx"), "a zip archive, as X3P and workbooks are"),
 }
-"""What the files of some endings begin with, and no others, and what it is."""
+"""First bytes of certain file types, with the endings of these files and a description."""
 
 MissingValue = str | float | Sequence[str | float]
 _Body = TypeVar("_Body", bound=Profile | Surface)
@@ -66,7 +66,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface)
 
 @dataclass(frozen=True)
 class Reading(Generic[_Body]):
-    """A profile or a surface that was read from a file, with what was understood of the file."""
+    """Profile or surface read from a file, with the interpretation of the file."""
 
     body: _Body
     file: str
@@ -74,9 +74,9 @@ class Reading(Generic[_Body]):
     unit: str
     """Unit of the heights in the file."""
     missing: int
-    """Points without a height in the file."""
+    """Number of points without a height in the file."""
     points: int
-    """Points in the file."""
+    """Number of points in the file."""
     caveats: tuple[Caveat, ...]
 
     def __str__(self) -> str:
@@ -103,7 +103,7 @@ class Reading(Generic[_Body]):
         return "; ".join(parts)
 
     def record(self) -> dict[str, Any]:
-        """Return what was understood as fields for JSON."""
+        """Return the interpretation of the file as fields for JSON."""
         source = self.source
         return {
             "file": self.file, "layout": source.layout, "points": list(self.body.heights.shape),
@@ -111,7 +111,7 @@ class Reading(Generic[_Body]):
             "missing_points": self.missing, "encoding": source.encoding, "separator": source.separator,
             "decimal_mark": source.decimal_mark, "lines": None if source.lines is None else list(source.lines),
             "lines_above": source.lines_above, "lines_below": source.lines_below,
-            "caveats": [{"name": each.name, "text": each.text, "cure": each.cure} for each in self.caveats],
+            "caveats": [{"name": caveat.name, "text": caveat.text, "cure": caveat.cure} for caveat in self.caveats],
         }  # fmt: skip
 
 
@@ -121,8 +121,8 @@ def read_profile(
     unit: str | tuple[str, str] | None = None,
     spacing: str | None = None,
     missing: Missing = "error",
-    channel: Chosen | None = None,
-    columns: Chosen | Sequence[Chosen] | None = None,
+    channel: Selection | None = None,
+    columns: Selection | Sequence[Selection] | None = None,
     outliers: Outliers = "keep",
     crop: str | Sequence[str] | None = None,
     missing_value: MissingValue | None = None,
@@ -133,58 +133,58 @@ def read_profile(
     Parameters
     ----------
     path : path
-        Text or CSV with one column of heights or two of positions and heights, below any other text; a NumPy array
-        (.npy), likewise; X3P; with the package openpyxl (``pip install openpyxl``) a workbook (.xlsx); or,
-        with the package SurfaceTopography installed (``pip install SurfaceTopography``), what that
-        reads of line scans.
+        Text or CSV with one column of heights, or two of positions and heights, below an optional header; a NumPy array
+        (.npy) of the same; X3P; a workbook (.xlsx) with the package openpyxl (``pip install openpyxl``); or a line scan
+        in a format of SurfaceTopography (``pip install SurfaceTopography``).
     unit : str or (str, str), optional
-        Of all lengths in the file ("um"), or of positions and of heights (("mm", "um")): m, mm, um, nm, pm. Needed
-        where the file does not say; where it does, it must say the same.
+        Unit of all lengths in the file ("um"), or of positions and of heights (("mm", "um")): m, mm, um, nm, pm.
+        Required if the file contains no units; otherwise it must agree with them.
     spacing : str, optional
-        Distance between neighbouring points, as in "0.5 um". Needed where the file has neither positions nor a spacing;
-        where it has, it must agree.
+        Distance between neighbouring points, such as "0.5 um". Required if the file contains neither positions nor a
+        spacing; otherwise it must agree with them.
     missing : {"error", "interpolate", "mask"}
-        What to do about points without a height, which are empty, NaN, or written as stars or dashes. With "mask"
-        nothing touches where nothing was measured; "interpolate" puts them on a straight line between their neighbours.
-        Both leave them out at the ends of a profile; how many and where is said in the history.
+        Treatment of points without a height: empty cells, NaN, asterisks or dashes. "mask" excludes these points from
+        contact. "interpolate" puts them on a straight line between their neighbours. Both remove missing points at the
+        ends of a profile. The history contains their number and position.
     channel : str or int, optional
-        Name or number, from 0 on, of what to read of a file of an instrument, or of the sheet of a workbook. By default
-        the first of heights, or the only sheet; which one it is, and what else there is, is said in the history.
+        Name of the channel of an instrument file, or of the sheet of a workbook, or its number counted from 0. The
+        default is the first channel of heights, or the only sheet. The history contains the choice and the
+        alternatives.
     columns : (str or int, str or int), or str or int, optional
-        Of a table, names or numbers, from 0 on, of the columns of positions and of heights, or of heights alone. The
-        unit in a name may be left out.
+        Names or numbers, counted from 0, of the columns of positions and of heights in a table, or of heights only. The
+        unit in a name can be omitted.
     outliers : {"keep", "mask"}
-        Whether points beyond 6 robust deviations of their neighbours, up to four together, are missing ones.
+        Whether to treat points beyond 6 robust deviations of their neighbours, in groups of up to four, as missing.
     crop : str or sequence of str, optional
-        What to read of it: "x0,x1" with units, "10 um,50 um"; of a surface "x0,x1,y0,y1". Before all else is done.
+        Range to read, with units: "x0,x1" such as "10 um,50 um", or "x0,x1,y0,y1" for a surface. Applied first.
     missing_value : float, str, or several, optional
-        Numbers, as they stand in the file, or words that mark points without a height, as in -9999 or "Err".
+        Numbers, as in the file, or words that mark points without a height, such as -9999 or "Err".
     accept : str or sequence of str, optional
-        Names of doubts that are settled, as in "whole-numbers"; a `FormatWarning` names them.
+        Names of caveats to accept, such as "whole-numbers"; a `FormatWarning` contains them.
 
     Returns
     -------
     Profile
-        In µm, its x starting at zero; the history says what was read and from where the spacing is.
+        Profile in µm that starts at x = 0. The history describes what was read and the source of the spacing.
 
     Warns
     -----
     FormatWarning
-        If the file contradicts itself, or if its heights or its size are hardly those of a surface: for each doubt its
-        name and the option that settles it.
+        If the file contradicts itself, or if its heights or its size are implausible. The warning contains the name
+        of each caveat and the option that settles it.
 
     Raises
     ------
     FormatError
-        A `ValueError`, if the file cannot be read, is no profile, is not uniform, lacks a unit or contradicts an
+        A `ValueError`, if the file cannot be read, is not a profile, is not uniform, lacks a unit, contradicts an
         argument, or has missing points.
     ValueError
-        If an argument is not what it should be.
+        If an argument is invalid.
 
     Notes
     -----
-    Positions need not be more uniform than their printed digits can show. The spacing is (last - first)/(n - 1), unless
-    the argument or the text above the data gives one that fits all positions as printed.
+    Positions may deviate from a uniform grid within their printed digits. The spacing is (last - first)/(n - 1), unless
+    the argument or the header gives a spacing that agrees with all positions as printed.
 
     Examples
     --------
@@ -207,7 +207,7 @@ def read_surface(
     unit: str | tuple[str, str] | None = None,
     spacing: str | tuple[str, str] | None = None,
     missing: Missing = "error",
-    channel: Chosen | None = None,
+    channel: Selection | None = None,
     outliers: Outliers = "keep",
     crop: str | Sequence[str] | None = None,
     missing_value: MissingValue | None = None,
@@ -218,15 +218,15 @@ def read_surface(
     Parameters
     ----------
     path : path
-        Text or CSV with a matrix of heights of at least four columns, the columns along x, of which a header as that of
-        Gwyddion may give width and height; a NumPy array (.npy); X3P; with the package openpyxl (``pip install
-        openpyxl``) a workbook (.xlsx); or, with the package SurfaceTopography installed (``pip install
-        SurfaceTopography``), what that reads.
+        Text or CSV with a matrix of heights of at least four columns, with x along the columns, and optionally its
+        width and height in a header such as that of Gwyddion; a NumPy array (.npy); X3P; a workbook (.xlsx) with the
+        package openpyxl (``pip install openpyxl``); or a format of SurfaceTopography (``pip install
+        SurfaceTopography``).
     unit, missing, channel, outliers, crop, missing_value, accept
-        As for `read_profile`. Missing points lie on a line between their neighbours in the row, and where these are
-        missing too, in the column.
+        As for `read_profile`. Missing points are interpolated along their row, or along the column if a neighbour in
+        the row is missing.
     spacing : str or (str, str), optional
-        Distance between neighbouring points, or that between rows and that between columns (Δy, Δx).
+        Distance between neighbouring points, or those between rows and between columns (Δy, Δx).
 
     Examples
     --------
@@ -250,14 +250,14 @@ def read_measurement(
     unit: str | tuple[str, str] | None = None,
     spacing: str | tuple[str, str] | None = None,
     missing: Missing = "error",
-    channel: Chosen | None = None,
-    columns: Chosen | Sequence[Chosen] | None = None,
+    channel: Selection | None = None,
+    columns: Selection | Sequence[Selection] | None = None,
     outliers: Outliers = "keep",
     crop: str | Sequence[str] | None = None,
     missing_value: MissingValue | None = None,
     accept: str | Sequence[str] | None = None,
 ) -> Profile | Surface:
-    """Read a measured profile or surface, whichever the file holds.
+    """Read a measured profile or surface, depending on the content of the file.
 
     Parameters
     ----------
@@ -283,87 +283,97 @@ def read_measurement(
     )
 
 
-def reading_of(path: str | os.PathLike[str], **options: Any) -> Reading[Profile | Surface]:
-    """Return a measured profile or surface with what was understood of its file, by the options of `read_measurement`.
+def load_reading(path: str | os.PathLike[str], **options: Any) -> Reading[Profile | Surface]:
+    """Read a measured profile or surface with the interpretation of its file; options as for `read_measurement`.
 
-    Doubts are in `caveats`, and no warning is issued.
+    Caveats are in `caveats`; no warning is issued.
     """
     allowed = ("unit", "spacing", "missing", "channel", "columns", "outliers", "crop", "missing_value", "accept")
     given = {"missing": "error", "outliers": "keep"} | {name: options.pop(name) for name in allowed if name in options}
     if options:
-        raise ValueError(f"{next(iter(options))} is no option of a file ({', '.join(allowed)})")
+        raise ValueError(f"{next(iter(options))} is not an option for a file ({', '.join(allowed)})")
     names = {name: given.get(name) for name in allowed}
     return _reading(path, read_options(**names), to_profile_or_surface)  # type: ignore[arg-type]
 
 
 def _read(
-    path: str | os.PathLike[str], options: ReadOptions, convert: Callable[[Raw, str, ReadOptions], Interpreted[_Body]]
+    path: str | os.PathLike[str],
+    options: ReadOptions,
+    convert: Callable[[Raw, str, ReadOptions], InterpretedScan[_Body]],
 ) -> _Body:
-    """Return the body in a file; doubts about it are warnings."""
+    """Return the body in a file, and issue its caveats as warnings."""
     reading = _reading(path, options, convert)
     for caveat in reading.caveats:
-        warnings.warn(
-            f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3
-        )  # of whoever called a public function
+        warnings.warn(f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3)  # the public caller
     return reading.body
 
 
 def _reading(
-    path: str | os.PathLike[str], options: ReadOptions, convert: Callable[[Raw, str, ReadOptions], Interpreted[_Body]]
+    path: str | os.PathLike[str],
+    options: ReadOptions,
+    convert: Callable[[Raw, str, ReadOptions], InterpretedScan[_Body]],
 ) -> Reading[_Body]:
-    """Read a file and interpret it; every error names the whole path."""
+    """Read a file and interpret it; every error contains the whole path."""
     path = Path(path)
     try:
-        raw = raw_of(_content(path, options.words), options.channel, options.columns)
-        found = convert(raw, path.name, options)
+        raw = select_heights(_read_content(path, options.words), options.channel, options.columns)
+        interpreted = convert(raw, path.name, options)
     except OSError as error:
         raise FormatError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
     except MemoryError:
-        raise FormatError(f"{printable_path(path)}: is too large for the memory of this machine") from None
+        raise FormatError(f"{printable_path(path)}: does not fit in the memory of this machine") from None
     except ValueError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
-    return Reading(found.body, path.name, raw.source, found.unit, found.missing, raw.heights.size, found.caveats)
+    return Reading(
+        interpreted.body,
+        path.name,
+        raw.source,
+        interpreted.unit,
+        interpreted.missing,
+        raw.heights.size,
+        interpreted.caveats,
+    )
 
 
-def _content(path: Path, words: tuple[str, ...]) -> Content:
-    """Return what a file holds, by the reader for its name and its first bytes."""
+def _read_content(path: Path, words: tuple[str, ...]) -> Content:
+    """Read the content of a file with the reader for its name and its first bytes."""
     suffix = path.suffix.lower()
     if not path.is_file():
-        path.stat()  # which says why there is none
+        path.stat()  # raises the specific error
         raise FormatError("is a directory" if path.is_dir() else "is not a file")
     size = path.stat().st_size
     if size == 0:
         raise FormatError("is empty")
-    if size > MOST_BYTES:
-        raise FormatError(f"has {size} bytes; at most {MOST_BYTES} can be read")
+    if size > MAX_BYTES:
+        raise FormatError(f"has {size} bytes; at most {MAX_BYTES} can be read")
     reader = READERS.get(suffix)
     with path.open("rb") as file:
         start = file.read(4096)
-    for beginning, (suffixes, name) in _BEGINNINGS.items():
-        if reader is not None and start.startswith(beginning) != (suffix in suffixes):
-            name = name if start.startswith(beginning) else f"not {name}"
-            raise FormatError(f"is named {suffix or 'without an ending'}, but what it holds is {name}")
+    for signature, (suffixes, name) in _SIGNATURES.items():
+        if reader is not None and start.startswith(signature) != (suffix in suffixes):
+            name = name if start.startswith(signature) else f"not {name}"
+            raise FormatError(f"is named {suffix or 'without an ending'}, but its content is {name}")
     if reader is None and start.startswith(b"\x93NUMPY"):
         reader = read_npy
-    if reader is None and is_text(start) and size <= MOST_TEXT_BYTES:
+    if reader is None and is_text(start) and size <= MAX_TEXT_BYTES:
         try:
-            if layout_of(decode(path.read_bytes(), words)) is not None:
+            if find_layout(decode(path.read_bytes(), words)) is not None:
                 reader = read_text
         except FormatError:
             pass
-    if reader is read_text and size > MOST_TEXT_BYTES:
-        raise FormatError(f"has {size} bytes of text; at most {MOST_TEXT_BYTES} can be read: save it as .npy")
+    if reader is read_text and size > MAX_TEXT_BYTES:
+        raise FormatError(f"has {size} bytes of text; at most {MAX_TEXT_BYTES} can be read: save it as .npy")
     if reader is read_text and not is_text(start):
-        return _binary(path)
+        return _read_binary(path)
     if reader is None:
-        return _of_instrument(path, start, words)
+        return _read_by_instrument(path, start, words)
     if reader in (read_text, read_excel):
         return reader(path.read_bytes(), words)
     return reader(path.read_bytes())
 
 
-def _binary(path: Path) -> Content:
-    """Return what SurfaceTopography reads of a binary file that is named as a text."""
+def _read_binary(path: Path) -> Content:
+    """Read a binary file with a text ending with SurfaceTopography."""
     if is_available():
         try:
             return read_instrument(path)
@@ -371,16 +381,16 @@ def _binary(path: Path) -> Content:
             raise FormatError(f"is binary, not text, and {error}") from None
     raise FormatError(
         f"is binary, not text, though it is named {path.suffix or 'without an ending'}; the package SurfaceTopography "
-        "may read it: pip install SurfaceTopography"
+        "may be able to read it: pip install SurfaceTopography"
     )
 
 
-def _of_instrument(path: Path, start: bytes, words: tuple[str, ...]) -> Content:
-    """Return what SurfaceTopography reads of a file, or a text of another name as a table."""
+def _read_by_instrument(path: Path, start: bytes, words: tuple[str, ...]) -> Content:
+    """Read a file with SurfaceTopography, or as a table if it is text with an unknown ending."""
     try:
         return read_instrument(path)
     except FormatError as error:
-        if not is_text(start) or path.stat().st_size > MOST_TEXT_BYTES:
+        if not is_text(start) or path.stat().st_size > MAX_TEXT_BYTES:
             raise
         try:
             return read_text(path.read_bytes(), words)

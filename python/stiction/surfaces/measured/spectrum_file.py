@@ -14,30 +14,30 @@ from stiction._checks import read_only
 from stiction._files import NotReadableError, new_file, read_content
 from stiction._text import printable_path
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
-from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, FormatError
+from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 
 WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"
-"""Columns from which a spectrum is read; a table without the last is of another origin."""
+"""Columns of a spectrum file. A table without the last column was not written by this program."""
 
-FRACTION, RATIO = "fraction of ", "power over the joined of "  # beginnings of two columns for each scan
+FRACTION, RATIO = "fraction of ", "power over the joined of "  # prefixes of two columns per scan
 _SCAN = re.compile(r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)")
-_BEGINNING = 100_000  # bytes in which the names of columns stand
-_EQUAL = 1e-3  # relative difference of ratios of wave numbers that are equal but for their printed digits
+_HEAD_BYTES = 100_000  # length of the head of a file that is searched for column names
+_RATIO_TOLERANCE = 1e-3  # relative tolerance of the ratios of wave numbers, for printed digits
 
 
 def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> None:
-    """Write a joined spectrum, every number to the bit, with slope and curvature over wavelength.
+    """Write a joined spectrum exactly, with slope and curvature over wavelength.
 
     Parameters
     ----------
     spectrum : JoinedSpectrum
     path : path
-        Ending in .csv. It must not exist yet, and appears when it is whole.
+        Path ending in .csv. The file must not exist; it appears when it is complete.
 
     Raises
     ------
     FormatError
-        A `ValueError`, if the ending is another, or the file exists already or cannot be written.
+        A `ValueError`, if the path has another ending, or the file exists or cannot be written.
 
     Examples
     --------
@@ -59,14 +59,14 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
     names = [" ".join(name.split()) for name in spectrum.names]
     if len(set(names)) < len(names):
         names = [f"{name} ({index})" for index, name in enumerate(names, 1)]
-    found = spectrum.roughness()
+    roughness = spectrum.roughness()
     columns: dict[str, Any] = {
-        "wavelength (um)": found.wavelength, "rms gradient down to it": found.gradient,
-        "rms curvature down to it (1/um)": found.curvature, WAVE_NUMBER: spectrum.wave_number,
+        "wavelength (um)": roughness.wavelength, "rms gradient down to it": roughness.gradient,
+        "rms curvature down to it (1/um)": roughness.curvature, WAVE_NUMBER: spectrum.wave_number,
         DENSITY: spectrum.density, WAVES: spectrum.count,
     }  # fmt: skip
-    for beginning, parts in ((FRACTION, spectrum.contribution), (RATIO, spectrum.ratio)):
-        columns |= {f"{beginning}{name}": part for name, part in zip(names, parts, strict=True)}
+    for prefix, rows in ((FRACTION, spectrum.contribution), (RATIO, spectrum.ratio)):
+        columns |= {f"{prefix}{name}": row for name, row in zip(names, rows, strict=True)}
     scans = [
         f"# scan: {name}, from {shortest!r} to {longest!r} um, ended by {reason}\n"
         for name, (shortest, longest), reason in zip(names, spectrum.bands, spectrum.reasons, strict=True)
@@ -77,31 +77,31 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
 
 
 def is_spectrum(path: Path) -> bool:
-    """Whether a file is one of `write_spectrum`, or a table with the same columns of wave numbers and densities."""
-    if path.suffix.lower() != ".csv" or not path.is_file():  # a pipe would be waited for
+    """Return whether a file was written by `write_spectrum`, or has its columns of wave numbers and densities."""
+    if path.suffix.lower() != ".csv" or not path.is_file():  # reading a pipe would block
         return False
     try:
         with path.open("rb") as file:
-            beginning = file.read(_BEGINNING).decode("utf-8-sig", "replace")
+            head = file.read(_HEAD_BYTES).decode("utf-8-sig", "replace")
     except OSError:
         return False
-    names = next((line for line in beginning.splitlines() if line.strip() and not line.startswith("#")), "")
+    names = next((line for line in head.splitlines() if line.strip() and not line.startswith("#")), "")
     return DENSITY in names
 
 
 def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
-    r"""Read a spectrum that `write_spectrum` or ``stiction characterise --together`` wrote, or a table like it.
+    r"""Read a spectrum written by `write_spectrum` or ``stiction characterise --together``, or a similar table.
 
     Parameters
     ----------
     path : path
-        CSV with columns "wave number (1/um)", rising in equal ratios, and "C2D (um4)", the density per area of wave
-        numbers of which the mean square height is the integral over 4π². The rest may be missing.
+        CSV with the columns "wave number (1/um)", ascending with equal ratios, and "C2D (um4)". The integral of C2D
+        over the plane of wave numbers, divided by 4π², is the mean square height. Other columns are optional.
 
     Raises
     ------
     FormatError
-        A `ValueError`, if the file cannot be read or is no spectrum.
+        A `ValueError`, if the file cannot be read or is not a spectrum.
 
     Examples
     --------
@@ -116,33 +116,33 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
 
     path = Path(path)
     try:
-        text = read_content(path, MOST_TEXT_BYTES).decode("utf-8-sig", "replace")
+        text = read_content(path, MAX_TEXT_BYTES).decode("utf-8-sig", "replace")
         table = pandas.read_csv(io.StringIO(text), comment="#", dtype=str)  # pandas before 3 rounds numbers
     except OSError as error:
         raise FormatError(f"{printable_path(path)}: cannot be read: {error.strerror}") from None
     except NotReadableError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
-    except ValueError:  # of pandas, whatever it is
-        raise FormatError(f"{printable_path(path)}: is no table of a spectrum") from None
+    except ValueError:  # from pandas
+        raise FormatError(f"{printable_path(path)}: is not a table of a spectrum") from None
     scans = [match for line in text.splitlines() if (match := _SCAN.fullmatch(line))]
     names = [match["name"] for match in scans]
     try:
         q, density = (np.array(table[name], np.float64) for name in (WAVE_NUMBER, DENSITY))
         count = np.array(table[WAVES], np.float64) if WAVES in table else np.ones(q.size)
         contribution, ratio = (
-            np.array([table[f"{beginning}{name}"] for name in names], np.float64).reshape(len(names), q.size)
-            for beginning in (FRACTION, RATIO)
+            np.array([table[f"{prefix}{name}"] for name in names], np.float64).reshape(len(names), q.size)
+            for prefix in (FRACTION, RATIO)
         )
         bands = tuple((float(match["shortest"]), float(match["longest"])) for match in scans)
     except KeyError as error:
-        raise FormatError(f"{printable_path(path)}: is no spectrum: it has no column {error.args[0]!r}") from None
+        raise FormatError(f"{printable_path(path)}: is not a spectrum: it has no column {error.args[0]!r}") from None
     except ValueError:
-        raise FormatError(f"{printable_path(path)}: is no spectrum: it has something else than numbers") from None
+        raise FormatError(f"{printable_path(path)}: is not a spectrum: it contains other values than numbers") from None
     steps = np.diff(np.log(q)) if (q > 0).all() and np.isfinite(q).all() else np.empty(0)
-    if not steps.size or not (steps > 0).all() or np.ptp(steps) > _EQUAL * steps.mean() + 1e-12:
-        raise FormatError(f"{printable_path(path)}: is no spectrum: {WAVE_NUMBER!r} must rise in equal ratios")
+    if not steps.size or not (steps > 0).all() or np.ptp(steps) > _RATIO_TOLERANCE * steps.mean() + 1e-12:
+        raise FormatError(f"{printable_path(path)}: is not a spectrum: {WAVE_NUMBER!r} must rise in equal ratios")
     if not (density > 0).all() or not np.isfinite(density).all():
-        raise FormatError(f"{printable_path(path)}: is no spectrum: {DENSITY!r} must be above 0")
+        raise FormatError(f"{printable_path(path)}: is not a spectrum: {DENSITY!r} must be above 0")
     return JoinedSpectrum(
         wave_number=read_only(q), density=read_only(density), count=read_only(count),
         contribution=read_only(contribution), ratio=read_only(ratio), bands=bands,

@@ -1,4 +1,4 @@
-"""Second half of the first step: lines of a text as a matrix of numbers, by separator, decimal mark and quotes."""
+"""Parsing of numeric lines: separator, decimal mark and quotes of a text, and its matrix of numbers."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.surfaces.measured.decode import BLANK, MAX_CELLS, NUMBERS, PARTS_OF_NUMBERS, Text
+from stiction.surfaces.measured.decode import BLANK, MAX_CELLS, NUMBERS, NUMERIC_CHARACTERS, Text
 from stiction.surfaces.measured.raw import FormatError
 
-_SAMPLE = 60  # lines by which the separator and the decimal mark are found
-_SAMPLE_SIZE = 10_000  # characters of all of them
-_LONG = 200  # characters of a line above which lines are counted in one by one
-MAX_SAMPLED = 20_000  # rows by which the printed digits of a column are measured
-MAX_COUNTS = 2  # cells of a line of counts or sizes above the numbers
-_JOINT = "\x1f"  # separator of cells that were quoted
+_SAMPLE_LINES = 60  # lines that are searched for the separator and the decimal mark
+_SAMPLE_SIZE = 10_000  # characters of all these lines
+_LONG_LINE = 200  # mean length of lines above which cells are counted line by line
+MAX_SAMPLED = 20_000  # rows that are searched for the printed digits of a column
+MAX_COUNT_CELLS = 2  # cells of a line of counts or sizes above the numbers
+_JOINT = "\x1f"  # replaces the separator of quoted cells
 _EXPONENT = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
 Lines = NDArray[np.int64]
@@ -29,19 +29,19 @@ Lines = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Dialect:
-    """Separator of the cells of a line, None for white space, the decimal mark, and the mark between thousands."""
+    """Separator of cells (None for white space), decimal mark and thousands separator."""
 
     separator: str | None
     point: str
     thousands: str = ""
-    pairs: bool = False  # whether commas separate cells and decimals: then two cells are a number
+    pairs: bool = False  # whether the comma is both separator and decimal mark: two cells are one number
 
     def __str__(self) -> str:
         names = {"\t": "tab", None: "space", ";": "semicolon", ",": "comma", "|": "bar"}
         return names[self.separator]
 
     def cells(self, line: str) -> list[str]:
-        """Return the cells of a line without the empty ones at the end, which some programs put there."""
+        """Split a line into cells, without the empty cells that some programs append."""
         if self.separator is None:
             return line.replace('"', " ").split()
         if '"' in line:
@@ -57,7 +57,7 @@ class Dialect:
 
     @cached_property
     def number(self) -> re.Pattern[str]:
-        """Pattern whose groups are sign, whole digits, decimals and exponent."""
+        """Pattern of a number with the groups sign, integer digits, decimals and exponent."""
         point = "." if self.pairs else self.point
         whole = "[0-9]{0,400}"
         if self.thousands:
@@ -84,54 +84,54 @@ class Block:
     """A matrix of numbers in a text."""
 
     text: Text
-    lines: Lines  # numbers of the lines that are its rows, from 0 on
+    lines: Lines  # line numbers of the rows, counted from 0
     dialect: Dialect
     values: Floats  # (rows, columns)
-    short: int | None = None  # first of the lines at its end that lack cells, as of a shorter profile
-    omitted: tuple[int, ...] = ()  # lines above the rows that have one number or two: counts and sizes
+    short: int | None = None  # first line at the end with fewer cells, for example of a shorter profile
+    omitted: tuple[int, ...] = ()  # lines of counts and sizes above the rows
 
-    def row(self, at: int) -> list[str]:
+    def row(self, line: int) -> list[str]:
         """Return the cells of a row."""
-        return self.dialect.cells(self.text.line(int(self.lines[at])))
+        return self.dialect.cells(self.text.line(int(self.lines[line])))
 
     def digits(self, column: int) -> Floats:
-        """Return what the last printed digit of each number of a column is worth, by at most `MAX_SAMPLED` rows."""
+        """Return the values of the last printed digits of a column, from at most `MAX_SAMPLED` rows."""
         decimals = digits = 0
-        most = -1000
+        max_decimals = -1000
         count = self.lines.size
         sample = np.arange(count)
-        if count > MAX_SAMPLED:  # the first rows, and rows from the whole column
+        if count > MAX_SAMPLED:  # half from the beginning, half spread over the whole column
             half = MAX_SAMPLED // 2
             sample = np.concatenate([sample[:half], np.linspace(half, count - 1, half).astype(np.int64)])
-        for at in sample.tolist():
-            row = self.row(at)
+        for line in sample.tolist():
+            row = self.row(line)
             match = self.dialect.number.fullmatch(row[column]) if column < len(row) else None
             if match is not None and (match[2] or match[3]):
                 decimals = len(match[3] or "") - int(match[4] or 0)
                 digits = max(digits, len((match[2] + (match[3] or "")).lstrip("0")))
             else:
                 decimals = 0
-            most = max(most, decimals)
-        return worth(self.values[:, column], most, digits)
+            max_decimals = max(max_decimals, decimals)
+        return digit_value(self.values[:, column], max_decimals, digits)
 
-    def row_digits(self, at: int) -> Floats:
-        """Return what the last printed digit of each number of a row is worth."""
-        matches = [match for cell in self.row(at) if (match := self.dialect.number.fullmatch(cell)) and match[0]]
+    def row_digits(self, line: int) -> Floats:
+        """Return the values of the last printed digits of a row."""
+        matches = [match for cell in self.row(line) if (match := self.dialect.number.fullmatch(cell)) and match[0]]
         decimals = max((len(match[3] or "") - int(match[4] or 0) for match in matches), default=0)
         digits = max((len((match[2] + (match[3] or "")).lstrip("0")) for match in matches), default=0)
-        return worth(self.values[at], decimals, digits)
+        return digit_value(self.values[line], decimals, digits)
 
 
-def worth(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return what the last digit of numbers is worth that have so many decimals, and so many significant digits."""
+def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
+    """Return the value of the last digit of numbers with the given decimals and significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.floor(np.log10(np.abs(values)))
     by_digits = np.where(np.isfinite(size), size, -400) + 1 - digits
     return np.asarray(10.0 ** np.clip(np.maximum(-decimals, by_digits), -300, 300))
 
 
-def runs_of(text: Text) -> list[tuple[int, int]]:
-    """Return first and last line of each run of lines with numbers; blank lines do not interrupt it."""
+def find_number_runs(text: Text) -> list[tuple[int, int]]:
+    """Return first and last line of each run of numeric lines; blank lines do not interrupt a run."""
     kinds = text.kinds
     filled = np.flatnonzero(kinds != BLANK)
     numbers = kinds[filled] == NUMBERS
@@ -139,12 +139,14 @@ def runs_of(text: Text) -> list[tuple[int, int]]:
     return [(int(filled[a]), int(filled[b - 1])) for a, b in edges.reshape(-1, 2).tolist()]
 
 
-def dialect_of(text: Text, first: int, last: int) -> Dialect:
-    """Return the dialect in which most lines of a run are numbers; a `FormatError` if there is none, or two."""
-    at = np.unique(np.concatenate([np.arange(max(first, last + 1 - _SAMPLE), last + 1), np.arange(first, first + 40)]))
-    at = at[at <= last]
-    width = max(_LONG, _SAMPLE_SIZE // at.size)
-    sample = [_beginning(text.line(each), width) for each in at.tolist()]
+def detect_dialect(text: Text, first: int, last: int) -> Dialect:
+    """Find the dialect in which most lines of a run are numbers. Raises `FormatError` if there is none, or two."""
+    sample_lines = np.unique(
+        np.concatenate([np.arange(max(first, last + 1 - _SAMPLE_LINES), last + 1), np.arange(first, first + 40)])
+    )
+    sample_lines = sample_lines[sample_lines <= last]
+    width = max(_LONG_LINE, _SAMPLE_SIZE // sample_lines.size)
+    sample = [_truncate(text.line(item), width) for item in sample_lines.tolist()]
     sample = [line for line in sample if line.strip("\t")]
     quoted = any('"' in line for line in sample)
     candidates = [*_PLAIN, *(_QUOTED if quoted else ())]
@@ -154,26 +156,26 @@ def dialect_of(text: Text, first: int, last: int) -> Dialect:
         counts += [sum(is_row(line, dialect, text) for line in sample) for dialect in candidates[len(counts) :]]
     if not counts or max(counts) == 0:
         raise FormatError(
-            f"{text.shown(first)} holds numbers in a way that is not known; separate cells by tabs, semicolons or "
+            f"{text.describe_line(first)} has numbers in an unknown format; separate cells by tabs, semicolons or "
             "commas, and write decimal points"
         )
     dialect: Dialect = candidates[int(np.argmax(counts))]
     if any("," in line for line in sample) and all(re.fullmatch(r"[+-]?[0-9]+(,[0-9]+)?", line) for line in sample):
-        if len(Dialect(",", ".").cells(_above(text, first))) == 2:
+        if len(Dialect(",", ".").cells(_line_above(text, first))) == 2:
             return Dialect(",", ".")
         raise FormatError(
-            f"{text.shown(first)} may be two columns or one with decimal commas, as all lines; "
+            f"{text.describe_line(first)}, like all lines, may be two columns, or one with decimal commas; "
             'write decimal points, or a header such as "x (um),z (um)"'
         )
     if dialect.separator == ",":
         dialect = _with_decimal_commas(text, first, sample, dialect)
     if dialect.point == "," or dialect.thousands == ",":
-        _refuse_doubtful_commas(text, first, last, dialect)
+        _reject_ambiguous_commas(text, first, last, dialect)
     return dialect
 
 
 def is_row(line: str, dialect: Dialect, text: Text) -> bool:
-    """Return whether all cells of a line are numbers or marks of missing points, and at least one is a number."""
+    """Return whether all cells of a line are numbers or marks of missing points, with at least one number."""
     any_number = False
     for cell in dialect.cells(line):
         if (kind := cell_kind(cell, dialect, text)) is None:
@@ -183,7 +185,7 @@ def is_row(line: str, dialect: Dialect, text: Text) -> bool:
 
 
 def cell_kind(cell: str, dialect: Dialect, text: Text) -> str | None:
-    """Return whether a cell is a number, a word or another mark of a missing point; None if it is neither."""
+    """Classify a cell as a number, a word or another mark of a missing point; None if it is none of these."""
     match = dialect.number.fullmatch(cell)
     if match is not None and (match[2] or match[3]):
         return "number"
@@ -192,8 +194,8 @@ def cell_kind(cell: str, dialect: Dialect, text: Text) -> str | None:
     return "word" if text.missing.fullmatch(cell.encode()) else None
 
 
-def _beginning(line: str, width: int) -> str:
-    """Return a line that can be looked at several times: of a long one the first cells."""
+def _truncate(line: str, width: int) -> str:
+    """Truncate a long line after a complete cell."""
     return line if len(line) <= width else re.sub(r"[^\t;|, ]*$", "", line[:width]).rstrip("\t;|, ")
 
 
@@ -201,57 +203,57 @@ def _with_decimal_commas(text: Text, first: int, sample: list[str], dialect: Dia
     """Return the dialect of lines with commas, which may separate cells, decimals, or both."""
     rows = [dialect.cells(line) for line in sample]
     width = len(rows[0])
-    odd = [cell for row in rows for cell in row[1::2]]
-    if width % 2 or not odd or not all(re.fullmatch(r"[0-9]+", cell) for cell in odd):
+    odd_cells = [cell for row in rows for cell in row[1::2]]
+    if width % 2 or not odd_cells or not all(re.fullmatch(r"[0-9]+", cell) for cell in odd_cells):
         return dialect
     if not all(re.fullmatch(r"[+-]?[0-9]+", cell) for row in rows for cell in row):
         return dialect
     by_column = zip(*(row[1::2] for row in rows if len(row) == width), strict=True)
     if not all(len({len(cell) for cell in column}) == 1 for column in by_column):
         return dialect
-    if len(Dialect(",", ".").cells(_above(text, first).lstrip("#%!/ "))) == width // 2:
+    if len(Dialect(",", ".").cells(_line_above(text, first).lstrip("#%!/ "))) == width // 2:
         return Dialect(",", ",", pairs=True)
-    if any(len(cell) > 1 and cell.startswith("0") for cell in odd):
+    if any(len(cell) > 1 and cell.startswith("0") for cell in odd_cells):
         raise FormatError(
-            f"{text.shown(first)} has commas between cells and, it seems, before decimals; "
+            f"{text.describe_line(first)} has commas between cells and apparently before decimals; "
             "export it with semicolons or tabs, or with decimal points"
         )
     return dialect
 
 
-def _above(text: Text, first: int) -> str:
-    """Return the line above a run that is not empty."""
-    return next((line for at in range(first - 1, -1, -1) if (line := text.line(at)).strip("\t")), "")
+def _line_above(text: Text, first: int) -> str:
+    """Return the last line above a run that is not empty."""
+    return next((line for index in range(first - 1, -1, -1) if (line := text.line(index)).strip("\t")), "")
 
 
-def _refuse_doubtful_commas(text: Text, first: int, last: int, dialect: Dialect) -> None:
-    """Refuse commas that all stand where they could part thousands: "1,250" is 1.25 or 1250."""
+def _reject_ambiguous_commas(text: Text, first: int, last: int, dialect: Dialect) -> None:
+    """Reject commas that may all be thousands separators: "1,250" is 1.25 or 1250."""
     doubtful = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
     example, shown = -1, ""
-    for at in range(first, last + 1):
-        if b"," not in text.raw(at):
+    for line in range(first, last + 1):
+        if b"," not in text.raw(line):
             continue
-        for cell in dialect.cells(text.line(at)):
+        for cell in dialect.cells(text.line(line)):
             if "," in cell:
                 if doubtful.fullmatch(cell) is None:
                     return
-                example, shown = at, cell
+                example, shown = line, cell
     if example >= 0:
         raise FormatError(
-            f"{text.shown(example)} has commas that may be decimal or part thousands, as in {shown!r}; "
-            "write decimal points"
+            f"{text.describe_line(example)} has commas that may be decimal marks or thousands separators, "
+            f"as in {shown!r}; write decimal points"
         )
 
 
 # ---- Numbers --------------------------------------------------------------------------------------------------------
 
 
-def numbers_of(text: Text, first: int, last: int, dialect: Dialect, *, ragged: bool = False) -> Block:
-    """Return the numbers of a run of lines as a matrix.
+def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: bool = False) -> Block:
+    """Parse the numbers of a run of lines as a matrix.
 
-    Lines of at most `MAX_COUNTS` cells at the beginning are sizes and counts, and omitted. Other lines with another
-    number of cells than most are rejected. Rows that lack cells are filled with NaN where only the height of a position
-    is missing, and, if `ragged`, at the end of a table.
+    Lines of at most `MAX_COUNT_CELLS` cells at the beginning are sizes and counts, and are skipped. Other lines with an
+    unusual number of cells are rejected. Missing cells are filled with NaN if only the height of a position is missing,
+    and with `ragged` also at the end of a table.
     """
     lines = _filled_lines(text, first, last, dialect)
     if not lines.size:
@@ -265,30 +267,32 @@ def numbers_of(text: Text, first: int, last: int, dialect: Dialect, *, ragged: b
         raise FormatError(
             f"has lines of {usual} cells; at most {MAX_CELLS} can be read: write one number a line, or .npy"
         )
-    begin = int(np.argmax(cells == usual))
-    if (cells[:begin] > min(usual, MAX_COUNTS)).any() or (usual == 2 and _are_positions(blob, joint, begin)):
-        begin = 0
-    omitted = tuple(lines[:begin].tolist())
-    lines, cells, blob = lines[begin:], cells[begin:], blob[starts[begin] :] if begin else blob
-    if (cells > usual).any():  # by separators at the end
+    num_skipped = int(np.argmax(cells == usual))
+    if (cells[:num_skipped] > min(usual, MAX_COUNT_CELLS)).any() or (
+        usual == 2 and _are_positions(blob, joint, num_skipped)
+    ):
+        num_skipped = 0
+    omitted = tuple(lines[:num_skipped].tolist())
+    lines, cells, blob = lines[num_skipped:], cells[num_skipped:], blob[starts[num_skipped] :] if num_skipped else blob
+    if (cells > usual).any():  # because of trailing separators
         rows = [row.rstrip(joint) if n > usual else row for n, row in zip(cells, blob.split(b"\n"), strict=True)]
         blob = b"\n".join(row + joint * max(0, usual - 1 - row.count(joint)) for row in rows)
         _, cells = _cells_of_rows(blob, joint)
     if (wrong := cells != usual).any():
         tail = ragged and bool(wrong[np.argmax(wrong) :].all())
-        refused = (cells > usual) | ((cells < usual) & (usual != 2) & (not tail))
-        if refused.any():
-            at = int(np.argmax(refused))
+        rejected = (cells > usual) | ((cells < usual) & (usual != 2) & (not tail))
+        if rejected.any():
+            row_index = int(np.argmax(rejected))
             raise FormatError(
-                f"{text.shown(int(lines[at]))} has {cells[at]} cells, and most lines have {usual}; "
-                "all lines of a table need the same number"
+                f"{text.describe_line(int(lines[row_index]))} has {cells[row_index]} cells, but most lines have "
+                f"{usual}; all lines of a table need the same number of cells"
             )
         rows = blob.split(b"\n")
         blob = b"\n".join(row + joint * (usual - 1 - row.count(joint)) for row in rows)
     column = blob.translate(bytes.maketrans(joint, b"\n"))
     del blob
-    values = _parsed(text, lines, usual, column).reshape(-1, usual)
-    ends = {len(dialect.cells(text.line(int(at)))) for at in (*lines[:3], *lines[-3:])}
+    values = _parse_numbers(text, lines, usual, column).reshape(-1, usual)
+    ends = {len(dialect.cells(text.line(int(row_index)))) for row_index in (*lines[:3], *lines[-3:])}
     while values.shape[1] > max(ends | {1}) and np.isnan(values[:, -1]).all():
         values = values[:, :-1]  # separators at the end of each line
     short = int(lines[np.argmax(wrong)]) if usual != 2 and wrong.any() else None
@@ -305,14 +309,14 @@ def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
 
 
 def numbers_in(text: Text, first: int, last: int) -> Floats:
-    """Return all numbers between white space in a range of lines, however they are parted into lines."""
+    """Return all numbers, separated by white space, in a range of lines; line breaks have no meaning."""
     blob = text.data[text.starts[first] : text.starts[last + 1]]
-    if blob.translate(None, PARTS_OF_NUMBERS):
+    if blob.translate(None, NUMERIC_CHARACTERS):
         blob = text.missing.sub(b"nan", blob)
     tokens = blob.split()
     if not tokens:
         return np.empty(0)
-    return _parsed(text, np.full(len(tokens), first), 1, b"\n".join(tokens))
+    return _parse_numbers(text, np.full(len(tokens), first), 1, b"\n".join(tokens))
 
 
 def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
@@ -320,8 +324,8 @@ def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
     kinds = text.kinds[first : last + 1]
     filled = kinds != BLANK
     if dialect.separator is not None and not filled.all():
-        for at in np.flatnonzero(~filled).tolist():
-            filled[at] = dialect.separator.encode() in text.raw(first + at)
+        for line in np.flatnonzero(~filled).tolist():
+            filled[line] = dialect.separator.encode() in text.raw(first + line)
     return np.flatnonzero(filled) + first
 
 
@@ -331,7 +335,7 @@ def _plain(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
     if lines.size == last - first + 1:
         blob = text.data[text.starts[first] : text.starts[last + 1] - 1]
     else:
-        blob = b"\n".join(text.raw(int(at)) for at in lines)
+        blob = b"\n".join(text.raw(int(line)) for line in lines)
     if text.has_words(lines):
         blob = text.missing.sub(b"nan", blob)
     if b"*" in blob or _has_dashes(blob):
@@ -354,7 +358,7 @@ def _plain(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
         return blob.replace(b" \n", b"\n").replace(b"\n ", b"\n").strip(b" "), b" "
     if b" " in blob:
         if _TORN.search(blob):
-            _refuse_torn(text, lines)
+            _reject_blanks_in_numbers(text, lines)
         blob = blob.translate(None, b" ")
     return blob, separator.encode()
 
@@ -364,22 +368,24 @@ _TORN = re.compile(rb"[0-9.] +[-+0-9.]")  # a number with a blank in it
 
 
 def _has_dashes(blob: bytes) -> bool:
-    """Return whether two dashes stand together."""
+    """Return whether two dashes are adjacent."""
     is_dash = np.frombuffer(blob, np.uint8) == ord("-")
     return bool((is_dash[1:] & is_dash[:-1]).any())
 
 
-def _refuse_torn(text: Text, lines: Lines) -> None:
-    for at in lines.tolist():
-        if _TORN.search(text.raw(at)):
-            raise FormatError(f"{text.shown(at)} has blanks between digits; part all cells in one way")
+def _reject_blanks_in_numbers(text: Text, lines: Lines) -> None:
+    for line in lines.tolist():
+        if _TORN.search(text.raw(line)):
+            raise FormatError(
+                f"{text.describe_line(line)} has blanks between digits; separate all cells in the same way"
+            )
 
 
 def _cells_of_rows(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
-    """Return where each row begins, and how many cells it has."""
+    """Return the start of each row, and its number of cells."""
     codes = np.frombuffer(blob, np.uint8)
     starts = np.concatenate([[0], np.flatnonzero(codes == ord("\n")) + 1])
-    if starts.size * _LONG < len(blob):
+    if starts.size * _LONG_LINE < len(blob):
         is_joint, ends = codes == ord(joint), [*starts[1:].tolist(), len(blob)]
         cells = [np.count_nonzero(is_joint[a:b]) + 1 for a, b in zip(starts.tolist(), ends, strict=True)]
         return starts, np.array(cells)
@@ -387,11 +393,11 @@ def _cells_of_rows(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
     return starts, np.diff(np.append(np.searchsorted(joints, starts), joints.size)) + 1
 
 
-def _parsed(text: Text, lines: Lines, width: int, column: bytes) -> Floats:
-    """Return the numbers of a column of text, each rounded correctly; NaN for empty lines."""
+def _parse_numbers(text: Text, lines: Lines, width: int, column: bytes) -> Floats:
+    """Parse a column of text as numbers, correctly rounded; NaN for empty lines."""
     import pandas
 
-    # Before pandas 3.1 the default was off in the last bit.
+    # Before pandas 3.1, the default parser has errors in the last bit.
     column = column if column[-1:].strip() else column + b"\n"
     precision = {} if _version(pandas.__version__) >= (3, 1) else {"float_precision": "round_trip"}
     try:
@@ -402,11 +408,11 @@ def _parsed(text: Text, lines: Lines, width: int, column: bytes) -> Floats:
     except (ValueError, pandas.errors.ParserError):
         for place, token in enumerate(column.split(b"\n")):
             if not _is_number(token):
-                at = int(lines[place // width])
+                line = int(lines[place // width])
                 word = token.decode("utf-8", "replace")[:40]
                 raise FormatError(
-                    f"{text.shown(at)} has {word!r} in cell {place % width + 1}, which is no number; "
-                    f"--missing-value {word} takes it for a missing point"
+                    f"{text.describe_line(line)} has {word!r} in cell {place % width + 1}, which is not a number; "
+                    f"--missing-value {word} treats it as a missing point"
                 ) from None
         raise
     return np.asarray(frame["z"].to_numpy(), dtype=np.float64)

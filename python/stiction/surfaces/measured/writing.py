@@ -19,20 +19,20 @@ from stiction.surfaces.surface import Surface
 
 
 def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
-    """Write a profile with its spacing, its unit and its history, every number to the bit.
+    """Write a profile with its spacing, unit and history; all numbers are preserved exactly.
 
     Parameters
     ----------
     profile : Profile
     path : path
-        Ending in .csv: positions and heights in µm, with the spacing, the history and the units above them; or in .npy:
-        the heights in µm, which `numpy.load` gives, followed by an array of the spacing and one of the history. It must
-        not exist yet, and appears when it is whole.
+        Path ending in .csv: positions and heights in µm, below the spacing, the history and the units. Or ending in
+        .npy: the heights in µm, which `numpy.load` returns, followed by arrays of the spacing and the history. The file
+        must not exist; it appears when it is complete.
 
     Raises
     ------
     FormatError
-        If the ending is another, or the file exists already or cannot be written.
+        If the path has another ending, or the file exists or cannot be written.
 
     Examples
     --------
@@ -46,25 +46,25 @@ def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
     """
     if not isinstance(profile, Profile):
         raise ValueError(f"profile must be a Profile, got {type(profile).__name__}")
-    pairs = zip(profile.x.tolist(), with_gaps(profile).tolist(), strict=True)
+    pairs = zip(profile.x.tolist(), heights_with_nan(profile).tolist(), strict=True)
     rows = itertools.chain(["x (um),z (um)\n"], (f"{x!r},{z!r}\n" for x, z in pairs))
     _write(profile, path, [f"# spacing: {profile.spacing!r} um\n"], rows)
 
 
 def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
-    """Write a surface with its spacings, its unit and its history, every number to the bit.
+    """Write a surface with its spacings, unit and history; all numbers are preserved exactly.
 
     Parameters
     ----------
     surface : Surface
     path : path
-        Ending in .csv: the matrix of heights in µm below the spacings along y and x, the history and the unit, of at
-        least four columns; or in .npy, as `write_profile` writes it.
+        Path ending in .csv: the matrix of heights in µm, of at least four columns, below the spacings along y and x,
+        the history and the unit. Or ending in .npy, as for `write_profile`.
 
     Raises
     ------
     FormatError
-        As `write_profile`, and for a .csv of fewer columns, which would not be known for a matrix.
+        As for `write_profile`, and if a .csv would have too few columns to be recognised as a matrix.
 
     Examples
     --------
@@ -84,25 +84,25 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
             f"has {columns}; choose .npy"
         )
     head = [f"# spacing along {axis}: {step!r} um\n" for axis, step in zip("yx", surface.spacing, strict=True)]
-    rows = (",".join(map(repr, row)) + "\n" for row in with_gaps(surface).tolist())
+    rows = (",".join(map(repr, row)) + "\n" for row in heights_with_nan(surface).tolist())
     _write(surface, path, head, itertools.chain(["# heights (um)\n"], rows))
 
 
 def _write(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
-    """Write a body as its name says: as text, its history between head and rows, or as arrays."""
+    """Write a body in the format of its file name: as text with the history between head and rows, or as arrays."""
     path = Path(path)
     if path.suffix.lower() not in (".csv", ".npy"):
         raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")
     with new_file(path, FormatError) as partial:
         if path.suffix.lower() == ".npy":
             with partial.open("wb") as binary:
-                write_npy(binary, with_gaps(body), body.spacings, body.history)
+                write_npy(binary, heights_with_nan(body), body.spacings, body.history)
             return
         history = [f"# history: {' '.join(step.split())}\n" for step in body.history]
         with partial.open("w", encoding="utf-8", newline="\n") as file:
             file.writelines(itertools.chain(head, history, rows))
 
 
-def with_gaps(body: Profile | Surface) -> Floats:
-    """Heights, NaN where points are missing."""
+def heights_with_nan(body: Profile | Surface) -> Floats:
+    """Return the heights with NaN at missing points."""
     return body.heights if body.missing is None else np.where(body.missing, np.nan, body.heights)

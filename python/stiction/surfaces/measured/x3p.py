@@ -1,4 +1,4 @@
-"""Heights in X3P files: a zip archive with main.xml and binary data, ISO 25178-72."""
+"""Reading of X3P files (ISO 25178-72): a zip archive with main.xml and binary data."""
 
 from __future__ import annotations
 
@@ -14,67 +14,69 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.surfaces.measured.raw import MOST_TEXT_BYTES, Caveat, FormatError, Raw, Source, chunks
+from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, Caveat, FormatError, Raw, Source, read_chunks
 from stiction.surfaces.profile import MAX_POINTS
 
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 _MAIN = "main.xml"
 
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
-"""Numbers as XML Schema writes them: no underscores, and no digits of other scripts."""
+"""Numbers of XML Schema: no underscores, and ASCII digits only."""
 
-_MOST_WORDS = 4_000_000  # bytes of main.xml, but for the points that it lists
-_MOST_ELEMENTS = 100_000  # largest size of main.xml without its points
-_BYTES_OF_A_POINT = 200
-_SPARE = 64  # bytes of bits beyond the last point
-_DEEPEST = 6
+_MAX_MAIN_BYTES = 4_000_000  # size of main.xml, in addition to the points that it lists
+_MAX_ELEMENTS = 100_000  # XML elements of main.xml, without its points
+_MAX_BYTES_PER_POINT = 200
+_MAX_SPARE_BYTES = 64  # bytes of the validity mask beyond the last point
+_MAX_DEPTH = 6
 
 
 def read_x3p(data: bytes) -> Raw:
-    """Take an X3P file apart; its lengths are in metres."""
+    """Read an X3P file; its lengths are in metres."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             return _read(archive)
     except FormatError:
         raise
-    except Exception as error:  # zipfile and zlib have many ways to fail
+    except Exception as error:  # zipfile and zlib raise many kinds of errors
         raise FormatError(f"is a damaged X3P file ({type(error).__name__}: {str(error)[:80]})") from None
 
 
 def _read(archive: zipfile.ZipFile) -> Raw:
     mains = [name for name in archive.namelist() if name.rpartition("/")[2] == _MAIN and name.count("/") <= 1]
     if not mains:
-        raise FormatError(f"is a zip archive without {_MAIN}, so no X3P file")
-    folder = min(mains, key=len).removesuffix(_MAIN)  # some programs put all into a folder
-    root = _Main(archive, folder)
+        raise FormatError(f"is a zip archive without {_MAIN}, so it is not an X3P file")
+    folder = min(mains, key=len).removesuffix(_MAIN)  # some programs put all members into a directory
+    root = _MainXml(archive, folder)
     feature = _text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):
-        raise FormatError(f"holds the feature type {feature!r}; profiles (PRF) and surfaces (SUR) can be read")
-    axes = {name: _Axis(root, name) for name in "XYZ"}
+        raise FormatError(f"contains the feature type {feature!r}; profiles (PRF) and surfaces (SUR) can be read")
+    axes = {name: _StoredAxis(root, name) for name in "XYZ"}
     shape = _shape(root)
     points = math.prod(shape)
     if not 0 < points <= MAX_POINTS:
-        raise FormatError(f"says it holds {points} points; from 1 to {MAX_POINTS} can be read")
+        raise FormatError(f"declares {points} points; from 1 to {MAX_POINTS} can be read")
     absolute = [name for name in "XYZ" if axes[name].absolute]
     if "Z" not in absolute:
-        raise FormatError("has heights that are incremental, which X3P does not allow")
+        raise FormatError("has incremental heights, which X3P does not allow")
     if feature == "SUR" and absolute != ["Z"]:
-        raise FormatError("holds a surface that is not on a grid, with a position for each point; it cannot be read")
+        raise FormatError("contains a surface with a position for each point instead of a grid; it cannot be read")
     columns = _columns(archive, root, {name: axes[name].stored for name in absolute}, points)
     heights = axes["Z"].lengths(columns["Z"])
     if (link := _text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
-        bits = np.frombuffer(b"".join(chunks(archive, root.folder + link, points // 8 + _SPARE)), dtype=np.uint8)
+        bits = np.frombuffer(
+            b"".join(read_chunks(archive, root.folder + link, points // 8 + _MAX_SPARE_BYTES)), dtype=np.uint8
+        )
         if bits.size * 8 < points:
-            raise FormatError(f"says which of {points} points are valid in only {bits.size} bytes")
+            raise FormatError(f"has a mask of valid points of only {bits.size} bytes for {points} points")
         heights[np.unpackbits(bits, count=points, bitorder="little") == 0] = np.nan
     caveats = tuple(caveat for name in absolute for caveat in axes[name].caveats)
     common: dict[str, Any] = {"unit": "m", "position_unit": "m", "caveats": caveats, "source": Source("X3P")}
     if feature == "SUR":
         return Raw(heights.reshape(shape), spacing=(axes["Y"].increment, axes["X"].increment), **common)
     if shape[0] != 1:
-        raise FormatError(f"holds {shape[0]} profiles; one can be read")
+        raise FormatError(f"contains {shape[0]} profiles; one can be read")
     if "Y" in absolute and np.ptp(axes["Y"].lengths(columns["Y"])) > 0:
-        raise FormatError("holds a profile whose points move along y as well; one along x can be read")
+        raise FormatError("contains a profile whose points also move along y; only profiles along x can be read")
     if "X" in absolute:
         positions = axes["X"].lengths(columns["X"])
         increment = abs(axes["X"].increment)
@@ -85,8 +87,8 @@ def _read(archive: zipfile.ZipFile) -> Raw:
     return Raw(heights, spacing=(axes["X"].increment,), **common)
 
 
-class _Main:
-    """The texts of main.xml by their paths below the root, and the points that it lists; no document type, no bombs."""
+class _MainXml:
+    """Text of main.xml by element path, and the points listed there. Document types are rejected, limits enforced."""
 
     def __init__(self, archive: zipfile.ZipFile, folder: str) -> None:
         self.folder = folder
@@ -95,22 +97,24 @@ class _Main:
         self._path: list[str] = []
         self._words: list[str] = []
         self._elements = 0
-        parser = expat.ParserCreate(namespace_separator="}")  # some programs give all elements a namespace
+        parser = expat.ParserCreate(namespace_separator="}")  # some programs add a namespace to all elements
         parser.buffer_text = True
         parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = self._refuse
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
         parser.CharacterDataHandler = self._words.append
-        read = 0
-        for chunk in chunks(archive, folder + _MAIN, MOST_TEXT_BYTES):
+        num_bytes = 0
+        for chunk in read_chunks(archive, folder + _MAIN, MAX_TEXT_BYTES):
             parser.Parse(chunk)
-            read += len(chunk)
-            if read > _MOST_WORDS + (0 if self.listed is None else _BYTES_OF_A_POINT * math.prod(_shape(self))):
-                raise FormatError(f"has a {_MAIN} of more than {read - len(chunk)} bytes, which its points do not need")
+            num_bytes += len(chunk)
+            if num_bytes > _MAX_MAIN_BYTES + (
+                0 if self.listed is None else _MAX_BYTES_PER_POINT * math.prod(_shape(self))
+            ):
+                raise FormatError(f"has a {_MAIN} of more than {num_bytes - len(chunk)} bytes, too many for its points")
         parser.Parse(b"", True)
 
     def _refuse(self, *_: object) -> None:
-        raise FormatError(f"has a document type of its own in {_MAIN}, which X3P has not")
+        raise FormatError(f"has a document type in {_MAIN}, which X3P does not allow")
 
     def _start(self, tag: str, _: object) -> None:
         name = tag.rpartition("}")[2]
@@ -120,23 +124,23 @@ class _Main:
             self.listed = []
         if name != "Datum":
             self._elements += 1
-            if self._elements > _MOST_ELEMENTS:
-                raise FormatError(f"has more than {_MOST_ELEMENTS} elements in {_MAIN}")
+            if self._elements > _MAX_ELEMENTS:
+                raise FormatError(f"has more than {_MAX_ELEMENTS} elements in {_MAIN}")
 
     def _end(self, _: str) -> None:
         text = "".join(self._words)
         self._words.clear()
         if self._path[-1] == "Datum" and self.listed is not None:
             self.listed.append(text.strip())
-        elif len(self._path) <= _DEEPEST:
+        elif len(self._path) <= _MAX_DEPTH:
             self.texts.setdefault("/".join(self._path[1:]), text)
         self._path.pop()
 
 
-class _Axis:
-    """How positions along one axis are stored."""
+class _StoredAxis:
+    """Storage of the positions along one axis."""
 
-    def __init__(self, root: _Main, name: str) -> None:
+    def __init__(self, root: _MainXml, name: str) -> None:
         path = f"Record1/Axes/C{name}"
         kind = _text(root, f"{path}/AxisType", "I" if name != "Z" else "A")
         stored = _text(root, f"{path}/DataType", "D")
@@ -148,20 +152,20 @@ class _Axis:
         self.stored = _TYPES[stored]
         self.increment = _number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[Caveat, ...] = ()
-        if self.absolute and stored in ("F", "D"):  # lengths that need no factor
+        if self.absolute and stored in ("F", "D"):  # floating-point lengths need no factor
             if abs(self.increment) > 0 and self.increment != 1:
                 self.caveats = (
                     Caveat(
                         "x3p-increment",
                         f"{name} is stored in floating point, as metres, and has an increment of {self.increment:g}, "
                         "which is not applied",
-                        "compare a height with that of another program; if it agrees, "
+                        "compare a height with that of another program; if they agree, "
                         "accept it (--accept x3p-increment)",
                     ),
                 )
             self.increment = 1.0
         elif self.absolute and not abs(self.increment) > 0:
-            raise FormatError(f"has whole numbers for {name}, but no Increment to multiply them by")
+            raise FormatError(f"has integers for {name}, but no Increment to multiply them by")
         self.offset = _number(root, f"{path}/Offset", 0.0)
 
     def lengths(self, stored: NDArray[Any]) -> Floats:
@@ -169,71 +173,73 @@ class _Axis:
             return stored.astype(np.float64) * self.increment + self.offset
 
 
-def _shape(root: _Main) -> tuple[int, int]:
-    """Rows and columns."""
+def _shape(root: _MainXml) -> tuple[int, int]:
+    """Return the numbers of rows and columns."""
     if (listed := _text(root, "Record3/ListDimension", "")) != "":
         return 1, _count(listed)
     x, y, z = (_count(_text(root, f"Record3/MatrixDimension/Size{name}")) for name in "XYZ")
     if z != 1:
-        raise FormatError(f"holds {z} layers; one can be read")
+        raise FormatError(f"contains {z} layers; one can be read")
     return y, x
 
 
-def _columns(archive: zipfile.ZipFile, root: _Main, stored: dict[str, str], points: int) -> dict[str, NDArray[Any]]:
-    """What is stored of each point, by axis."""
+def _columns(archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int) -> dict[str, NDArray[Any]]:
+    """Return the stored values of all points, by axis."""
     if root.listed is not None:
-        return _listed(root.listed, list(stored), points)
+        return _parse_listed_points(root.listed, list(stored), points)
     kind = np.dtype(list(stored.items()))
-    link, wanted = root.folder + _text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
-    size = archive.getinfo(link).file_size if link in archive.namelist() else wanted
-    data = b"".join(chunks(archive, link, wanted)) if size == wanted else b""
-    if len(data) != wanted:
-        raise FormatError(f"says it holds {points} points of {kind.itemsize} bytes, but has {len(data) or size} bytes")
+    link, num_bytes = root.folder + _text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
+    size = archive.getinfo(link).file_size if link in archive.namelist() else num_bytes
+    data = b"".join(read_chunks(archive, link, num_bytes)) if size == num_bytes else b""
+    if len(data) != num_bytes:
+        raise FormatError(f"declares {points} points of {kind.itemsize} bytes, but has {len(data) or size} bytes")
     checksum = _text(root, "Record3/DataLink/MD5ChecksumPointData", "").lower()
     if checksum not in ("", hashlib.md5(data, usedforsecurity=False).hexdigest()):
-        raise FormatError("is damaged: its heights do not have the checksum that it gives")
+        raise FormatError("is damaged: its heights do not match its checksum")
     table = np.frombuffer(data, dtype=kind)
     return {name: table[name] for name in stored}
 
 
-def _listed(rows: list[str], absolute: list[str], points: int) -> dict[str, NDArray[Any]]:
-    """Points that are written out: a text each, the axes separated by semicolons, empty if the point is missing."""
+def _parse_listed_points(rows: list[str], absolute: list[str], points: int) -> dict[str, NDArray[Any]]:
+    """Parse points that are listed as text: axes separated by semicolons, empty if the point is missing."""
     if len(rows) != points:
-        raise FormatError(f"says it holds {points} points, but lists {len(rows)}")
+        raise FormatError(f"declares {points} points, but lists {len(rows)}")
     columns: dict[str, NDArray[Any]] = {name: np.full(points, np.nan) for name in absolute}
-    for at, row in enumerate(rows):
+    for index, row in enumerate(rows):
         cells = [cell.strip() for cell in row.split(";")]
         cells = [cell for cell in cells if cell] if len(cells) > len(absolute) else cells
         if not row:
             continue
         if len(cells) != len(absolute):
-            raise FormatError(f"lists {row[:40]!r} as point {at}, from 0 on; {len(absolute)} number(s) are needed")
+            raise FormatError(
+                f"lists {row[:40]!r} as point {index}, counted from 0; {len(absolute)} number(s) are needed"
+            )
         for name, cell in zip(absolute, cells, strict=True):
-            columns[name][at] = _float(cell)
+            columns[name][index] = _float(cell)
     return columns
 
 
-def _text(root: _Main, path: str, otherwise: str | None = None) -> str:
+def _text(root: _MainXml, path: str, default: str | None = None) -> str:
     text = root.texts.get(path, "").strip()
     if text:
         return text
-    if otherwise is None:
+    if default is None:
         raise FormatError(f"lacks {path} in {_MAIN}")
-    return otherwise
+    return default
 
 
-def _number(root: _Main, path: str, otherwise: float) -> float:
+def _number(root: _MainXml, path: str, default: float) -> float:
     text = _text(root, path, "")
-    return _float(text) if text else otherwise
+    return _float(text) if text else default
 
 
 def _float(text: str) -> float:
     if _NUMBER.fullmatch(text) is None:
-        raise FormatError(f"has {text[:40]!r} where a number should be")
+        raise FormatError(f"has {text[:40]!r} instead of a number")
     return float(text)
 
 
 def _count(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 12):
-        raise FormatError(f"has {text[:40]!r} where a number of points should be")
+        raise FormatError(f"has {text[:40]!r} instead of a number of points")
     return int(text)

@@ -1,6 +1,6 @@
-"""Layouts of texts and workbooks of instruments, one in each module of this package.
+"""Layouts of text files and workbooks of instruments, one per module.
 
-A module has `LAYOUT`, a `Layout`, or `WORKBOOK`, a `WorkbookLayout`, and an example of the layout in its docstring.
+Each module defines `LAYOUT`, a `Layout`, or `WORKBOOK`, a `WorkbookLayout`. Its docstring contains an example.
 """
 
 from __future__ import annotations
@@ -10,7 +10,9 @@ from importlib import import_module
 
 from stiction.surfaces.measured.layout import Layout, WorkbookLayout
 
-_MODULES = [import_module(f"{__name__}.{each.name}") for each in pkgutil.iter_modules(__path__)]
+_LAYOUT_MODULES = [import_module(f"{__name__}.{module.name}") for module in pkgutil.iter_modules(__path__)]
 
-LAYOUTS: tuple[Layout, ...] = tuple(module.LAYOUT for module in _MODULES if hasattr(module, "LAYOUT"))
-WORKBOOKS: tuple[WorkbookLayout, ...] = tuple(module.WORKBOOK for module in _MODULES if hasattr(module, "WORKBOOK"))
+LAYOUTS: tuple[Layout, ...] = tuple(module.LAYOUT for module in _LAYOUT_MODULES if hasattr(module, "LAYOUT"))
+WORKBOOKS: tuple[WorkbookLayout, ...] = tuple(
+    module.WORKBOOK for module in _LAYOUT_MODULES if hasattr(module, "WORKBOOK")
+)

@@ -16,19 +16,19 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.header import normal, stated
+from stiction.surfaces.measured.header import normalise_line, parse_length
 from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import Channels, Content, Table, length_unit
-from stiction.surfaces.measured.text import table_of
+from stiction.surfaces.measured.text import parse_table
 
 _LENGTH = re.compile(r"#\s*[^:=]{1,40}[:=]\s*([0-9]+(?:[.,][0-9]+)?(?:[eE][+-]?[0-9]+)?)\s*([^\W\d_]{1,12})\s*")
-_WORDS = re.compile(r"#\s*[^:=]{1,40}[:=]\s*(\S.{0,80})?")
+_COMMENT_LINE = re.compile(r"#\s*[^:=]{1,40}[:=]\s*(\S.{0,80})?")
 
 
 def _head(lines: Sequence[str]) -> list[str]:
     """Return the comments of a channel: its name, width, height and unit, in this order in all languages."""
     comments = []
-    for line in map(normal, lines):
+    for line in map(normalise_line, lines):
         if not line.startswith("#"):
             break
         comments.append(line)
@@ -41,22 +41,22 @@ def _is_head(comments: Sequence[str]) -> bool:
         len(comments) >= 3
         and lengths[0] is None
         and all(match is not None and length_unit(match[2]) for match in lengths[1:3])
-        and all(_WORDS.fullmatch(line) for line in comments)
+        and all(_COMMENT_LINE.fullmatch(line) for line in comments)
     )
 
 
-def _described(table: Table, comments: Sequence[str]) -> Table:
+def _with_header(table: Table, comments: Sequence[str]) -> Table:
     width, height = (_LENGTH.fullmatch(line) for line in comments[1:3])
     assert width is not None
     assert height is not None
-    along_y, along_x = stated(*height.groups()), stated(*width.groups())
+    along_y, along_x = parse_length(*height.groups()), parse_length(*width.groups())
     assert along_y is not None
     assert along_x is not None
     size = (along_y, along_x)
     unit = table.declared.unit
-    if len(comments) > 3 and (match := _WORDS.fullmatch(comments[3])) is not None and match[1]:
+    if len(comments) > 3 and (match := _COMMENT_LINE.fullmatch(comments[3])) is not None and match[1]:
         unit = length_unit(match[1].strip()) or match[1].strip()
-    channel = _WORDS.fullmatch(comments[0])
+    channel = _COMMENT_LINE.fullmatch(comments[0])
     column = (channel[1] or "") if channel else ""
     units = (None,) * table.values.shape[1]
     return replace(
@@ -66,21 +66,21 @@ def _described(table: Table, comments: Sequence[str]) -> Table:
 
 
 def _read(text: Text) -> Content:
-    content = table_of(text)
+    content = parse_table(text)
     if isinstance(content, Table):
-        return _described(content, _head(text.head))
+        return _with_header(content, _head(text.head))
     assert isinstance(content, Channels)
-    read = content.read
+    read_block = content.read
 
-    def channel(at: int) -> Table:
-        table = read(at)
+    def channel(index: int) -> Table:
+        table = read_block(index)
         assert isinstance(table, Table)
         assert table.source.lines is not None
         first = table.source.lines[0] - 1
-        above = first
-        while above > 0 and text.line(above - 1).startswith("#"):
-            above -= 1
-        return _described(table, _head(text.lines(above, first)))
+        header_start = first
+        while header_start > 0 and text.line(header_start - 1).startswith("#"):
+            header_start -= 1
+        return _with_header(table, _head(text.lines(header_start, first)))
 
     return replace(content, read=channel)
 

@@ -1,4 +1,4 @@
-"""CSV export of Keyence VK and VR microscopes, in any language: a calibration in three cells, then counts and a unit.
+"""CSV export of Keyence VK and VR microscopes, in any language: a calibration in three cells, counts and a unit.
 
 ::
 
@@ -21,11 +21,11 @@ import re
 import numpy as np
 
 from stiction.surfaces.measured.decode import NUMBERS, Text
-from stiction.surfaces.measured.header import is_unit, normal
+from stiction.surfaces.measured.header import is_unit, normalise_line
 from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import Caveat, FormatError, Raw, length_unit
-from stiction.surfaces.measured.split import dialect_of, numbers_of, runs_of
-from stiction.surfaces.measured.text import source_of
+from stiction.surfaces.measured.split import detect_dialect, find_number_runs, parse_block
+from stiction.surfaces.measured.text import describe_source
 
 _NUMBER = re.compile(r"[0-9]+(?:[.,][0-9]+)?")
 
@@ -43,15 +43,15 @@ def _rows(text: Text) -> list[list[str]]:
     rows = []
     for line in text.head[:60]:
         quoted = re.findall(r'"([^"]*)"', line)
-        rows.append([normal(cell).strip() for cell in quoted] if quoted else _cells(normal(line)))
+        rows.append([normalise_line(cell).strip() for cell in quoted] if quoted else _cells(normalise_line(line)))
     return rows
 
 
 def _calibration(rows: list[list[str]]) -> int | None:
     """Return the row of three cells: a name, a length, and its unit."""
-    for at, row in enumerate(rows):
+    for index, row in enumerate(rows):
         if len(row) == 3 and _NUMBER.fullmatch(row[1]) and length_unit(row[2]) is not None:
-            return at
+            return index
     return None
 
 
@@ -63,40 +63,42 @@ def _recognise(text: Text) -> bool:
 
 def _read(text: Text) -> Raw:
     rows = _rows(text)
-    place = _calibration(rows)
-    assert place is not None
-    _, digits, unit = rows[place]
+    index = _calibration(rows)
+    assert index is not None
+    _, digits, unit = rows[index]
     spacing = float(digits.replace(",", "."))
-    pairs = [row for row in rows[place + 1 :] if len(row) == 2]
+    pairs = [row for row in rows[index + 1 :] if len(row) == 2]
     counts = [int(row[1]) for row in pairs if re.fullmatch("[0-9]{1,6}", row[1])][:2]
     height_unit = next((row[1] for row in pairs if is_unit(row[1]) and not _NUMBER.fullmatch(row[1])), None)
-    runs = runs_of(text)
+    runs = find_number_runs(text)
     first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
-    block = numbers_of(text, first, last, dialect_of(text, first, last))
-    values, caveats = _whole(text, block.values, last), []
+    block = parse_block(text, first, last, detect_dialect(text, first, last))
+    values, caveats = _only_image(text, block.values, last), []
     if len(counts) == 2 and values.shape[::-1] != tuple(counts):
         if values.shape[1] != counts[0] or values.shape[0] > counts[1]:
             raise FormatError(
-                f"declares a map of {counts[1]} rows of {counts[0]} heights, and has {values.shape[0]} rows of "
+                f"declares a map of {counts[1]} rows of {counts[0]} heights, but has {values.shape[0]} rows of "
                 f"{values.shape[1]}; export it again"
             )
         caveats.append(
             Caveat(
-                "truncated", f"the header declares {counts[1]} rows, and the file has {values.shape[0]}",
-                "export it again, or accept what is there",
+                "truncated", f"the header declares {counts[1]} rows, but the file has {values.shape[0]}",
+                "export it again, or accept the existing rows",
             )
         )  # fmt: skip
     return Raw(
         values, unit=height_unit and (length_unit(height_unit) or height_unit), spacing=(spacing, spacing),
-        position_unit=length_unit(unit), source=source_of(block), caveats=tuple(caveats),
+        position_unit=length_unit(unit), source=describe_source(block), caveats=tuple(caveats),
     )  # fmt: skip
 
 
-def _whole(text: Text, values: np.ndarray, last: int) -> np.ndarray:
-    """Return the heights; a `FormatError` if other numbers follow them."""
+def _only_image(text: Text, values: np.ndarray, last: int) -> np.ndarray:
+    """Return the heights. Raises `FormatError` if they are followed by other numbers."""
     if (text.kinds[last + 1 :] == NUMBERS).any():
         place = last + 1 + int(np.argmax(text.kinds[last + 1 :] == NUMBERS))
-        raise FormatError(f"{text.shown(place)} has numbers of another image; export one image in a file")
+        raise FormatError(
+            f"{text.describe_line(place)} has numbers of another image; export each image to its own file"
+        )
     return values
 
 

@@ -1,6 +1,6 @@
-"""Workbooks of Mitutoyo SurfTest: positions and heights in the columns E and F of the sheet DATA, parameters in A.
+"""Workbooks of Mitutoyo SurfTest: positions and heights in columns E and F of the sheet DATA, parameters in A.
 
-The parameters have the unit of heights, the cut-off on the sheet Certificate that of positions.
+The parameters contain the unit of heights; the cutoff on the sheet Certificate contains the unit of positions.
 
 ::
 
@@ -15,7 +15,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from stiction.surfaces.measured.excel import table_of_sheet
+from stiction.surfaces.measured.excel import parse_sheet
 from stiction.surfaces.measured.layout import Sheets, WorkbookLayout
 from stiction.surfaces.measured.raw import Table, length_unit
 
@@ -28,9 +28,9 @@ def _recognise(sheets: Sheets) -> bool:
 
 
 def _height_unit(sheets: Sheets) -> str | None:
-    first = (str(row[0]) for row in sheets["DATA"][:40] if row and isinstance(row[0], str))
+    cells = (str(row[0]) for row in sheets["DATA"][:40] if row and isinstance(row[0], str))
     return next(
-        (unit for cell in first if (match := _PARAMETER.fullmatch(cell)) and (unit := length_unit(match[1]))), None
+        (unit for cell in cells if (match := _PARAMETER.fullmatch(cell)) and (unit := length_unit(match[1]))), None
     )
 
 
@@ -42,7 +42,7 @@ def _cut_offs(sheets: Sheets) -> Iterator[str]:
 
 
 def _read(sheets: Sheets) -> Table:
-    table = table_of_sheet(sheets["DATA"])
+    table = parse_sheet(sheets["DATA"])
     cut_offs = (match for cell in _cut_offs(sheets) if (match := _CUT_OFF.fullmatch(cell)))
     lateral = next((unit for match in cut_offs if (unit := length_unit(match[1]))), None)
     if table.values.shape[1] != 2:

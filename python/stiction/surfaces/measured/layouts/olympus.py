@@ -18,22 +18,22 @@ from dataclasses import replace
 import numpy as np
 
 from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.header import normal
+from stiction.surfaces.measured.header import normalise_line
 from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import FormatError, Table, length_unit
-from stiction.surfaces.measured.text import table_of
+from stiction.surfaces.measured.text import parse_table
 
 _Z = re.compile(r"\W*Z\s*Resolution\s*[\[(]\s*([^\])]{1,12}?)\s*[\])].*", re.IGNORECASE)
 
 
 def _read(text: Text) -> Table:
-    table = table_of(text)
+    table = parse_table(text)
     if not isinstance(table, Table):
         raise FormatError("holds more than one map; export one in a file")
     rows = table.values.shape[0]
     if table.values.shape[1] < 3 or not np.array_equal(table.values[:, 0], table.values[0, 0] + np.arange(rows)):
         raise FormatError("does not number its rows in the first column, as exports of this microscope do")
-    unit = next((length_unit(match[1]) for line in text.head if (match := _Z.fullmatch(normal(line)))), None)
+    unit = next((length_unit(match[1]) for line in text.head if (match := _Z.fullmatch(normalise_line(line)))), None)
     return replace(
         table, values=table.values[:, 1:], names=table.names[1:], units=(unit,) * (table.values.shape[1] - 1),
         area=True, digits=None, row_digits=None,

@@ -1,4 +1,4 @@
-"""SDF in ASCII (ISO 25178-71, EUNA 15178), profiles and maps; scales are in metres, missing points BAD.
+"""ASCII SDF (ISO 25178-71, EUNA 15178), profiles and maps: scales are in metres, missing points are BAD.
 
 ::
 
@@ -20,39 +20,39 @@ from __future__ import annotations
 import re
 
 from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout, number, whole
+from stiction.surfaces.measured.layout import Layout, integer, number
 from stiction.surfaces.measured.raw import FormatError, Raw, Source
 from stiction.surfaces.measured.split import numbers_in
 
 _FIRST = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
-_SAID = re.compile(r"([A-Za-z]{1,30})\s*=\s*(\S.{0,200})?")
+_DECLARATION = re.compile(r"([A-Za-z]{1,30})\s*=\s*(\S.{0,200})?")
 
 
 def _read(text: Text) -> Raw:
-    said, end = {}, None
-    for at in range(1, min(len(text), 200)):
-        line = text.line(at)
+    header, end = {}, None
+    for index in range(1, min(len(text), 200)):
+        line = text.line(index)
         if line == "*":
-            end = at
+            end = index
             break
-        if (match := _SAID.fullmatch(line)) is not None:
-            said[match[1].casefold()] = (match[2] or "").strip()
+        if (match := _DECLARATION.fullmatch(line)) is not None:
+            header[match[1].casefold()] = (match[2] or "").strip()
     if end is None:
         raise FormatError("lacks the line '*' above its heights")
 
-    columns, rows = whole(said, "NumPoints"), whole(said, "NumProfiles")
-    last = next((at for at in range(end + 1, len(text)) if text.line(at) == "*"), len(text)) - 1
+    columns, rows = integer(header, "NumPoints"), integer(header, "NumProfiles")
+    last = next((index for index in range(end + 1, len(text)) if text.line(index) == "*"), len(text)) - 1
     heights = numbers_in(text, end + 1, last)
     if heights.size != rows * columns:
-        raise FormatError(f"declares {rows} profiles of {columns} points, and has {heights.size} heights")
-    spacing = [number(said, "Xscale")]
+        raise FormatError(f"declares {rows} profiles of {columns} points, but has {heights.size} heights")
+    spacing = [number(header, "Xscale")]
     if rows > 1:
-        heights, spacing = heights.reshape(rows, columns), [number(said, "Yscale"), *spacing]
+        heights, spacing = heights.reshape(rows, columns), [number(header, "Yscale"), *spacing]
     if not min(spacing) > 0:
         raise FormatError(f"has a spacing of {min(spacing):g} m; it must be above 0")
     source = Source(separator="space", decimal_mark=".", lines=(end + 2, last + 1), lines_above=end + 1)
     return Raw(
-        heights, unit="um", factor=number(said, "Zscale") * 1e6, spacing=tuple(each * 1e6 for each in spacing),
+        heights, unit="um", factor=number(header, "Zscale") * 1e6, spacing=tuple(step * 1e6 for step in spacing),
         position_unit="um", source=source,
     )  # fmt: skip
 

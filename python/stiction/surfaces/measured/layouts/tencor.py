@@ -1,7 +1,7 @@
-"""Maps of KLA and Tencor stylus profilers as text: a trace in each row, with its number in the first cell.
+"""Maps of KLA and Tencor stylus profilers as text: one trace per row, with its number in the first cell.
 
-Its profiles, with a header of columns (Raw, RawLevel, Normal, Rough, Wavi), are tables as all others. Resolutions are
-in µm and heights in Å by default, which the file does not say.
+Profiles of these instruments, with columns such as Raw, RawLevel, Normal, Rough and Wavi, are ordinary tables. The
+file contains no units: by default, resolutions are in µm and heights in Å.
 
 ::
 
@@ -24,7 +24,7 @@ import numpy as np
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import FormatError, Table
-from stiction.surfaces.measured.text import table_of
+from stiction.surfaces.measured.text import parse_table
 
 _COUNT = re.compile(r"(?:Number of )?(Points|Traces)\s+([0-9]{1,7})\s*", re.IGNORECASE)
 
@@ -41,9 +41,9 @@ def _recognise(text: Text) -> bool:
 
 
 def _read(text: Text) -> Table:
-    counts, table = _counts(text), table_of(text)
+    counts, table = _counts(text), parse_table(text)
     if not isinstance(table, Table):
-        raise FormatError("holds its traces in several blocks; export them in one, a trace in each row")
+        raise FormatError("has its traces in several blocks; export them in one block with one trace per row")
     values, history = table.values, table.history
     rows, columns = values.shape
     if (
@@ -51,10 +51,10 @@ def _read(text: Text) -> Table:
         and columns == counts["points"] + 1
         and np.array_equal(values[:, 0], values[0, 0] + np.arange(rows))
     ):
-        values, history = values[:, 1:], (*history, "the first column, which numbers the traces, left out")
+        values, history = values[:, 1:], (*history, "the first column, which numbers the traces, removed")
     if values.shape != (counts["traces"], counts["points"]):
         raise FormatError(
-            f"declares {counts['traces']} traces of {counts['points']} points, and has {rows} rows of {columns} numbers"
+            f"declares {counts['traces']} traces of {counts['points']} points, but has {rows} rows of {columns} numbers"
         )
     bare = table.declared.bare_spacing
     return replace(

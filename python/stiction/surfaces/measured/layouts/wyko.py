@@ -1,7 +1,7 @@
-"""ASCII export of Wyko and Veeco interferometers: blocks, of which one holds heights; a line is a column of the map.
+"""ASCII export of Wyko and Veeco interferometers: blocks, one of which contains heights; a line is a map column.
 
 Values in a line run from the bottom of the map to its top. The second number of the first line is 1 if heights are in
-nm, else they are in wavelengths. Pixel sizes are in mm, wavelengths in nm.
+nm, and otherwise they are in wavelengths. Pixel sizes are in mm, wavelengths in nm.
 
 ::
 
@@ -24,47 +24,47 @@ import re
 import numpy as np
 
 from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout, number, whole
+from stiction.surfaces.measured.layout import Layout, integer, number
 from stiction.surfaces.measured.raw import FormatError, Raw
-from stiction.surfaces.measured.split import Dialect, numbers_of
-from stiction.surfaces.measured.text import source_of
+from stiction.surfaces.measured.split import Dialect, parse_block
+from stiction.surfaces.measured.text import describe_source
 
 _HEIGHTS = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")
 _FIRST = "Wyko ASCII Data File"
 
 
 def _read(text: Text) -> Raw:
-    said = {}
+    header = {}
     first = None
-    for at in range(min(len(text), 2000)):
-        key, *rest = text.line(at).split("\t") if "\t" in text.line(at) else re.split(r"\s{2,}", text.line(at))
+    for index in range(min(len(text), 2000)):
+        key, *rest = text.line(index).split("\t") if "\t" in text.line(index) else re.split(r"\s{2,}", text.line(index))
         if key.strip() in _HEIGHTS:
-            first = at + 1
+            first = index + 1
             break
         if rest:
-            said[key.strip().casefold()] = rest[-1].strip()
+            header[key.strip().casefold()] = rest[-1].strip()
     if first is None:
         raise FormatError(f"lacks a block of heights ({', '.join(_HEIGHTS)})")
-    columns, rows = whole(said, "X Size"), whole(said, "Y Size")
+    columns, rows = integer(header, "X Size"), integer(header, "Y Size")
     if first + columns > len(text):
-        raise FormatError(f"declares {columns} lines of heights, and ends before")
-    decimal_comma = "," in "".join(text.line(first + at) for at in range(min(3, columns)))
-    block = numbers_of(text, first, first + columns - 1, Dialect(None, "," if decimal_comma else "."))
+        raise FormatError(f"declares {columns} lines of heights, but ends earlier")
+    decimal_comma = "," in "".join(text.line(first + index) for index in range(min(3, columns)))
+    block = parse_block(text, first, first + columns - 1, Dialect(None, "," if decimal_comma else "."))
     if block.values.shape != (columns, rows):
         raise FormatError(
-            f"declares {columns} lines of {rows} heights, and has {block.values.shape[0]} of {block.values.shape[1]}"
+            f"declares {columns} lines of {rows} heights, but has {block.values.shape[0]} of {block.values.shape[1]}"
         )
     flags = re.findall(r"[0-9]+", text.line(0).partition("Format")[2])
     factor = None
     if len(flags) < 2 or flags[1] == "0":
-        factor = number(said, "Wavelength") / (number(said, "Mult", 1.0) or math.nan)
+        factor = number(header, "Wavelength") / (number(header, "Mult", 1.0) or math.nan)
         if not math.isfinite(factor):
             raise FormatError("has a factor Mult of 0")
-    pixel = abs(number(said, "Pixel_size"))
-    spacing = (pixel * number(said, "Aspect", 1.0), pixel)
+    pixel = abs(number(header, "Pixel_size"))
+    spacing = (pixel * number(header, "Aspect", 1.0), pixel)
     return Raw(
         np.ascontiguousarray(block.values.T), unit="nm", factor=factor, spacing=spacing, position_unit="mm",
-        source=source_of(block),
+        source=describe_source(block),
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""XYZ text of Zygo instruments: fourteen lines, then the number of the column and of the row, and a height in µm.
+"""XYZ text of Zygo instruments: fourteen lines, then column number, row number and height in µm.
 
 ::
 
@@ -22,41 +22,43 @@ import numpy as np
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import FormatError, Raw
-from stiction.surfaces.measured.shapes import MAX_GRID
-from stiction.surfaces.measured.split import Dialect, numbers_of
-from stiction.surfaces.measured.text import source_of
+from stiction.surfaces.measured.shapes import MAX_GRID_POINTS
+from stiction.surfaces.measured.split import Dialect, parse_block
+from stiction.surfaces.measured.text import describe_source
 
-_SIZE, _RESOLUTION = 3, 7  # lines, from 0 on, of the origin and size of the map, and of the size of a pixel
+_SIZE, _RESOLUTION = 3, 7  # lines, counted from 0, with the origin and size of the map, and with the pixel size
 
 
 def _read(text: Text) -> Raw:
     if not text.line(0).startswith("Zygo XYZ"):
         raise FormatError("is a Zygo file of phases; export it as XYZ (.xyz), X3P or .datx")
-    marks = [at for at in range(min(len(text), 60)) if text.line(at) == "#"]
+    marks = [index for index in range(min(len(text), 60)) if text.line(index) == "#"]
     if not marks:
         raise FormatError("lacks the line '#' above its points")
     first = marks[0] + 1
-    last = next((at - 1 for at in range(len(text) - 1, first, -1) if text.line(at) == "#"), len(text) - 1)
+    last = next((index - 1 for index in range(len(text) - 1, first, -1) if text.line(index) == "#"), len(text) - 1)
     try:
         x0, y0, columns, rows = (int(word) for word in text.line(_SIZE).split()[:4])
         pixel = float(text.line(_RESOLUTION).split()[6])
     except (ValueError, IndexError):
-        raise FormatError("lacks the size of its map in line 4, or that of its pixels in line 8") from None
-    if not (columns > 0 and rows > 0 and rows * columns <= MAX_GRID):
+        raise FormatError("lacks the size of its map in line 4, or its pixel size in line 8") from None
+    if not (columns > 0 and rows > 0 and rows * columns <= MAX_GRID_POINTS):
         raise FormatError(f"declares a map of {rows} rows of {columns} points")
-    block = numbers_of(text, first, last, Dialect(None, "."))
+    block = parse_block(text, first, last, Dialect(None, "."))
     if block.values.shape[1] != 3:
-        raise FormatError(f"{text.shown(first)} is no column, row and height")
+        raise FormatError(f"{text.describe_line(first)} does not have a column, a row and a height")
     column, row, heights = block.values.T
     column, row = column - x0, row - y0
     if not (np.array_equal(column, np.round(column)) and np.array_equal(row, np.round(row))):
-        raise FormatError("lists points between those of its grid")
+        raise FormatError("lists points between the nodes of its grid")
     if min(column.min(), row.min()) < 0 or column.max() >= columns or row.max() >= rows:
-        raise FormatError(f"lists points outside of its map of {rows} rows of {columns} points")
-    full = np.full((rows, columns), np.nan)
-    full[row.astype(np.int64), column.astype(np.int64)] = heights
+        raise FormatError(f"lists points outside its map of {rows} rows of {columns} points")
+    matrix = np.full((rows, columns), np.nan)
+    matrix[row.astype(np.int64), column.astype(np.int64)] = heights
     spacing = (pixel, pixel) if pixel > 0 else None
-    return Raw(full, unit="um", spacing=spacing, position_unit="m" if spacing else None, source=source_of(block))
+    return Raw(
+        matrix, unit="um", spacing=spacing, position_unit="m" if spacing else None, source=describe_source(block)
+    )
 
 
 LAYOUT = Layout("Zygo XYZ", lambda text: text.line(0).startswith(("Zygo XYZ Data File", "Zygo ASCII Data File")), _read)
