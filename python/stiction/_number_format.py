@@ -59,6 +59,8 @@ def from_to(low: float, high: float) -> str:
 
 def significant(value: float, digits: int = 2) -> str:
     """A number by so many significant digits, without zeros at its end or an exponent from 1e-6 to a million."""
+    if math.isnan(value):
+        return "none"
     text = f"{value:.{digits}g}"
     if "e" not in text or not 1e-6 <= abs(value) < 1e6:
         return text

@@ -14,6 +14,7 @@ from stiction.studies.point import is_unloaded, points
 from stiction.studies.sticking import Sticking
 from stiction.views.rows import csv_text, record_text
 from stiction.views.sticking import sticking_text
+from stiction.views.text import result_text
 from support.rough_surfaces import rough_maps
 
 EXACT = 1e-9
@@ -123,6 +124,16 @@ def test_pair_without_load_assesses_sticking(sticky):
         assert is_unloaded(at.isel(load=0))
     with pytest.raises(ValueError, match="loads must be above 0"):
         at_load(pressed().source, [0.0])
+
+
+def test_verbose_text_has_no_coefficients_along_axes_at_no_load():
+    mixed = pressed(load=["0", "20 MPa"], **WORK)
+    text = result_text(mixed.summary(), verbose=True)
+    axes = text[text.index("μ_s along an axis") :].split("\n\n")[0].splitlines()[1:]
+    values = [float(line.split()[1]) for line in axes if line[0] in "xy" or line[0].isdigit()]
+    assert values
+    assert max(values) < 5
+    assert "nan" not in text
 
 
 def test_at_load_has_no_value_between_no_load_and_the_next_solved_load(sticky):

@@ -64,7 +64,7 @@ def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
             quoted(value_of(point, "rms_gradient")),
             percent(value_of(point, "contact_area_fraction")) if status == STATUS_OK else status,
             with_unit(pressure_of(point), "GPa"),
-            *(f"{float(friction.sel(sliding=rule, statistic='mean')):.3f}" for rule in rules),
+            *(_coefficient(float(friction.sel(sliding=rule, statistic="mean"))) for rule in rules),
         ])  # fmt: skip
     limit = plastic_limit(at, study)
     if limit is not None:
@@ -72,6 +72,10 @@ def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
         area = float(at["load"]) / hardness / float(at["nominal_area"])
         rows.append(["plastic limit", "", percent(area), with_unit(hardness, "GPa"), f"{limit:.3f}"])
     return rows
+
+
+def _coefficient(value: float) -> str:
+    return f"{value:.3f}" if math.isfinite(value) else "none"
 
 
 def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:

@@ -24,6 +24,7 @@ from stiction.studies.point import (
     contact_status_of,
     has_nominal_area,
     is_capped,
+    is_unloaded,
     points,
     rules_of,
     shape_coordinate,
@@ -134,7 +135,6 @@ def answer_text(summary: Summary, *, verbose: bool = False, most: int | None = N
     """Return `result_text` without resolution and onset of sliding."""
     at, study, found = summary.at, summary.study, summary.headlines
     first = at.sel({name: found[0].at[name] for name in CELLS if name in at.dims})
-    point = next(points(first))
     parts = [history_text(at, study)] if verbose else []
     loaded = [one for one in found if not one.unloaded]
     sticking = found[0].sticking
@@ -148,7 +148,7 @@ def answer_text(summary: Summary, *, verbose: bool = False, most: int | None = N
         parts += [details, fitted(slopes_text(found[0])), quantities]
     else:
         parts.append("\n".join(filter(None, (details, quantities))))
-    if is_known and loaded:
+    if is_known and (point := next((each for each in points(first) if not is_unloaded(each)), None)) is not None:
         parts += [axes_text(point, verbose=verbose), directions_text(point) if verbose else ""]
     return "\n\n".join(part for part in parts if part) + "\n"
 
