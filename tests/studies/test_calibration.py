@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import RegularGridInterpolator
 from stiction import (
     Ball,
     FrictionTest,
@@ -15,12 +16,13 @@ from stiction import (
     Interface,
     calibrate,
     half_space,
+    hardness_under_shear,
     pair,
     read_interface,
     write_interface,
 )
 from stiction.studies.hardness import hardness_beside, inputs_of
-from stiction.studies.interfaces import HARDNESS, credible_interval
+from stiction.studies.interfaces import GROWTH, HARDNESS, credible_interval
 from support.rough_surfaces import rough_maps
 
 BALL = Ball("5 mm", "3 GPa")
@@ -306,6 +308,132 @@ def test_tests_without_sliding_are_lower_bounds() -> None:
     after = np.quantile(strong.draws.eval(f"mu0 + tau0 * {top}"), 0.05)
     assert after > before
     assert weak[0] > 0
+
+
+# ---- Junction growth -------------------------------------------------------------------------------------------------
+
+GROWING = PRESSED | {"hardness": "0.625 GPa"}
+STEEL_BALL = Ball("5 mm", "80 GPa")
+MAX_OF_DIRECT = 0.01
+"""Relative difference of a coefficient between nodes of the hardness from a pair that was pressed at H'."""
+
+
+@cache
+def growing(alpha: Any, rms: float = 0.03, hardness: str = "0.625 GPa") -> Any:
+    """Pair whose contacts all yield at 0.625 GPa."""
+    return pair(*faces(rms), **GROWING | {"hardness": hardness}, junction_growth=alpha)
+
+
+@cache
+def direct(mu0: float, tau0: float, alpha: float, rms: float = 0.03, hardness: float = 0.625) -> float:
+    """Coefficient of the same pair at 20 MPa, which was pressed with H' as its hardness."""
+    pressure = float(hardness_under_shear(hardness, mu0, tau0, alpha))
+    result = pair(*faces(rms), **GROWING | {"hardness": pressure, "mu0": mu0, "tau0": tau0}, junction_growth=0)
+    return float(result.at("20 MPa")["friction_all_round"].sel(sliding="all", statistic="mean").squeeze())
+
+
+def growing_tests(alpha: Any, truth: float, *, balls: bool = True, mu0: float = 0.2, tau0: float = 0.05) -> list[Any]:
+    """Tests without noise on the plastic pair, and on a ball below yield."""
+    y = direct(mu0, tau0, truth)
+    tests = [FrictionTest(growing(alpha), "20 MPa", coefficient=y, uncertainty=0.01 * y) for _ in range(3)]
+    for load in (5.0, 50.0, 500.0, 5000.0) if balls else ():
+        y = mu0 + tau0 * STEEL_BALL.area_per_load(load)
+        tests.append(FrictionTest(STEEL_BALL, load, coefficient=y, uncertainty=0.01 * y))
+    return tests
+
+
+@pytest.mark.parametrize("truth", [3.0, 27.0])
+def test_calibrate_with_growth_returns_the_strength_of_the_tests(truth: float) -> None:
+    interface = calibrate(growing_tests(truth, truth), common=0.0, sliding="all")
+    assert interface.mu0[0] == pytest.approx(0.2, abs=0.005)
+    assert interface.tau0[0] == pytest.approx(0.05, rel=0.02)
+    assert interface.mu0[1] < 0.2 < interface.mu0[2]
+    assert set(interface.fits[0].junction_growth) == {truth}
+    assert interface.about[GROWTH] == f"{truth:g}"
+
+
+def test_calibrate_with_growth_agrees_with_brute_force() -> None:
+    tests = growing_tests(27.0, 27.0)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    axes = np.linspace(0.17, 0.23, 9), np.linspace(0.043, 0.057, 9)
+    at = growing(27.0).at("20 MPa", mu0=axes[0], tau0=axes[1])["friction_all_round"]
+    predict = RegularGridInterpolator(axes, at.sel(sliding="all", statistic="mean").squeeze().values, method="cubic")
+    mu0, tau0 = np.meshgrid(*(np.linspace(axis[0], axis[-1], 401) for axis in axes), indexing="ij")
+    log = np.zeros(mu0.shape)
+    plastic = predict((mu0, tau0))
+    for test in tests:
+        predicted = mu0 + tau0 * STEEL_BALL.area_per_load(float(test.load)) if test.result is STEEL_BALL else plastic
+        log -= 0.5 * ((test.coefficient - predicted) / test.uncertainty) ** 2
+    weight = np.exp(log - log.max()).ravel()
+    values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
+    for draws, found in ((mu0, interface.mu0), (tau0, interface.tau0)):
+        expected = np.quantile(draws.ravel()[values], [0.5, 0.025, 0.975])
+        assert found == pytest.approx(expected, abs=2 * MONTE_CARLO * np.ptp(expected[1:]))
+
+
+def test_ball_and_plastic_pair_measure_the_growth() -> None:
+    interface = calibrate(growing_tests("0..27", 9.0), common=0.0, sliding="all")
+    low, middle, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
+    assert low < 9.0 < high
+    assert middle == pytest.approx(9.0, abs=1.0)
+    assert high - low < 8.0  # of 25.7 of the range alone
+
+
+def test_one_plastic_pair_does_not_measure_the_growth() -> None:
+    interface = calibrate(growing_tests("0..27", 9.0, balls=False), sliding="all")
+    low, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.975])
+    assert low < 1.5
+    assert high > 24.0
+    value, *ends = interface.predict(growing("0..27"), "20 MPa")
+    assert value == pytest.approx(direct(0.2, 0.05, 9.0), rel=0.01)
+    assert np.ptp(ends) < 0.12 * value  # the range of α alone is 0.28 to 0.376
+
+
+@pytest.mark.parametrize(("alpha", "truth"), [(9.0, 9.0), ("0..27", 9.0), ("0..27", 20.0)])
+def test_prediction_for_a_harder_pair_covers_its_direct_solution(alpha: Any, truth: float) -> None:
+    interface = calibrate(growing_tests(alpha, truth), sliding="all")
+    expected = direct(0.2, 0.05, truth, 0.02, 1.25)
+    value, low, high = interface.predict(growing(alpha, 0.02, "1.25 GPa"), "20 MPa")
+    assert low < expected < high
+    assert value == pytest.approx(expected, rel=0.02)
+
+
+def test_growth_that_is_left_out_gives_a_wrong_prediction() -> None:
+    interface = calibrate(growing_tests(0, 20.0), sliding="all")
+    wrong, *_ = interface.predict(growing(0, 0.02, "1.25 GPa"), "20 MPa")
+    assert wrong > 1.05 * direct(0.2, 0.05, 20.0, 0.02, 1.25)
+    assert interface.fits[0].scale > 1.5  # the ball and the pair contradict each other
+    assert interface.about[GROWTH] == "0"
+
+
+def test_predict_warns_where_the_growth_differs_from_that_of_the_tests() -> None:
+    interface = calibrate(growing_tests(9.0, 9.0), sliding="all")
+    with pytest.warns(UserWarning, match=r"calibrated with α = 9 .* the result has α = 0"):
+        interface.predict(growing(0), "20 MPa")
+    interface.predict(STEEL_BALL, 50.0)  # which does not yield
+
+
+def test_tests_below_yield_have_no_growth() -> None:
+    assert GROWTH not in calibrate(ball_tests()).about
+
+
+def test_interface_file_and_pair_keep_the_growth_of_the_tests(tmp_path) -> None:
+    path = tmp_path / "film.csv"
+    interface = calibrate(growing_tests("0..27", 9.0), sliding="all")
+    write_interface(interface, path)
+    again = read_interface(path)
+    assert again.about[GROWTH] == "0..27"
+    assert again.fits[0].junction_growth == pytest.approx(interface.fits[0].junction_growth, rel=1e-6)
+    given = {name: value for name, value in GROWING.items() if name not in ("mu0", "tau0")}
+    applied = pair(*faces(0.03), **given, interface=path)
+    assert applied.study.known.junction_growth == "0..27"
+    assert applied.study.contact.junction_growth == pytest.approx(9.0, abs=1.0)
+    expected = interface.predict(growing("0..27"), "20 MPa")
+    table = applied.at("20 MPa")["friction_combined"].sel(sliding="all").squeeze()
+    assert table.values[0] == pytest.approx(direct(0.2, 0.05, 9.0), rel=0.02)
+    assert np.ptp(table.values[1:]) < 2 * np.ptp(expected[1:])  # of the range alone four times
+    other = pair(*faces(0.03), **given, interface=path, junction_growth=20)
+    assert any("calibrated with α = 0..27" in caveat.text for caveat in other.caveats)
 
 
 def test_outlier_does_not_move_a_robust_fit() -> None:

@@ -17,6 +17,7 @@ from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
 from stiction.studies.at_load import ABOVE_NOMINAL, COMPLETE
 from stiction.studies.hardness import growth_of, inputs_of, materials_of
+from stiction.studies.interfaces import interface_of
 from stiction.studies.known import Known
 from stiction.studies.point import (
     RuleValue,
@@ -338,6 +339,11 @@ def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> I
         growth = growth_of(study)
         own, grown = tabor_friction(float(hardness), mu0, tau0, [0.0, GROWTH])
         bulk = float(hardness) * GROWTH**-0.5
+        interface = interface_of(study)
+        if interface is not None and interface.growth is not None and not interface.has_growth(growth):
+            pair, tests = (each.shown if each is not None else "0" for each in (growth, interface.growth))
+            text = f"the interface was calibrated with α = {tests} of junction growth, and the pair has α = {pair}"
+            yield Doubt(text, "give both the same --junction-growth", "caution")
         if growth is not None:
             yield from _of_the_growth(point, float(hardness), tau0, growth)
         elif study.contact.junction_growth is None and not grown <= (1 + GROWN) * own:

@@ -45,7 +45,8 @@ DECILES = 2.563103131089201  # standard deviations of a normal distribution from
 _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
 """Variables that a coefficient's interval takes."""
 
-Strength = tuple[Floats, Floats, Floats | None]
+Strength = tuple[Floats, Floats, Floats | None, Floats | None]
+"""Draws of mu0, tau0 (GPa), and of the hardness (GPa) and α of junction growth if the interface has these."""
 
 
 def with_uncertainty(
@@ -77,8 +78,10 @@ def with_uncertainty(
     if (known := interface_of(study)) is not None:
         fit, hardness = known.fits[0], inputs.get("hardness")
         joint = hardness is not None and hardness.known.says(known.about.get(HARDNESS, ""))
-        strengths = [(*each, fit.hardness if joint else None) for each in ((fit.mu0, fit.tau0), *known.at_bounds)]
-        gone = ("mu0", "tau0", *(("hardness",) if joint else ()))
+        growth = fit.junction_growth if known.has_growth(growth_of(study)) else None
+        more = fit.hardness if joint else None, growth
+        strengths = [(*each, *more) for each in ((fit.mu0, fit.tau0), *known.at_bounds)]
+        gone = ("mu0", "tau0", *(("hardness",) if joint else ()), *(("junction_growth",) if growth is not None else ()))
         inputs = {name: each for name, each in inputs.items() if name not in gone}
     dims = tuple(str(dim) for dim in at["friction_all_round"].dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
@@ -341,18 +344,23 @@ class _Point:
             self.areas.kept[key] = self._drawn(fixed, wait)
         columns, drawn, hardness, area, modulus = self.areas.kept[key]
         mu0, tau0 = drawn.get("mu0", self.mu0), drawn.get("tau0", self.tau0)
+        growth = None
         if strength is not None:  # in the order of what they give here, so that their quantiles are its
-            own = strength[2]
+            own, growth = strength[2:]
             with_own = 1.0 if own is None else self.areas.factor(self.load, own, 1.0)
-            order = np.argsort(self.friction.coefficient(*strength[:2], with_own))
+            softness = np.full(strength[0].shape, self.areas.hardness or np.nan) if own is None else own
+            with_own = with_own * self._grown(softness, *strength[:2], growth)
+            with np.errstate(invalid="ignore"):
+                order = np.argsort(self.friction.coefficient(*strength[:2], with_own))
             place = order[(columns[INTERFACE] * order.size).astype(int)]
             mu0, tau0 = strength[0][place], strength[1][place]
+            growth = None if growth is None else growth[place]
             if own is not None:
                 hardness = own[place] * hardness / float(self.areas.hardness or 1.0)
                 area = self.areas.factor(self.load, hardness, modulus)
         own_grown: Any = 1.0
         if self.growth is not None:
-            alpha = drawn.get("junction_growth", self.growth.value)
+            alpha = drawn.get("junction_growth", self.growth.value) if growth is None else growth
             area = area * self._grown(hardness, mu0, tau0, alpha, modulus)
             hardness = self._under_shear(hardness, mu0, tau0, alpha)
             own_grown = self._grown(np.array([self.areas.hardness], float), self.mu0, self.tau0)

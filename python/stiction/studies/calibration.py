@@ -15,7 +15,17 @@ from stiction._checks import check_choice, number
 from stiction._units import short_repr, to_core_units
 from stiction.mechanics.model import Sliding
 from stiction.studies.calibration_fit import MIN_VARIATION, CalibrationProblem
-from stiction.studies.interfaces import EXCLUDED, HARDNESS, RULES, UNLIKELY, Ball, FrictionTest, Interface, rules_of
+from stiction.studies.interfaces import (
+    EXCLUDED,
+    GROWTH,
+    HARDNESS,
+    RULES,
+    UNLIKELY,
+    Ball,
+    FrictionTest,
+    Interface,
+    rules_of,
+)
 
 LEAST_TESTS = 3  # tests that slid from whose scatter errors are found
 
@@ -113,4 +123,5 @@ def calibrate(
     ]
     advice = () if separated else first.advice()
     about = {"kind": "measured"} | ({HARDNESS: first.shared_hardness.text} if first.shared_hardness else {})
+    about |= {GROWTH: first.growth.shown} if first.growth is not None else {}
     return Interface(tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), about)

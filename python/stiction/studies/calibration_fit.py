@@ -1,8 +1,9 @@
 """Joint distribution of mu0 and tau0 from friction tests, by adaptive importance sampling over nuisances.
 
 Nuisances are what the tests share and nobody knows exactly: the gain of the force cell, the true areas of the
-surfaces, hardness, creep and moduli that are ranges, the spread between runs, and the size of the errors where it is
-not given. Given all of them the tests are linear in mu0 and tau0, whose density is computed on a grid that follows it.
+surfaces, hardness, junction growth, creep and moduli that are ranges, the spread between runs, and the size of the
+errors where it is not given. Given all of them the tests are linear in mu0 and tau0, but for junction growth, by which
+the true area depends on both. Their density is computed on a grid that follows it.
 The integral of that density, the evidence, weighs the nuisances. Their proposal, Student's t distribution, starts at
 the best fit and is adapted to the evidence (Cappé et al. 2008, Statistics and Computing 18, 447-459).
 """
@@ -10,8 +11,8 @@ the best fit and is adapted to the evidence (Cappé et al. 2008, Statistics and 
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -19,8 +20,9 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
-from stiction.studies.interfaces import UNLIKELY, Fit, FrictionTest, friction_of
-from stiction.studies.known import sobol
+from stiction.studies.calibration_growth import best_coefficients, range_of_strength
+from stiction.studies.interfaces import UNLIKELY, Fit, FrictionTest, ShearStrength, depends_on_growth, friction_of
+from stiction.studies.known import Known, known, sobol
 
 MIN_VARIATION = 0.1  # standard deviation over mean of A/F among tests below which mu0 and tau0 are not separated
 ROUND_POINTS, MAX_POINTS = 256, 8192  # nuisance points of a round of adaptation, and of the result at most
@@ -36,6 +38,7 @@ PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal, Student's t
 OUTLIER_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
 RUN_SPREAD = 0.07  # median of the prior relative standard deviation between runs, half a Cauchy distribution
 
+MAX_GRID_POINTS = 256  # nuisance points whose cells are computed together where contacts grow
 GAIN, SPREAD = "gain", "spread between runs"  # names of nuisances
 
 
@@ -53,13 +56,23 @@ class _Best:
 
 
 @dataclass(frozen=True)
-class _Grid:
-    """Cells of mu0 and tau0 for every nuisance point, and the logarithm of the probability in each cell."""
+class _Cells:
+    """Ranges of tau0 for every nuisance point, and those of mu0 around the best value at each tau0."""
 
-    triangle: Floats  # (points, 2, 3) upper rows of the triangular factor by which the grid was chosen
+    triangle: Floats  # (points, 2, 3) upper rows of the triangular factor by which the cells were chosen
     depth: float
     low: Floats  # (points,) ends of tau0, GPa
     high: Floats
+    best: Floats | None = None  # (points, tau0) mu0 where contacts grow; else that of the triangle
+    below: Any = None  # (points, tau0) ranges of mu0 below and above it
+    above: Any = None
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Cells of mu0 and tau0 for every nuisance point, and the logarithm of the probability in each cell."""
+
+    cells: _Cells
     log_probability: Floats  # (points, tau0, mu0), without the prior of the nuisances
 
 
@@ -104,6 +117,7 @@ class CalibrationProblem:
             if found.scatter > 0:
                 scatters[found.surfaces] = max(scatters.get(found.surfaces, 0.0), found.scatter)
         self._scatters = scatters
+        self.grows = any(found.yields is not None and found.yields.growth is not None for found in self._friction)
         inputs = [name for found in self._friction if found.yields for name in found.yields.names]
         self._members = _runs_of(tests)
         self.nuisances: list[Hashable] = [
@@ -112,26 +126,40 @@ class CalibrationProblem:
         ]  # fmt: skip
         """Names of the nuisances, each with a standard normal score."""
         middle = self._columns(np.zeros((1, len(self.nuisances))))
-        self.ratio = middle[1][0] / middle[0][0]  # A/F at the middle of all nuisances, 1/GPa
+        self.ratio = middle[1][0] / middle[0][0]
+        """A/F at the middle of all nuisances, 1/GPa; of contacts that grow, at the measured coefficient."""
         self._offsets, self._offset_sizes = self._offsets_of_runs(middle)
 
     # ---- Equations --------------------------------------------------------------------------------------------------
 
-    def _columns(self, scores: Floats) -> tuple[Floats, Floats, Floats]:
-        """(points, tests) each of rub, stick and right at scores (points, nuisances)."""
+    def _columns(
+        self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
+    ) -> tuple[Floats, Floats, Floats]:
+        """Return rub, stick and right, (points, tests) each, at scores (points, nuisances).
+
+        Where contacts grow, stick is (points, tests, ...) at mu0 and tau0 (GPa), (points, ...) each. Without these it
+        is that of contacts which slide with the measured coefficient.
+        """
         from scipy.special import ndtr
 
+        cells = () if mu0 is None else mu0.shape[1:]
         at = dict(zip(self.nuisances, np.clip(scores, -MAX_SCORE, MAX_SCORE).T, strict=True))
-        probability = {name: ndtr(values) for name, values in at.items()}
-        areas: dict[int, Floats] = {}  # of tests at one load on the same surfaces
+        shape = len(scores), *(1 for _ in cells)
+        probability = {name: ndtr(values).reshape(shape) for name, values in at.items()}
+        areas: dict[Hashable, Floats] = {}  # of tests at one load on the same surfaces
 
-        def area(found: Any) -> Floats:
-            factor = np.ones(len(scores))
+        def area(test: int) -> Floats:
+            found, factor = self._friction[test], np.ones(shape)
             if found.yields is not None:
-                if id(found) not in areas:
-                    areas[id(found)] = found.yields.area(probability)
-                factor = factor * areas[id(found)]
-            return factor * np.exp(self._scatters[found.surfaces] * at[found.surfaces]) if found.scatter > 0 else factor
+                is_measured = mu0 is None or tau0 is None
+                key = id(found), self.measured[test] if is_measured and found.yields.growth is not None else None
+                if key not in areas:
+                    sheared = (self.measured[test], None) if mu0 is None or tau0 is None else (mu0, tau0)
+                    areas[key] = found.yields.area(probability, ShearStrength(self.sliding, *sheared))
+                factor = factor * areas[key]
+            if found.scatter > 0:
+                factor = factor * np.exp(self._scatters[found.surfaces] * at[found.surfaces]).reshape(shape)
+            return np.broadcast_to(factor, (len(scores), *cells))
 
         def of_all(name: str) -> Floats:
             return np.array([getattr(found, name) for found in self._friction])
@@ -141,13 +169,15 @@ class CalibrationProblem:
         rub = gain * of_all("rub") - self.measured * of_all("rub_normal")
         stick = gain * of_all("stick") - self.measured * of_all("stick_normal")
         right = self.measured - gain * of_all("elastic")
-        return rub, stick * np.stack([area(found) for found in self._friction], axis=1), right
+        factors = np.stack([area(test) for test in range(len(self._friction))], axis=1)
+        return rub, stick.reshape(*stick.shape, *(1 for _ in cells)) * factors, right
 
     def _offsets_of_runs(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
         """Unit vectors (runs, tests) and sizes (runs,) of relative offsets of the runs, over errors.
 
         They are relative to the fitted coefficients: those relative to measured ones would pull the fit to low values.
         """
+        self._run_errors = np.zeros(len(self.slid))
         if not len(self._members):
             return np.zeros((0, len(self.slid))), np.zeros(0)
         rub, stick, right = (each[0] for each in middle)
@@ -185,6 +215,10 @@ class CalibrationProblem:
     def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
         """(points, slid tests, 3) independent equations over their errors, and logarithms of their norms."""
         rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
+        return self._independent(rows, scale, spread)
+
+    def _independent(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
+        """Return rows (points, slid tests, k) over their errors without what runs share, and logarithms of norms."""
         norm = -np.count_nonzero(self.slid) * np.log(scale)
         if len(self._offsets):
             unit = self._offsets[:, self.slid]
@@ -193,6 +227,24 @@ class CalibrationProblem:
             along = np.einsum("rn,pnk->prk", unit, rows) * (1 - 1 / np.sqrt(ratio))[..., np.newaxis]
             rows = rows - np.einsum("rn,prk->pnk", unit, along)
         return rows, np.asarray(norm, dtype=np.float64)
+
+    def _residuals(
+        self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
+    ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
+        """Return residuals (points, slid tests, ...) over their errors with junction growth, and the columns.
+
+        mu0 and tau0 (GPa) are (points, ...). Residuals are infinite where interfaces seize.
+        """
+        columns = self._columns(scores, mu0, tau0)
+        cells = tuple(1 for _ in mu0.shape[1:])
+        rub, right = (each.reshape(*each.shape, *cells) for each in (columns[0], columns[2]))
+        with np.errstate(invalid="ignore"):
+            found = right - rub * mu0[:, np.newaxis] - columns[1] * tau0[:, np.newaxis]
+            found = found[:, self.slid] / self.error[self.slid].reshape(-1, *cells)
+            found = found / scale.reshape(-1, 1, *cells)
+            rows = self._independent(found.reshape(*found.shape[:2], -1), scale, spread)[0]
+        rows = np.where(np.isfinite(rows), rows, np.inf)
+        return rows.reshape(found.shape), columns
 
     # ---- Best fit ---------------------------------------------------------------------------------------------------
 
@@ -208,10 +260,14 @@ class CalibrationProblem:
         moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD]
         robust, scale = np.ones(len(self.slid)), 1.0
 
-        def equations(moves: Floats) -> Floats:
+        def scores_of(moves: Floats) -> Floats:
             scores = np.zeros((len(moves), len(self.nuisances)))
             scores[:, moved] = moves
-            rows = self._rows(self._columns(scores), np.full(len(moves), scale), np.full(len(moves), 1e6 * scale))[0]
+            return scores
+
+        def equations(moves: Floats) -> Floats:
+            columns = self._columns(scores_of(moves))
+            rows = self._rows(columns, np.full(len(moves), scale), np.full(len(moves), 1e6 * scale))[0]
             return np.asarray(rows * robust[self.slid, np.newaxis])
 
         at_middle = equations(np.zeros((1, len(moved))))[0]
@@ -222,16 +278,29 @@ class CalibrationProblem:
             strength[free] = x[: len(free)] / size[free]
             return strength
 
+        def grown(points: Floats) -> Floats:
+            """Return residuals (points, slid tests) with junction growth."""
+            mu0, tau0 = np.transpose([values(x) for x in points])
+            scales = np.full(len(points), scale)
+            found, _ = self._residuals(scores_of(points[:, len(free) :]), scales, 1e6 * scales, mu0, tau0)
+            return np.asarray(found * robust[self.slid])
+
         def residuals(x: Floats) -> Floats:
+            if self.grows:
+                return np.concatenate([grown(x[np.newaxis])[0], x[len(free) :]])
             rows = equations(x[np.newaxis, len(free) :])[0]
             return np.concatenate([rows[:, 2] - rows[:, :2] @ values(x), x[len(free) :]])
 
         def jacobian(x: Floats) -> Floats:
             step = 1e-5
-            moves = x[len(free) :] + step * np.concatenate([np.zeros((1, len(moved))), np.eye(len(moved))])
-            rows = equations(moves)
-            data = rows[..., 2] - rows[..., :2] @ values(x)
-            top = np.concatenate([-rows[0][:, free] / size[free], (data[1:] - data[0]).T / step], axis=1)
+            if self.grows:
+                data = grown(x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)]))
+                top = np.nan_to_num((data[1:] - data[0]).T / step)
+            else:
+                moves = x[len(free) :] + step * np.concatenate([np.zeros((1, len(moved))), np.eye(len(moved))])
+                rows = equations(moves)
+                data = rows[..., 2] - rows[..., :2] @ values(x)
+                top = np.concatenate([-rows[0][:, free] / size[free], (data[1:] - data[0]).T / step], axis=1)
             prior = np.concatenate([np.zeros((len(moved), len(free))), np.eye(len(moved))], axis=1)
             return np.concatenate([top, prior])
 
@@ -240,6 +309,8 @@ class CalibrationProblem:
         for _ in range(1 if self.has_errors and not self.outliers else 4):
             start = _nonnegative(equations(x[np.newaxis, len(free) :])[0], np.ones(len(at_middle)), self.known)
             x[: len(free)] = np.array(start)[free] * size[free] + 1e-9
+            while self.grows and free and not np.isfinite(residuals(x)).all() and x[: len(free)].max() > 1e-9:
+                x[: len(free)] /= 2  # the interface seizes
             if x.size:
                 x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
             found = residuals(x)[: len(at_middle)] / robust[self.slid]
@@ -273,13 +344,35 @@ class CalibrationProblem:
         named = {name: scores[:, place] for place, name in enumerate(self.nuisances) if name not in (GAIN, SPREAD)}
         return Fit(
             self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend, mu0, tau0,
-            self._hardness(named), self._ratio_of(scores), named,
+            self._hardness(named), self._growth(named), self._ratio_of(scores, mu0, tau0), named,
         )  # fmt: skip
 
-    def _ratio_of(self, scores: Floats) -> Floats:
-        """(draws,) A/F of the tests (1/GPa), each with its weight, at scores (draws, nuisances)."""
-        rub, stick, _ = self._columns(scores)
-        return np.asarray(np.average(stick / rub, axis=1, weights=self._weight))
+    def _ratio_of(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
+        """(draws,) A/F of the tests (1/GPa) that slid, each with its weight, at scores (draws, nuisances)."""
+        rub, stick, _ = self._columns(scores, mu0, tau0)
+        ratio = stick[:, self.slid] / rub[:, self.slid]
+        return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
+
+    @cached_property
+    def growth(self) -> Known | None:
+        """α of junction growth of the tests, 0 of tests without it that depend on it; None where tests differ in it.
+
+        None also where no test depends on α.
+        """
+        grown = [each.yields.growth for each in self._friction if each.yields and each.yields.growth]
+        if grown:
+            return grown[0] if len({each.text for each in grown}) == 1 else None
+        depend = [depends_on_growth(each, self.best.mu0, self.best.tau0) for each in self._friction]
+        return known("junction_growth", 0.0) if any(depend) else None
+
+    def _growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
+        """(draws,) α of junction growth of the tests; NaN where there is none, or another in other tests."""
+        from scipy.special import ndtr
+
+        if self.growth is None or self.growth.is_exact:
+            return np.full(NUM_DRAWS, math.nan if self.growth is None else self.growth.value)
+        keys = [each.yields.key("junction_growth") for each in self._friction if each.yields and each.yields.growth]
+        return np.asarray(self.growth.quantile(ndtr(scores[keys[0]])))
 
     @cached_property
     def shared_hardness(self) -> Any:
@@ -305,6 +398,9 @@ class CalibrationProblem:
         """Grid of mu0 and tau0 at points (points, nuisances and the logarithm of the scale)."""
         from scipy.special import log_ndtr
 
+        if self.grows and len(points) > MAX_GRID_POINTS:
+            parts = np.array_split(points, math.ceil(len(points) / MAX_GRID_POINTS))
+            return _joined([self._grid(each) for each in parts])
         scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
         columns, spread = self._columns(scores), self._spread(scores)
         rows, norm = self._rows(columns, scale, spread)
@@ -320,14 +416,24 @@ class CalibrationProblem:
             low, high = _range_at(self.known[0], chosen, depth)
         else:
             low, high = _range(chosen, depth)
+        cells = _Cells(chosen, depth, low, high)
+        if self.grows:
+            cells = self._around_growth(cells, scores, scale, spread, columns)
         count = 1 if self.known[1] is not None else STRENGTHS
-        tau0 = low[:, np.newaxis] + np.multiply.outer(high - low, (np.arange(count) + 0.5) / count)
-        start, step = self._coefficients(chosen[:, np.newaxis], tau0, depth)
+        tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
+        start, step = self._coefficients(cells, np.arange(len(points))[:, np.newaxis], np.arange(count), tau0)
         mu0 = start[..., np.newaxis] + step[..., np.newaxis] * (np.arange(self._count) + 0.5)
         tau0 = tau0[..., np.newaxis]
+        rub, stick, right = columns[0], columns[1][..., np.newaxis, np.newaxis], columns[2]
+        residuals: Iterable[Floats]
+        if self.grows:
+            found, (rub, stick, right) = self._residuals(scores, scale, spread, mu0, np.broadcast_to(tau0, mu0.shape))
+            residuals = np.moveaxis(found, 1, 0)
+        else:
+            each_row = np.moveaxis(rows, 1, 0)[..., np.newaxis, np.newaxis]
+            residuals = (row[:, 2] - row[:, 1] * tau0 - row[:, 0] * mu0 for row in each_row)
         log = np.zeros(mu0.shape)
-        for row in np.moveaxis(rows, 1, 0)[..., np.newaxis, np.newaxis]:
-            residual = row[:, 2] - row[:, 1] * tau0 - row[:, 0] * mu0
+        for residual in residuals:
             if self.outliers:
                 log -= 0.5 * (OUTLIER_FREEDOM + 1) * np.log1p(residual**2 / OUTLIER_FREEDOM)
             else:
@@ -336,31 +442,81 @@ class CalibrationProblem:
             error = scale * self.error[test]
             if len(self._members):
                 error = np.hypot(error, spread * self._run_errors[test])
-            rub, stick, right = (each[:, test, np.newaxis, np.newaxis] for each in columns)
-            log += log_ndtr((rub * mu0 + stick * tau0 - right) / error[:, np.newaxis, np.newaxis])
-        # All values of mu0 and of tau0 A/F are as likely beforehand, whatever the areas and the gain.
-        volume = sum(
-            np.log(np.abs(column[:, self.slid]).mean(axis=1))
-            for column, value in zip(columns[:2], self.known, strict=True) if value is None
-        )  # fmt: skip
+            rubbing, lacking = (each[:, test, np.newaxis, np.newaxis] for each in (rub, right))
+            log += log_ndtr((rubbing * mu0 + stick[:, test] * tau0 - lacking) / error[:, np.newaxis, np.newaxis])
+        # All values of mu0 and of tau0 A/F are as likely beforehand, whatever the areas, their growth and the gain.
+        best = log.reshape(len(points), -1).argmax(axis=1) if self.grows else np.zeros(len(points), int)
+        sticking = stick.reshape(*stick.shape[:2], -1)[np.arange(len(points)), :, best]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            volume = sum(
+                np.log(np.abs(column[:, self.slid]).mean(axis=1))
+                for column, value in zip((rub, sticking), self.known, strict=True) if value is None
+            )  # fmt: skip
         if self.known[1] is None:
-            volume = volume + np.log((high - low) / count)
+            volume = volume + np.log((cells.high - cells.low) / count)
+        volume = np.where(np.isfinite(volume), volume, 0.0)  # where every interface seizes
         width = np.log(step) if self.known[0] is None else np.zeros(step.shape)
         log += (norm + volume)[:, np.newaxis, np.newaxis] + width[..., np.newaxis]
-        return _Grid(chosen, depth, low, high, log)
+        return _Grid(cells, np.where(np.isfinite(log), log, -np.inf))
 
     @property
     def _count(self) -> int:
         return 1 if self.known[0] is not None else COEFFICIENTS
 
-    def _coefficients(self, triangle: Floats, tau0: Floats, depth: float) -> tuple[Floats, Floats]:
-        """Start and step of the cells of mu0 at each tau0: around the best value, at least 0."""
+    def _around_growth(
+        self, cells: _Cells, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
+    ) -> _Cells:
+        """Return cells that follow the most likely mu0 of contacts that grow.
+
+        The columns are those at the measured coefficients.
+        """
+        robust = self.best.robust[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
+
+        def residuals(mu0: Floats, tau0: Floats) -> Floats:
+            found, _ = self._residuals(scores, scale, spread, mu0, tau0)
+            return np.asarray(found * robust.reshape(-1, *(1 for _ in mu0.shape[1:])))
+
+        def best_at(tau0: Floats) -> tuple[Floats, Floats, Floats]:
+            if self.known[0] is not None:
+                start = np.full(tau0.shape, self.known[0])
+                return start, np.ones(tau0.shape), (residuals(start, tau0) ** 2).sum(axis=1)
+            row = cells.triangle[:, 0, :, np.newaxis]
+            start = np.maximum((row[:, 2] - row[:, 1] * tau0) / row[:, 0], 0.0)
+            return best_coefficients(residuals, start, tau0)
+
+        if self.known[1] is None:
+            # With mu0 = 0 and the area at the measured coefficient every test has a largest tau0.
+            error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
+            margin = 2 * (math.sqrt(cells.depth) + math.sqrt(robust.size)) * error[:, self.slid] / robust
+            with np.errstate(divide="ignore"):
+                highest = (columns[2][:, self.slid] + margin) / np.maximum(columns[1][:, self.slid], 0.0)
+            low, high = range_of_strength(lambda tau0: best_at(tau0)[2], highest.min(axis=1), cells.depth)
+            cells = replace(cells, low=low, high=high)
+        count = 1 if self.known[1] is not None else STRENGTHS
+        tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
+        best, slope, _ = best_at(tau0)
+        above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
+        # A coefficient rises more slowly with mu0 below the best one, at the least as without growth.
+        below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
+        return replace(cells, best=best, below=below, above=above)
+
+    def _coefficients(self, cells: _Cells, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
+        """Start and step of the cells of mu0 at each tau0, by numbers of points and rows: at least 0."""
         if self.known[0] is not None:
             return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
-        best = (triangle[..., 0, 2] - triangle[..., 0, 1] * tau0) / triangle[..., 0, 0]
-        half = math.sqrt(depth) / triangle[..., 0, 0]
-        low = np.maximum(best - half, 0.0)
-        high = np.maximum(best + half, low + half)
+        if cells.best is None:
+            triangle = cells.triangle[point]
+            best = (triangle[..., 0, 2] - triangle[..., 0, 1] * tau0) / triangle[..., 0, 0]
+            below = above = math.sqrt(cells.depth) / triangle[..., 0, 0]
+        else:
+            count = cells.best.shape[1]
+            slope = np.gradient(cells.best, axis=1) if count > 1 else np.zeros(cells.best.shape)
+            width = (cells.high - cells.low)[point] / count
+            beyond = (tau0 - cells.low[point]) / np.where(width > 0, width, 1.0) - row - 0.5
+            best = cells.best[point, row] + slope[point, row] * np.where(width > 0, beyond, 0.0)
+            below, above = cells.below[point, row], cells.above[point, row]
+        low = np.maximum(best - below, 0.0)
+        high = np.maximum(best + above, low + above)
         return low, (high - low) / COEFFICIENTS
 
     # ---- Nuisances --------------------------------------------------------------------------------------------------
@@ -433,7 +589,9 @@ class CalibrationProblem:
         """Draws from the cells of all nuisance points."""
         random = np.random.default_rng(0)
         inside = grid.log_probability.reshape(len(points), -1)
-        excess = log_weight - np.logaddexp.reduce(inside, axis=1)
+        with np.errstate(invalid="ignore"):
+            excess = log_weight - np.logaddexp.reduce(inside, axis=1)
+        excess = np.where(np.isfinite(log_weight), excess, 0.0)  # where every interface seizes
         log = inside + excess[:, np.newaxis]
         total = np.cumsum(np.exp(log - log.max()))
         # Systematic: each nuisance point has its share of the draws, and so have the cells within.
@@ -441,9 +599,9 @@ class CalibrationProblem:
         place = np.minimum(np.searchsorted(total, wanted), total.size - 1)
         place = random.permutation(place)
         point, row, column = np.unravel_index(place, grid.log_probability.shape)
-        low, high = grid.low[point], grid.high[point]
+        low, high = grid.cells.low[point], grid.cells.high[point]
         tau0 = low + (high - low) * (row + random.random(NUM_DRAWS)) / grid.log_probability.shape[1]
-        start, step = self._coefficients(grid.triangle[point], tau0, grid.depth)
+        start, step = self._coefficients(grid.cells, point, row, tau0)
         mu0 = start + step * (column + random.random(NUM_DRAWS))
         return mu0, tau0, points[point, : len(self.nuisances)]
 
@@ -452,7 +610,8 @@ class CalibrationProblem:
     def advice(self) -> tuple[tuple[str, float, float], ...]:
         """What would tell mu0 and tau0 apart, with the standard errors that are expected."""
         mu0, tau0 = self.best.mu0, self.best.tau0
-        rub, stick, _ = (each[0] for each in self._columns(self.best.scores[np.newaxis]))
+        at = self.best.scores[np.newaxis], np.array([mu0]), np.array([tau0])
+        rub, stick, _ = (each[0] for each in self._columns(*at))
         predicted = rub * mu0 + stick * tau0
         relative = float(np.median(self.error / np.maximum(predicted, 1e-12))) if self.has_errors else 0.05
         ratio, count = self.pivot, len(self.error)
@@ -469,6 +628,14 @@ class CalibrationProblem:
             covariance = np.linalg.inv(matrix.T @ matrix)
             found.append((words, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))
         return tuple(found)
+
+
+def _joined(grids: Sequence[_Grid]) -> _Grid:
+    """Return one grid of several, point after point."""
+    cells = [grid.cells for grid in grids]
+    names = ("triangle", "low", "high", *(("best", "below", "above") if cells[0].best is not None else ()))
+    joined: dict[str, Any] = {name: np.concatenate([getattr(each, name) for each in cells]) for name in names}
+    return _Grid(replace(cells[0], **joined), np.concatenate([grid.log_probability for grid in grids]))
 
 
 def _runs_of(tests: Sequence[FrictionTest]) -> Floats:

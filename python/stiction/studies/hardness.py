@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -98,10 +98,9 @@ def inputs_of(study: Study) -> dict[str, Input]:
 
 
 def growth_of(study: Study) -> Known | None:
-    """Return α of junction growth; None where contacts do not grow."""
-    if not study.contact.junction_growth:
-        return None
-    return known("junction_growth", study.known.junction_growth or study.contact.junction_growth)
+    """Return α of junction growth, with the study's own as its value; None where contacts do not grow."""
+    own = study.contact.junction_growth
+    return replace(known("junction_growth", study.known.junction_growth or own), value=own) if own else None
 
 
 def creep_of(study: Study) -> Known | None:
@@ -327,12 +326,14 @@ class Areas:
         return cls(own, np.array([own]), column[..., np.newaxis], elastic, np.ones(1), growth, none, pressures)
 
     def factor(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
-        """True area over that of the study, for hardnesses (GPa) and E* over that of the study."""
+        """Return the true area over that of the study, for hardnesses (GPa) and E* over that of the study."""
         if hardness is None or self.hardness is None:
             now, own = self.elastic[load][:, np.newaxis], self.elastic[load][:, np.newaxis]
         else:
             known = self.nodes, self.at_nodes[load], self.elastic[load]
-            now, own = (area_per_load(np.ravel(each), *known) for each in (hardness / modulus, self.hardness))
+            ratio = np.asarray(hardness / modulus)
+            now, own = (area_per_load(np.ravel(each), *known) for each in (ratio, self.hardness))
+            now = now.reshape(-1, *(ratio.shape or (1,)))
         scale = np.power(modulus, -(1.0 + self.growth[load]))
         return np.asarray(scale * _between(now, self.moduli, modulus) / own[self.moduli.size // 2])
 
@@ -371,7 +372,8 @@ class Areas:
         """Return the true area of the contacts that are sheared, up to a factor."""
         if rule == "all" or self.opposing is None:
             return self.factor(load, hardness, modulus)
-        return area_per_load(hardness / modulus, self.nodes, *self.sheared(load, rule))
+        ratio = np.asarray(hardness / modulus)
+        return area_per_load(ratio.ravel(), self.nodes, *self.sheared(load, rule)).reshape(ratio.shape)
 
     def _area_before(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
         """Return `_area_of` for hardnesses that many mu0 and tau0 share, which are kept."""

@@ -1,7 +1,7 @@
 """Friction tests, the strengths of interfaces that they tell, and these as files and by names from sources.
 
-A file is a table of draws, mu0, tau0, hardness and A/F of the tests, under a head of lines that begin with "# ": other
-programs skip these.
+A file is a table of draws, mu0, tau0, hardness, junction growth and A/F of the tests, under a head of lines that begin
+with "# ": other programs skip these.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import csv
 import io
 import math
 import tomllib
+import warnings
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, lru_cache
@@ -24,13 +25,13 @@ from stiction._checks import Floats, check_choice, number
 from stiction._files import NotReadableError, describe_os_error, read_content, replaced_file
 from stiction._text import printable_path
 from stiction._units import loads_to_core_units, to_core_units
-from stiction.mechanics.closed_forms import hertz_sphere
+from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
 from stiction.mechanics.friction import SIX_SUMS, FrictionCurve
 from stiction.mechanics.model import Sliding
 from stiction.studies.at_load import PerLoad, areas_of, member_values, six_at
 from stiction.studies.elasticity import Elasticity
-from stiction.studies.hardness import Areas, creep_of, inputs_of, relative_modulus
-from stiction.studies.known import Known, draws, known
+from stiction.studies.hardness import Areas, creep_of, growth_of, inputs_of, relative_modulus
+from stiction.studies.known import Known, draws, known, read_known
 from stiction.studies.moduli import Moduli, elasticity_and_moduli
 from stiction.studies.study import Study, study_of
 
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     import pandas
 
 HEAD = "# stiction interface"  # first line of a file
-COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)", "area per load of the tests (1/GPa)")
+COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)", "junction growth", "area per load of the tests (1/GPa)")
 LONGEST_FILE = 50_000_000  # largest number of bytes of a file of an interface
 _NUMBERS = ("area_per_load", "variation")
 
@@ -51,6 +52,14 @@ RULES: tuple[Sliding, ...] = ("all", "opposing")
 
 HARDNESS = "hardness of the draws"
 """Line of `Interface.about` with the range that all tests had, whose values the draws keep."""
+
+GROWTH = "junction growth of the draws"
+"""Line of `Interface.about` with α of the tests; missing where no test depends on it, or tests differ in it."""
+
+CARRYING = 1.001  # least pressure of contacts that slide with a measured coefficient, over the nominal pressure
+BULK_GROWTH = 27.0  # α at which a body shears at its hardness over 27^(1/2) (von Mises)
+YIELDED, GROWN = 0.5, 0.05
+"""Least true area over that of plastic contact, and least relative increase, where a coefficient depends on α."""
 
 _AREA_ERROR = "area over hardness"
 
@@ -117,10 +126,25 @@ class _Friction(PerLoad):
 
 
 @dataclass(frozen=True)
+class ShearStrength:
+    """Strength of an interface whose contacts grow, by mu0 and tau0 (GPa), or by a friction coefficient alone."""
+
+    sliding: Sliding
+    mu0: Floats
+    tau0: Floats | None = None  # None: `mu0` is T/F of contacts that slide, whatever tau0 is
+
+    def under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
+        """Return the pressure H' (GPa) of plastic contacts that slide, whose hardness (GPa) is H."""
+        if self.tau0 is None:  # p² + α s² = H² with s = (T/F) p
+            return np.asarray(hardness / np.sqrt(1 + alpha * self.mu0**2))
+        return hardness_under_shear(hardness, self.mu0, self.tau0, alpha)
+
+
+@dataclass(frozen=True)
 class _Yields:
     """True area over the computed one as a function of inputs that are not known exactly."""
 
-    known: Mapping[str, Known]  # hardness, creep and moduli that are ranges
+    known: Mapping[str, Known]  # hardness, creep, moduli and α of junction growth that are ranges
 
     def key(self, name: str) -> str:
         """Name of a nuisance: inputs of two results that are known alike are one."""
@@ -135,12 +159,20 @@ class _Yields:
         """Return values of the inputs, of probabilities by the names of the nuisances."""
         return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
 
-    def area(self, columns: Mapping[Any, Floats]) -> Floats:
-        """True area over the computed one, of probabilities by the names of the nuisances."""
-        return self.area_of(self.values(columns))
+    @property
+    def growth(self) -> Known | None:
+        """α of junction growth; None where contacts do not grow, and the area is the same for every strength."""
+        return None
 
-    def area_of(self, drawn: Mapping[str, Floats]) -> Floats:
-        """True area over the computed one, of values of the inputs."""
+    def area(self, columns: Mapping[Any, Floats], strength: ShearStrength | None = None) -> Floats:
+        """Return the true area over the computed one, of probabilities by the names of the nuisances."""
+        return self.area_of(self.values(columns), strength)
+
+    def area_of(self, drawn: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+        """Return the true area over the computed one, of values of the inputs.
+
+        With a strength it is the area at the onset of sliding, with junction growth; infinite where interfaces seize.
+        """
         raise NotImplementedError
 
 
@@ -150,8 +182,8 @@ class _BallYields(_Yields):
 
     moduli: Moduli
 
-    def area_of(self, drawn: Mapping[str, Floats]) -> Floats:
-        """True area over that at the middle modulus."""
+    def area_of(self, drawn: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+        """Return the true area over that at the middle modulus; contacts below yield do not grow."""
         return np.asarray(self.moduli.relative(drawn)) ** (-2 / 3)
 
 
@@ -169,15 +201,11 @@ class _ResultYields(_Yields):
         """Those of a result of measured bodies by the half-space; None of others, and where nothing varies."""
         source = getattr(result, "source", result)
         study = study_of(getattr(result, "dataset", result))
-        known = {
-            name: each.known
-            for name, each in inputs_of(study).items()
-            if name not in ("mu0", "tau0", "junction_growth")
-        }
+        known = {name: each.known for name, each in inputs_of(study).items() if name not in ("mu0", "tau0")}
         fall = creep_of(study)
         if wait != 1 and fall is None:
             raise ValueError("wait needs a pair that was pressed with wait and creep")
-        if not known and fall is None:
+        if not known and fall is None and growth_of(study) is None:
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
         at = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
@@ -197,15 +225,29 @@ class _ResultYields(_Yields):
         scores = {} if self.error is None else {_AREA_ERROR: ndtri(columns[self.error])}
         return super().values(columns) | scores
 
-    def area_of(self, drawn: Mapping[str, Floats]) -> Floats:
-        """True area over the computed one, of values of the inputs."""
+    @property
+    def growth(self) -> Known | None:
+        """α of junction growth."""
+        return growth_of(self.study)
+
+    def area_of(self, drawn: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+        """Return the true area over the computed one, of values of the inputs.
+
+        With a strength it is the area at the onset of sliding, with junction growth; infinite where interfaces seize.
+        """
         hardness = drawn.get("hardness", np.asarray(self.areas.hardness or math.nan))
         hardness = hardness * self.wait ** -drawn["creep"] if "creep" in drawn else hardness
         modulus = relative_modulus(self.study, drawn)
         factor = self.areas.factor(0, None if self.areas.hardness is None else hardness, modulus)
+        if self.growth is not None and strength is not None:
+            pressure = strength.under_shear(hardness, drawn.get("junction_growth", self.growth.value))
+            if strength.tau0 is None:  # which no load on the nominal area makes infinite
+                pressure = np.maximum(pressure, CARRYING * self.areas.pressures[0])
+            factor = factor * self.areas.grown(0, strength.sliding, hardness, pressure, modulus)
+            hardness = np.where(np.isfinite(factor), pressure, hardness)
         if _AREA_ERROR in drawn:
             factor = factor * np.exp(self.areas.error(0, hardness / modulus) * drawn[_AREA_ERROR])
-        return factor
+        return np.asarray(factor)
 
 
 MIN_UNCERTAINTY = 1e-15
@@ -309,7 +351,8 @@ class Fit:
     mu0: Floats  # draws
     tau0: Floats  # of the same draws, GPa
     hardness: Floats  # of the same draws, GPa; NaN where there is none, or another in other tests
-    area_per_load: Floats  # A/F of the tests of the same draws, 1/GPa; NaN where it is unknown
+    junction_growth: Floats  # α of the same draws; NaN where no test depends on it, or tests differ in it
+    area_per_load: Floats  # A/F of the tests of the same draws, at the onset of sliding, 1/GPa; NaN where it is unknown
     scores: Mapping[Hashable, Floats] = field(default_factory=dict)  # normal scores of nuisances of the same draws
 
 
@@ -365,8 +408,11 @@ class Interface:
 
     @property
     def identified(self) -> Interval:
-        """mu0 + tau0 A/F at the A/F of the tests, and its 95 % interval."""
-        return self.at(self.area_per_load)
+        """mu0 + tau0 A/F at the A/F of the tests, that of each draw where it is known, and its 95 % interval."""
+        ratio = self.fits[0].area_per_load
+        if not np.isfinite(ratio).all():
+            return self.at(self.area_per_load)
+        return self.interval_of(lambda mu0, tau0: mu0 + tau0 * ratio)
 
     @property
     def mu0(self) -> Interval:
@@ -442,6 +488,12 @@ class Interface:
         -------
         (float, float, float)
             Value, lower and upper end: of mu0 and tau0 jointly, and of the area of the surfaces over their positions.
+            Infinite ends are of interfaces that seize.
+
+        Warns
+        -----
+        UserWarning
+            If α of junction growth differs between the tests and the result.
         """
         if not (isinstance(result, (Ball, FrictionCurve)) or hasattr(result, "dataset") or hasattr(result, "attrs")):
             raise ValueError(f"result must be a Result, a curve or a Ball, got {type(result).__name__}")
@@ -458,8 +510,40 @@ class Interface:
             drawn = own.values({name: ndtr(scores(name)) for name in own.names})
             if "hardness" in drawn and own.known["hardness"].says(self.about.get(HARDNESS, "")):
                 drawn["hardness"] = fit.hardness
-            area = area * own.area_of(drawn)
-        return self.interval_of(lambda mu0, tau0: found.coefficient(mu0, tau0, area))
+            if "junction_growth" in drawn and self.has_growth(own.known["junction_growth"]):
+                drawn["junction_growth"] = fit.junction_growth
+        growth = None if own is None else own.growth
+        depends = growth is not None or depends_on_growth(found, float(np.median(fit.mu0)), float(np.median(fit.tau0)))
+        if depends and self.growth is not None and not self.has_growth(growth):
+            calibrated, own_text = (each.shown if each is not None else "0" for each in (self.growth, growth))
+            warnings.warn(
+                f"the interface was calibrated with α = {calibrated} of junction growth, and the result has "
+                f"α = {own_text}; press both with the same junction_growth",
+                stacklevel=2,
+            )
+
+        def coefficient(mu0: Floats, tau0: Floats) -> Floats:
+            strength = ShearStrength(fit.sliding, mu0, tau0)
+            whole = area if own is None else area * own.area_of(drawn, strength)
+            values = found.coefficient(mu0, tau0, np.where(tau0 > 0, whole, 1.0))
+            return np.where(np.isfinite(values), values, np.inf)
+
+        return self.interval_of(coefficient)
+
+    @property
+    def growth(self) -> Known | None:
+        """α of junction growth of the tests, at its median; None where no test depends on it, or tests differ in it."""
+        if GROWTH not in self.about:
+            return None
+        median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
+        return replace(read_known("junction_growth", self.about[GROWTH]), value=median)
+
+    def has_growth(self, growth: Known | None) -> bool:
+        """Return whether α is that of the tests; None is 0."""
+        own = self.growth
+        if own is None or growth is None:
+            return own is not None and own.high == 0
+        return own.distribution == growth.distribution and np.allclose([own.low, own.high], [growth.low, growth.high])
 
 
 def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
@@ -476,6 +560,14 @@ def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
     else:
         low, high = (float(end) for end in np.quantile(ordered, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2]))
     return float(np.median(ordered)), low, high
+
+
+def depends_on_growth(friction: _Friction, mu0: float, tau0: float) -> bool:
+    """Return whether junction growth at α of von Mises would raise a coefficient clearly, tau0 in GPa."""
+    if not friction.stick * friction.hardness > YIELDED:
+        return False
+    own, grown = tabor_friction(friction.hardness, mu0, tau0, [0.0, BULK_GROWTH])
+    return not grown <= (1 + GROWN) * own
 
 
 def rules_of(result: Any) -> tuple[str, ...]:
@@ -576,7 +668,7 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     text = io.StringIO()
     text.write("\n".join([HEAD, *(f"# {key}: {value}" for key, value in head.items()), ",".join(COLUMNS)]) + "\n")
     fit = interface.fits[0]
-    columns = [fit.mu0, fit.tau0, fit.hardness, fit.area_per_load]
+    columns = [fit.mu0, fit.tau0, fit.hardness, fit.junction_growth, fit.area_per_load]
     np.savetxt(text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
     with replaced_file(Path(path), HEAD.encode(), ValueError) as file:
         file.write_text(text.getvalue(), encoding="utf-8")
@@ -617,8 +709,9 @@ def read_interface(path: str | Path) -> Interface:
         ratio, variation = (float(head.pop(name)) for name in _NUMBERS)
         sliding, separated = head.pop("sliding"), head.pop("separated") == "yes"
         check_choice("sliding", sliding, Sliding)
+        read_known("junction_growth", head.get(GROWTH, "0"))
     except (ValueError, KeyError, csv.Error, StopIteration):
-        said = "an entry of its head is missing or unknown, or a row is not of four numbers"
+        said = "an entry of its head is missing or unknown, or a row is not of five numbers"
         raise ValueError(f"{printable_path(path)}: is a damaged interface: {said}") from None
     if table.ndim != 2 or table.shape[1] != len(COLUMNS) or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all():
         raise ValueError(f"{printable_path(path)}: is a damaged interface: mu0 and tau0 must be numbers of at least 0")
@@ -626,8 +719,8 @@ def read_interface(path: str | Path) -> Interface:
     return Interface((fit,), ratio, variation, separated, about=head)
 
 
-def _fit(sliding: Any, mu0: Any, tau0: Any, hardness: Any, area_per_load: Any) -> Fit:
-    return Fit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, hardness, area_per_load)
+def _fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Fit:
+    return Fit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *more)
 
 
 @cache
@@ -687,7 +780,7 @@ def interface(name_or_path: str | Path) -> Interface:
     ranges: dict[str, Known] = {"mu0": known("mu0", table["mu0"]), "tau0": known("tau0", table["tau0"], "pressure")}
     values = draws(ranges)
     unknown = np.full(values["mu0"].size, math.nan)
-    fit = _fit("all", values["mu0"], values["tau0"], unknown, unknown)
+    fit = _fit("all", values["mu0"], values["tau0"], unknown, unknown, unknown)
     about = {key: text for key, text in table.items() if key not in ranges}
     return Interface((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **about})
 

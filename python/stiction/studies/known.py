@@ -64,6 +64,11 @@ class Known:
         """Whether it is a number."""
         return self.distribution == "exact"
 
+    @property
+    def shown(self) -> str:
+        """Short text: a number in up to six digits, or the range as it was given."""
+        return f"{self.value:g}" if self.is_exact else self.text
+
     def says(self, text: str) -> bool:
         """Whether a text says the same of a hardness, in whatever unit."""
         try:

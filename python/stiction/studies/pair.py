@@ -539,15 +539,16 @@ class Pair:
 
     @property
     def _growth(self) -> Known | None:
-        """Return α of junction growth, by default that of the softer material; None where contacts do not grow."""
+        """Return α of junction growth, None where contacts do not grow.
+
+        By default it is that of the tests of the interface, or else that of the softer material.
+        """
         given = self.options.junction_growth
         if given is None:
-            # An interface is calibrated without growth, and applied without it.
-            grows = (
-                self._hardness is not None
-                and self.options.interface is None
-                and not self._adhesion.get("work_of_adhesion")
-            )
+            grows = self._hardness is not None and not self._adhesion.get("work_of_adhesion")
+            calibrated = self.strength.growth if grows and self.strength is not None else None
+            if calibrated is not None:
+                return calibrated if calibrated.value else None
             softer = softer_material(*map(material, self.elasticity.materials or ())) if grows else None
             value = softer and softer.junction_growth
             given = f"{value.low:g}..{value.high:g}" if value else 0.0

@@ -35,6 +35,8 @@ def calibration_text(interface: Interface) -> str:
         lines += [f"μ0 = {with_interval(*interface.mu0)}", f"τ0 = {with_interval(*tau0)} MPa"]
     else:
         lines += [fitted(each, hang="  ") for each in _not_separated(interface)]
+    if interface.growth is not None:
+        lines += [fitted(_growth_words(interface), hang="  ")]
     lines += ["", *(fitted(each, hang="  ") for fit in interface.fits for each in _fit_words(interface, fit))]
     if interface.advice:
         table = [["what would tell them apart", "± μ0", "± τ0"]]
@@ -50,6 +52,16 @@ def _not_separated(interface: Interface) -> Iterator[str]:
     need = f", and {MIN_VARIATION:.0%} are needed".replace("%", " %") if count > 2 else ", and three are needed"
     yield f"Only μ0 + τ0 A/F is measured: {few}{need} to know either alone."
     yield f"What is left: from μ0 = {value:.3g}, τ0 = 0 to μ0 = 0, τ0 = {with_unit(value / ratio, 'GPa')}."
+
+
+def _growth_words(interface: Interface) -> str:
+    """Return α of junction growth that the tests were calibrated with, and its interval where it is a range."""
+    assert interface.growth is not None, "tests have α"
+    words = f"Junction growth: the tests have α = {interface.growth.shown}"
+    if interface.growth.is_exact:
+        return f"{words}. A pair with this interface takes the same."
+    low, value, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
+    return f"{words}, and are consistent with {with_interval(value, low, high)}. A pair with it takes the same."
 
 
 def _fit_words(interface: Interface, fit: Fit) -> Iterator[str]:
@@ -94,6 +106,7 @@ def calibration_record(interface: Interface) -> str:
     advice = [{"what": words, "error_of_mu0": mu0, "error_of_tau0": tau0} for words, mu0, tau0 in interface.advice]
     return record(
         "calibrate", values, kind="interface", variation=interface.variation, separated=interface.separated,
+        junction_growth=None if interface.growth is None else interface.growth.shown,
         excluded=list(interface.excluded), fits=fits, would_separate=advice,
     )  # fmt: skip
 
