@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+import xarray
 from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
+from stiction.studies.hardness import _between_loads
 
 OF_PLASTIC = 5e-3
 """Relative difference of contacts that all yield from Tabor's closed form."""
@@ -136,3 +138,10 @@ def test_metals_grow_by_default(upper, lower, text):
 def test_bad_growth_is_rejected(arguments, word):
     with pytest.raises(ValueError, match=word):
         pair(*bodies(), **PLASTIC | STRENGTH | arguments)
+
+
+def test_areas_between_solved_loads_follow_a_power_of_the_load():
+    loads, areas = np.array([1.0, 4.0, 100.0]), np.array([3.0, 6.0, np.nan])
+    solved = xarray.Dataset({"contact_area": ("load", areas)}, {"load": loads})
+    found = _between_loads(solved, np.array([0.1, 1.0, 2.0, 4.0]))["contact_area"].values
+    assert found == pytest.approx([3.0, 3.0, 3.0 * 2**0.5, 6.0])

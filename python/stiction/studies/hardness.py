@@ -300,18 +300,19 @@ class Areas:
         own = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
         solved = result.alongside(hardness_beside)
-        # The value itself depends on the areas of junction growth: those of the nearest load that was solved.
-        nearest = "nearest" if study.contact.junction_growth else None
-        if solved is not None and (nearest or set(loads.tolist()) <= set(solved["load"].values.tolist())):
-            means = solved.sel(load=loads, method=nearest).mean("repetition")
+        # The value itself depends on the areas of junction growth, at every load.
+        grows = bool(study.contact.junction_growth)
+        if solved is not None and (grows or set(loads.tolist()) <= set(solved["load"].values.tolist())):
+            means = solved.mean("repetition")
             over = (means * means["relative_modulus"] / means["load"]).transpose("load", "relative_modulus", "hardness")
+            over = _between_loads(over, loads)
             areas, nodes, moduli = over["contact_area"], over["hardness"].values, over["relative_modulus"].values
             borne = np.isfinite(areas.values).all(axis=(0, 1))
             if borne[-1] and (own is None or borne.sum() > 1):
                 finite = borne & np.isfinite(nodes)
                 table = nodes[finite], areas.values[..., finite], areas.values[..., -1]
                 growth = growth if moduli.size == 1 else np.zeros(loads.size)
-                errors = _errors_over_hardness(solved.sel(load=loads, method=nearest), own)[:, finite]
+                errors = _errors_over_hardness(solved.sel(load=loads, method="nearest"), own)[:, finite]
                 opposing = (
                     over["opposing_area"].values[:, moduli.size // 2, finite] if "opposing_area" in over else None
                 )
@@ -392,6 +393,18 @@ class Areas:
         if rule == "all" or self.opposing is None:
             return areas, elastic
         return self.opposing[load], elastic * float(self.opposing[load, -1] / areas[-1])
+
+
+def _between_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
+    """Return areas at loads, as powers of the load between those of a dataset, and beyond these those at its ends."""
+    import xarray
+
+    there = areas["load"].values
+    place = np.interp(np.log(loads), np.log(there), np.arange(there.size))
+    below = np.floor(place).astype(int)
+    lower, upper = (areas.isel(load=each).drop_vars("load") for each in (below, np.ceil(place).astype(int)))
+    part = xarray.DataArray(place - below, dims="load")
+    return lower ** (1 - part) * upper**part  # exact at the loads of the dataset, even where others bear none
 
 
 def _errors_over_hardness(solved: xarray.Dataset, own: float | None) -> Floats:
