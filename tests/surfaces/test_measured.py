@@ -129,7 +129,7 @@ def test_reader_rejects_options_that_contradict_the_file(file):
     path = file(TEXTS["brackets, nm"])
     assert "declares its heights in nm, but unit is um" in refusal(path, unit="um")
     assert read_profile(path, unit=("um", "nm")).heights.tolist() == HEIGHTS
-    assert "its positions that the spacing is 0.1 µm, but spacing says 0.2 um" in refusal(path, spacing="0.2 um")
+    assert "has positions with a spacing of 0.1 µm, but spacing is 0.2 um" in refusal(path, spacing="0.2 um")
     assert read_profile(path, spacing="100 nm").spacing == 0.1
     column = file(TEXTS["one column"])
     assert "declares a spacing of 0.1 µm, but spacing is 0.3 um" in refusal(column, spacing="0.3 um")
@@ -210,7 +210,7 @@ def test_declared_spacing_that_disagrees_is_reported(file):
     with pytest.warns(FormatWarning, match=r"declared spacing is 0.2 µm, but its positions are 0.1 µm apart"):
         profile = read_profile(file("Spacing,0.2 um\n" + data))
     assert profile.spacing == pytest.approx(0.1)
-    assert profile.history[1] == "spacing 0.1 µm from its positions, where it says 0.2 µm"
+    assert profile.history[1] == "spacing 0.1 µm from its positions, declared as 0.2 µm"
     assert "header and positions agree" in read_profile(file("Resolution,0.10 um/sample\n" + data)).history[1]
     assert "says" not in read_profile(file("Resolution,20 nm\n" + data)).history[1]  # of heights, perhaps
 
@@ -268,8 +268,11 @@ def test_matrix_columns_are_not_taken_for_positions(file):
     labelled = np.block([[np.zeros((1, 1)), x[np.newaxis]], [y[:, np.newaxis], heights]])
     for matrix, message in (
         (np.c_[y, heights[:, :2]], "20 rows of 3 columns, of which the first column has equal steps"),
-        (np.array([x, heights[0]]), "2 rows of 30 columns, of which the first row counts evenly"),
-        (labelled, "of which the first row and column count evenly, as positions do; leave only heights in the file"),
+        (np.array([x, heights[0]]), "2 rows of 30 columns, of which the first row has equal steps"),
+        (
+            labelled,
+            "of which the first row and column have equal steps, like positions; leave only heights in the file",
+        ),
     ):
         assert message in refusal(file(npy(matrix), "a.npy"), **options)
         text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in matrix)
@@ -277,7 +280,7 @@ def test_matrix_columns_are_not_taken_for_positions(file):
             assert message in refusal(file(text, "a.txt"), **options)
     above = heights.copy()
     above[0] = x
-    assert "of which the first row counts evenly" in refusal(file(npy(above), "a.npy"), **options)
+    assert "of which the first row has equal steps" in refusal(file(npy(above), "a.npy"), **options)
     lost = heights.copy()
     lost[0] = 0.5
     tilted = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]  # as measured, before it is levelled
@@ -771,10 +774,10 @@ def test_stylus_profile_is_read(measured):
     assert len(profile) == 9600
     assert profile.spacing == pytest.approx(1499.8 / 9599, rel=1e-12)
     assert profile.history[1] == "its header gives a tip radius of 2.5 µm (--tip)"
-    assert profile.history[2] == "spacing 0.1562454 µm from its positions, where it says 0.156 µm"
+    assert profile.history[2] == "spacing 0.1562454 µm from its positions, declared as 0.156 µm"
     assert np.std(levelled(profile, "line").heights) == pytest.approx(0.0942, abs=5e-5)
     assert read_profile(path, spacing="0.15625 um").extent == 1500.0
-    assert "0.1562454 µm, but spacing says 0.156 um" in refusal(path, spacing="0.156 um")
+    assert "0.1562454 µm, but spacing is 0.156 um" in refusal(path, spacing="0.156 um")
 
 
 def test_surface_of_atomic_force_microscope_is_read(measured):
