@@ -352,7 +352,10 @@ def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> I
                 f"τ0 is {percent(tau0 / bulk)} of the shear strength of the softer body, {with_unit(bulk, 'GPa')}; "
                 f"junction growth, which is taken as 0, would raise the friction of a ductile body {more}"
             )
-            yield Doubt(text, "give --junction-growth '0..27' if it is ductile, 0 if it is not", "caution")
+            cure = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
+            if study.contact.adheres:  # whose contacts at the onset of sliding are not solved
+                cure = "compare with the pair without --adhesion, whose contacts grow"
+            yield Doubt(text, cure, "caution")
     yield from doubted(([IS_MU0],), _numbers(point, study, value))
 
 
