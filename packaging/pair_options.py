@@ -152,7 +152,7 @@ def written() -> dict[Path, str]:
     command = COMMAND.read_text("utf-8")
     command = replaced(command, "    lower: LowerFile = None,\n    *,\n", "    workers:", parameters_of_command())
     reader = READER.read_text("utf-8")
-    reader = replaced(reader, "    as_json: Json = False,\n", ") -> None:\n", parameters_of_reader())
+    reader = replaced(reader, 'help="Measured profiles or surfaces.")],\n    *,\n', "    row:", parameters_of_reader())
     texts = {FUNCTION: function, COMMAND: command, READER: reader}
     return {path: formatted(text) for path, text in texts.items()}
 

@@ -715,9 +715,9 @@ READING: tuple[str, ...] = tuple(name for name in ReadingOptions.model_fields if
 """Options that `read_measurement` takes."""
 
 
-def split_list(name: str, text: str) -> str | list[str]:
+def split_list(name: str, text: str) -> str | tuple[str, ...]:
     """Return the values of an option in a text between commas, or the text if the option has one value."""
-    return split_values(text) if OPTIONS[name].is_list and "," in text else text
+    return tuple(split_values(text)) if OPTIONS[name].is_list and "," in text else text
 
 
 CHECKED: tuple[str, ...] = tuple(
