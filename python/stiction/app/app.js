@@ -216,7 +216,7 @@ function render() {
 }
 
 const KIND = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"}; // how the style calls each verdict
-const WORDS = {all: "all contacts rub", opposing: "only climbing contacts rub (the paper's rule)"};
+const WORDS = {all: "friction at all contacts", opposing: "friction at opposing contacts only (the paper's rule)"};
 
 /** Values, verdict and reasons; what is not the last is grey, and has no verdict. */
 function say(answer, by, isLast) {

@@ -122,31 +122,31 @@ VERDICTS = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it
 ADVICE = {
     "not-reached": (
         "no solved load is as large, or the solved loads around it are more than a factor of 10 apart",
-        "give less load or larger steps of contact, or solve this load too",
+        "use a smaller load or larger steps of contact, or solve this load too",
     ),
-    "below-range": ("the first step of the result carries more than this load", "give more load, or smaller steps"),
-    "not-solved": ("the half-space did not reach its tolerance", "try another load, or mechanics asperities"),
-    "self-locked": ("friction on such slopes holds at any tangential load", "check μ0 and τ0"),
+    "below-range": ("the first step of the result carries more than this load", "use a larger load, or smaller steps"),
+    "not-solved": ("the half-space did not reach its tolerance", "try another load, or the asperity model"),
+    "self-locked": ("slopes this steep resist any tangential load", "check μ0 and τ0"),
     "seizure": (
         "the interface is stronger than the bulk (τ0 is at least H/√α), or its junctions grow over the whole area; "
         "the model has no coefficient",
         "check τ0, the hardness and α",
     ),
-    "no-contact": ("the bodies do not touch", "give more load or a larger approach"),
-    "": ("there is no coefficient", "see how many members have an answer"),
+    "no-contact": ("the bodies do not touch", "use a larger load or a larger approach"),
+    "": ("there is no coefficient", "check how many members have a value"),
 }
 """Meaning and remedy of each status; the last one is for any other."""
 
-WIDE_INTERVAL = f"its interval is wider than ±{100 * WIDE:.0f} %"
+WIDE_INTERVAL = f"the interval is wider than ±{100 * WIDE:.0f} %"
 
 OF_VALUE = (
     Check("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
-    Check("missing_interval", HALF, "there is no interval", "that takes at least 8 members that differ"),
-    Check("half_width", WIDE, WIDE_INTERVAL, "more members narrow it"),
+    Check("missing_interval", HALF, "there is no interval", "an interval requires at least 8 different members"),
+    Check("half_width", WIDE, WIDE_INTERVAL, "use more members"),
 )
 
 OF_GAP = Check(
-    "missing_interval", HALF, "a gap has one position, and the spread between places is not known",
+    "missing_interval", HALF, "a gap has one position, so the spread between places is unknown",
     "press gaps of other places", "caution",
 )  # fmt: skip
 
@@ -163,30 +163,30 @@ def _share(name: str, text: str, cure: str, severity: Severity = "fault", limit:
 OF_ASPERITIES: Checks = (
     [_share(
         "share_beyond_hertz", "{} of the load is beyond Hertz (overlap above a tenth of the radius)",
-        "give less load, or press by the half-space",
+        "use a smaller load, or the half-space",
     )],
     [_share(
-        "share_below_grid", "{} of the load is on radii below the spacing of points: a finer grid differs",
-        "take a finer grid, or filter the bodies",
+        "share_below_grid", "{} of the load is on radii below the grid spacing: a finer grid would give another result",
+        "use a finer grid, or filter the surfaces",
     )],
 )  # fmt: skip
 
 _OVERLAPPING = _share(
-    "share_overlapping", "{} of the load is on ellipses that overlap, where contacts merge", "press by the half-space"
+    "share_overlapping", "{} of the load is on overlapping ellipses, where contacts merge", "use the half-space"
 )
 ON_ONE = "one contact carries {} of the load"
-MORE_CONTACTS = "take larger scans or a higher load"
+MORE_CONTACTS = "use larger scans or a higher load"
 _FINER = "scan more finely, filter the scan, or give a hardness"
 
 IS_MU0 = Check(
-    "share_of_mu0", 1 - ONLY_MU0, "τ0 is 0, so this is the μ0 that was given; these surfaces add {}",
-    "give --tau0, or measure both by stiction calibrate", "caution", "digit", "beyond_mu0",
+    "share_of_mu0", 1 - ONLY_MU0, "τ0 is 0, so the coefficient is the given μ0; the surfaces add {}",
+    "give --tau0, or determine both with stiction calibrate", "caution", "digit", "beyond_mu0",
 )  # fmt: skip
 
 OF_COUNTS = (
     Check("contacts_missing_of_all", 0.0,
           f"all members together have fewer than {FEWEST_CONTACTS} contacts, on average {{}}",
-          "a higher load, larger surfaces or more members have more", about="contact_count"),
+          "use a higher load, larger surfaces or more members", about="contact_count"),
     Check("contacts_missing", 0.0, "{} contacts on average are too few",
           MORE_CONTACTS, about="contact_count"),
     _share("share_on_separate", ON_ONE, MORE_CONTACTS, "fault", MAX_LOAD_ON_ONE),
@@ -198,16 +198,17 @@ OF_COUNTS = (
 
 OF_CONTACTS: Checks = (
     [_share(
-        "share_of_pull_off_bounds", "the pull-off force is at least this: that of {} of the members is a lower bound",
-        "a warning of half_space says why", "caution", 0.0,
+        "share_of_pull_off_bounds", "the pull-off force is a lower bound: {} of the members have only a bound",
+        "half_space gives the reason as a warning", "caution", 0.0,
     )],
     [_share(
-        "share_at_edge", "{} of the load is on contacts that the edge cuts", "larger maps or less load have fewer"
+        "share_at_edge", "{} of the load is on contacts at the edge", "use larger maps or a smaller load"
     )],
     [
-        Check("single_cells", HALF, "the contacts are single points of the grid", _FINER),
+        Check("single_cells", HALF, "contacts are single grid points", _FINER),
         _share(
-            "fraction_on_small", "{} of the load is on contacts of at most 4 points: a finer scan differs", _FINER,
+            "fraction_on_small",
+            "{} of the load is on contacts of at most 4 points: a finer scan would give another result", _FINER,
             "caution",
         ),
     ],
@@ -217,8 +218,8 @@ OF_CONTACTS: Checks = (
 
 
 NO_COEFFICIENT = Doubt(
-    "the load is less than 1 % of the pull-off force, so that a coefficient has no meaning",
-    "quote the pull-off force and the friction at no load, or give a higher load", "fault",
+    "the load is less than 1 % of the pull-off force, so a coefficient has no meaning",
+    "report the pull-off force and the friction at no load, or use a higher load", "fault",
 )  # fmt: skip
 
 
@@ -238,7 +239,7 @@ def doubts_of(point: xarray.Dataset, study: Study, value: RuleValue, status: str
     ok = float(point["ok"].min()) if "ok" in point else math.nan  # in the direction where fewest have an answer
     if ok < HALF * members:
         text = f"only {ok:.0f} of {members:.0f} members have an answer"
-        yield Doubt(text, "see their statuses, and try another load", "fault")
+        yield Doubt(text, "check the statuses, and try another load", "fault")
     numbers = _numbers(point, study, value)
     pressures = pressure_checks(study, modulus_of(point, study))
     yield from doubted(([OF_GAP] if study.is_gap else OF_VALUE, [STEEP], *pressures), numbers)
@@ -305,18 +306,18 @@ def pressure_checks(study: Study, modulus: float) -> Checks:
         low, high = softer.hardness.low, softer.hardness.high
         ends = " to ".join(dict.fromkeys(with_unit(end, "GPa") for end in (low, high)))
         text = f"the mean pressure in contact is {{}}, and {softer.name} yields at {ends}"
-        cure = "take --mechanics half-space or --law jackson-green"
+        cure = "use --mechanics half-space or --law jackson-green"
         return ((check(high, text, cure, "fault"), check(low, text, cure, "caution")),)
     if modulus < SOFT:
         return ()
     highest, high = HIGHEST_PRESSURE * modulus, HIGH_PRESSURE * modulus
     if study.is_measured:
         yielded = "the mean pressure in contact is {}, at which nearly every material has yielded"
-        harder = "it holds only if the softer body is harder than {}, the mean pressure in contact"
+        harder = "the result is valid only if the softer body is harder than {}, the mean pressure in contact"
         cure = "give the hardness of the softer body"
         return ((check(highest, yielded, cure, "fault"), check(high, harder, "give its hardness", "caution")),)
     text = "the mean pressure in contact is {}, at which hardly any material is still elastic"
-    return ((check(highest, text, "take lower heights or D, or a hardness", "caution"),),)
+    return ((check(highest, text, "use lower heights, a lower D, or a hardness", "caution"),),)
 
 
 LIMITS_OF_CONTACTS = {
@@ -382,20 +383,23 @@ def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
         added = added_by_adhesion(point, study)
         least = ADDED if study.by_half_space else 1.0  # asperities cannot say that there is none
         if study.is_measured and study.contact.work_of_adhesion is None and added > least:
-            more = f"{percent(added)} of the load or more" if added < 1 else "more than the load"
-            text = f"adhesion of {1e6 * TYPICAL_WORK:g} mJ/m² would add {more} to that of the contacts"
+            more = f"at least {percent(added)} of the load" if added < 1 else "more than the load"
+            text = f"adhesion of {1e6 * TYPICAL_WORK:g} mJ/m² would add {more} to the load on the contacts"
             also = "" if study.by_half_space else "--mechanics half-space and "
-            yield Doubt(text, f"give {also}--adhesion, '0 mJ/m^2' where there is none", "caution")
+            yield Doubt(text, f"give {also}--adhesion, '0 mJ/m^2' if there is none", "caution")
         return
     asked, taken = range_of(point, study)
     if taken > asked:
-        text = f"adhesion reaches {with_unit(taken, 'um')}, the least on this grid, not {with_unit(asked, 'um')}"
-        yield Doubt(text, "the pull-off force is that of a short range, and a finer scan tells the rest", "caution")
+        ends = f"{with_unit(taken, 'um')}, the smallest on this grid, not {with_unit(asked, 'um')}"
+        text = f"the range of adhesion is {ends}"
+        yield Doubt(
+            text, "the pull-off force is close to that of a short range; scan more finely for the rest", "caution"
+        )
     known = {name.split("_")[0] for name in inputs_of(study)} & {"hardness", "effective", "young", "poisson"}
     if known and value_of(point, "contact_load") > (1 + ADDED) * float(point["load"]):
         names = "the hardness" if known == {"hardness"} else "E*" if "hardness" not in known else "E* and the hardness"
-        text = f"the interval leaves out how {names} change the attraction"
-        yield Doubt(text, "press at both ends of their ranges", "caution")
+        text = f"the interval does not include the effect of {names} on the attraction"
+        yield Doubt(text, "compute both ends of the ranges", "caution")
 
 
 def added_by_adhesion(point: xarray.Dataset, study: Study) -> float:
@@ -425,7 +429,7 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
     coarser, finer = (sides[steps.index(choose(steps))] for choose in (max, min))
     if max(steps) > COARSER * min(steps):
         ratio = significant(max(steps) / min(steps), 2)
-        text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so its fine waves are missing"
+        text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so it lacks short wavelengths"
         yield Doubt(text, "scan both alike", "caution")
     contact = value_of(point, "contact_area") / value_of(point, "contact_count")
     for side in sides:
@@ -433,24 +437,28 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
         if part > FILLED or hole > contact:
             text = f"{side}: {percent(part)} of the points are interpolated"
             if hole > contact:
-                text += f", in holes larger than the contacts, up to {hole:.3g} {'µm²' if study.is_areal else 'µm'}"
-            yield Doubt(text, "--missing mask presses what was measured, --crop what is whole", "caution")
+                text += f", in gaps larger than the contacts, up to {hole:.3g} {'µm²' if study.is_areal else 'µm'}"
+            yield Doubt(
+                text, "use --missing mask to press measured points only, or --crop to a complete region", "caution"
+            )
     if study.surfaces.press == "surrogates":
         piece = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))
         whole = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in sides)
         if piece < HALF * whole:
-            text = f"pieces of {with_unit(piece, 'um')} are pressed, without the longer waves that were scanned"
-            yield Doubt(f"{text} on {with_unit(whole, 'um')}", "lines, without --lay isotropic, have them", "caution")
+            text = f"pieces of {with_unit(piece, 'um')} are pressed, without the longer wavelengths of the scan"
+            yield Doubt(f"{text} of {with_unit(whole, 'um')}", "use profiles without --lay isotropic", "caution")
 
 
 def _of_the_area(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
     status = contact_status_of(point, study)
     if status == COMPLETE:
-        cure = "adhesion closes the gap: take stiffer or rougher bodies" if study.contact.adheres else "give less load"
+        cure = (
+            "adhesion closes the gap: use stiffer or rougher bodies" if study.contact.adheres else "use a smaller load"
+        )
         yield Doubt("contact is complete: the true area is the nominal one", cure, "fault")
     elif status == ABOVE_NOMINAL:
         text = "the areas of the asperities add up to more than the nominal area"
-        yield Doubt(text, "give less load, or press by the half-space", "fault")
+        yield Doubt(text, "use a smaller load, or the half-space", "fault")
 
 
 def _area_fraction(point: xarray.Dataset, study: Study) -> float:

@@ -48,8 +48,8 @@ SPIKE = 12.0
 NOISE = 0.01  # fraction of the mean square slope in waves of an instrument, from which on it is said
 PEAK = 0.1  # fraction of the fourth spectral moment in one peak, from which on it is said
 CURE = (
-    " if they are the instrument's; --texture turned, milled, ground, ... or --cutoff none if they are the surface's; "
-    "two scans of one place tell (stiction characterise --repeated)"
+    " if they are the instrument's; use --texture turned, milled, ground, ... or --cutoff none if they are the "
+    "surface's; scan one place twice to find out (stiction characterise --repeated)"
 )
 MUCH = 2.0  # factor between spectra of one surface, above which it is said
 WHOLE_PART = 0.1  # nominal pressure over E* from which on a load is that of a larger body
@@ -85,20 +85,20 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
     alike = {doubt for pair in pairs for doubt in pair}
     both = [replace(max(pair, key=lambda each: each.cut_off), text=_joined(*pair)) for pair in pairs]
     alone = [[each for each in of_body if each not in alike] for of_body in (of_upper, of_lower)]
-    named = zip(("both bodies", "upper", "lower"), (both, *alone), strict=True)
+    named = zip(("both scans", "upper", "lower"), (both, *alone), strict=True)
     doubts = [replace(each, text=f"{name}: {each.text}") for name, of_body in named for each in of_body]
     longest = MAX_CUTOFF_FRACTION * min(_shortest_side(body) for body in (upper, lower))
     doubts = [replace(each, cure=_without_cutoff(each, longest)) for each in doubts]
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > HIGHEST_MU0:
-        text = f"μ0 = {mu0:g} is more than any pair of materials has"
+        text = f"μ0 = {mu0:g} is larger than that of any pair of materials"
         doubts.append(Doubt(text, "give it as a fraction, not in percent", "caution"))
     area = float(np.prod(np.minimum(_extent(upper), _extent(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:
         if load / area > WHOLE_PART * modulus:
             text = f"{with_unit(load, 'mN')} is {with_unit(load / area, 'GPa')} on {area:.3g} µm², above a tenth of E*"
-            doubts.append(Doubt(text, "give the load on this area, not on a whole part", "caution"))
+            doubts.append(Doubt(text, "give the load on this area, not on the whole part", "caution"))
     return tuple(doubts)
 
 
@@ -179,10 +179,10 @@ def spectra_differ(joined: JoinedSpectrum) -> bool:
 def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Doubt]:
     """What several scans of one surface do not agree on, or leave open."""
     if spectra_differ(spectrum):
-        text = "its scans differ by more than a factor of two in power"
-        yield Doubt(text, "look at them by characterise --together; leave out what is wrong", "caution")
+        text = "scans of the surface differ by more than a factor of two in power"
+        yield Doubt(text, "compare them with characterise --together, and leave out the wrong one", "caution")
     if (spectrum.count == 0).any():
-        yield Doubt("some of its waves are in no scan", "scan the wavelengths between", "caution")
+        yield Doubt("some wavelengths are in no scan", "scan the missing wavelengths", "caution")
 
 
 def _of_instrument(
@@ -197,17 +197,17 @@ def _of_instrument(
     shortest = limit.wavelength if limit.slope_fraction > NOISE else 0.0
     if shortest:
         is_known = limit.origin == "instrument"
-        text = f"{_waves(limit)} and are {'not' if is_known else 'perhaps not'} the surface's: {REASONS[limit.reason]}"
-        cure = f"--cutoff '{with_unit(limit.cut_off, 'um')}' takes their slope off"
+        text = f"{_waves(limit)}, {'which are' if is_known else 'perhaps'} not the surface's: {REASONS[limit.reason]}"
+        cure = f"--cutoff '{with_unit(limit.cut_off, 'um')}' removes them"
         if limit.matters:
             cure += ", --cutoff none keeps them" if is_known else CURE
         severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
         yield Doubt(text, cure, severity, limit.cut_off, has_readings and limit.matters)
     if blunt.reason == "tip" and blunt.slope_fraction > NOISE:
-        text = f"{_waves(blunt)} and are sharper than the tip follows: the surface is steeper"
+        text = f"{_waves(blunt)} and are too sharp for the tip: the surface is steeper"
         # Without a hardness, steeper slopes reduce the true area without a limit.
         how: Severity = "fault" if elastic and blunt.matters else "caution"
-        cure = "a sharper tip shows how much" + (", a hardness limits it" if elastic else "")
+        cure = "use a sharper tip" + (", or give a hardness" if elastic else "")
         yield Doubt(text, cure, how, blunt.cut_off)
     if not isinstance(body, Profile):
         return
@@ -215,30 +215,30 @@ def _of_instrument(
     if peak is not None and peak[1] >= PEAK and peak[0] > shortest:
         part, wave = percent(peak[1]), with_unit(peak[0], "um")
         text = f"a peak at {wave}, perhaps of the instrument, has {part} of the curvature"
-        yield Doubt(text, f"--cutoff '{with_unit(CUTOFF_MARGIN * peak[0], 'um')}' takes it off", "caution", peak[0])
+        yield Doubt(text, f"--cutoff '{with_unit(CUTOFF_MARGIN * peak[0], 'um')}' removes it", "caution", peak[0])
 
 
 def _waves(limit: InstrumentLimit) -> str:
     part = f"{100 * limit.slope_fraction:.0f} %"  # in as few digits as make two scans of a kind alike
-    return f"waves below {with_unit(limit.wavelength, 'um')} have {part} of the mean square slope"
+    return f"{part} of the mean square slope is below {with_unit(limit.wavelength, 'um')}"
 
 
 def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Doubt]:
     height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
     if height > extent / 2:
         text = f"heights span {with_unit(height, 'um')} over {with_unit(extent, 'um')}"
-        yield Doubt(text, "check their unit", "fault" if height > IMPOSSIBLE * extent else "caution")
+        yield Doubt(text, "check the unit of heights", "fault" if height > IMPOSSIBLE * extent else "caution")
     if not isinstance(body, Profile):
         return
     level = levelled(body, "line").heights
     parabola = 1 - levelled(body, "quadratic").heights.var() / level.var() if np.ptp(level) > 0 else 0.0
     if form and parabola > FORM:
-        text = f"a parabola is {100 * parabola:.0f} % of its mean square height, and carries the load"
+        text = f"form (a parabola) is {100 * parabola:.0f} % of the mean square height, and carries the load"
         yield Doubt(text, "try --level quadratic", "caution")
     bends = np.abs(np.diff(body.heights, 2))
     usual = float(np.median(bends)) / 0.6745
     spikes = int(np.count_nonzero(bends > SPIKE * usual)) if usual > 0 else 0
     if spikes:
-        points = "1 point bends" if spikes == 1 else f"{spikes} points bend"
-        text = f"{points} more than {SPIKE:g} times as sharply as usual, and would touch first"
-        yield Doubt(text, "if they are spikes of the instrument, take them out", "caution")
+        points = "1 point is" if spikes == 1 else f"{spikes} points are"
+        text = f"{points} more than {SPIKE:g} times as sharp as usual, and would touch first"
+        yield Doubt(text, "if they are spikes of the instrument, remove them (--outliers mask)", "caution")

@@ -58,7 +58,7 @@ def friction_table_text(table: xarray.Dataset) -> str:
     ends = " to ".join(with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     laws = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"
     lines = [fitted(f"Pressures of {ends}; {laws}"), ""]
-    rows = [["H, Sq", "a (1/GPa)", "b (GPa/µm)", "c", "μ_s all rub", "μ_s paper's rule", "off by"]]
+    rows = [["H, Sq", "a (1/GPa)", "b (GPa/µm)", "c", "μ_s all contacts", "μ_s opposing contacts", "largest deviation"]]
     for place in np.ndindex(table.sizes["hurst_exponent"], table.sizes["rms"]):
         at = table.isel(hurst_exponent=place[0], rms=place[1])
         off = [float(at[f"{name}_deviation"]) for name in ("area", "stiffness")]

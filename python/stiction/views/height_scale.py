@@ -61,7 +61,7 @@ def height_scale_text(at: xarray.Dataset, study: Study) -> str:
     for point in points(at):
         material = f"μ0 = {float(point['mu0']):g}, τ0 = {with_unit(float(point['tau0']), 'GPa')}"
         rms = ["Sq of both" if is_areal else "Pq of both"] if has_rms else []
-        rubbing = {"all": "μ_s all rub", "opposing": "μ_s paper's rule"}
+        rubbing = {"all": "μ_s all contacts", "opposing": "μ_s opposing contacts"}
         has_fraction = has_nominal_area(point, study) and "contact_area_fraction" in point
         held = ["pull-off"] if "pull_off_pressure" in point else []
         area = "A/A0" if has_fraction else "A (µm²)"

@@ -84,9 +84,10 @@ def onset_note(onset: xarray.Dataset) -> str:
     """What the numbers are means of, and what they assume."""
     a = onset.attrs
     members = int(a["members"])
-    words = f"This onset is that of {'one member' if members == 1 else f'{members} members'}, all contacts rubbing."
+    count = "one member" if members == 1 else f"{members} members"
+    words = f"The onset of sliding is for {count}, with friction at all contacts."
     if not int(a.get("poisson_given", 1)) and np.isfinite(onset["stiffness"].values[0]):
-        words += f" Poisson's ratio is taken as {float(np.ravel(a['poisson_ratio'])[0]):g}."
+        words += f" Poisson's ratio is assumed to be {float(np.ravel(a['poisson_ratio'])[0]):g}."
     return words
 
 

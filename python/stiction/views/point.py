@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-RULES = {"all": "if all contacts rub", "opposing": "if only climbing contacts rub (the paper's rule)"}
+RULES = {"all": "friction at all contacts", "opposing": "friction at opposing contacts only (the paper's rule)"}
 """Sliding rules in words. For measured bodies the first is quoted first, because mu0 is measured on smooth faces."""
 
 

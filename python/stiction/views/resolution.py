@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 Rows = list[list[str]]
-RULE_TITLES = {"all": "all rub", "opposing": "the paper's rule"}
+RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 
 
 # ---- Waves -----------------------------------------------------------------------------------------------------------
@@ -41,8 +41,8 @@ def waves_text(found: Seen) -> str:
     """Which waves were seen, and how much of the slope is in the shortest octave of them."""
     part = percent(found.fraction_below(2 * found.shortest))
     return (
-        f"Waves from {with_unit(found.shortest, 'um')} to {with_unit(found.longest, 'um')}; those below "
-        f"{with_unit(2 * found.shortest, 'um')} make {part} of the gap's mean square slope h'\N{SUPERSCRIPT TWO}."
+        f"Wavelengths from {with_unit(found.shortest, 'um')} to {with_unit(found.longest, 'um')}; those below "
+        f"{with_unit(2 * found.shortest, 'um')} contribute {part} of the gap's mean square slope h'\N{SUPERSCRIPT TWO}."
     )
 
 
@@ -55,12 +55,12 @@ def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
     The plastic limit is its last row.
     """
     rules = rules_of(study)
-    rows = [["waves below", "h'", "A/A0", "mean pressure", *(f"μ_s {RULE_TITLES[rule]}" for rule in rules)]]
+    rows = [["cutoff", "h'", "A/A0", "mean pressure", *(f"μ_s {RULE_TITLES[rule]}" for rule in rules)]]
     for point in points(at):
         friction = point["friction_all_round"]
         cut_off, status = float(point["cut_off"]), contact_status_of(point, study)
         rows.append([
-            with_unit(cut_off, "um") if cut_off else "none off",
+            with_unit(cut_off, "um") if cut_off else "none",
             quoted(value_of(point, "rms_gradient")),
             percent(value_of(point, "contact_area_fraction")) if status == STATUS_OK else status,
             with_unit(pressure_of(point), "GPa"),
@@ -79,7 +79,7 @@ def _coefficient(value: float) -> str:
 
 
 def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:
-    """Return mu0 + tau0/H', below which no finer scan comes where all contacts rub; None without a hardness."""
+    """Return mu0 + tau0/H', below which no finer scan comes with friction at all contacts; None without a hardness."""
     adhesion = plastic_adhesion(point, study)
     return None if adhesion is None else float(point["mu0"]) + adhesion
 
@@ -100,9 +100,9 @@ def cut_off_records(at: xarray.Dataset, study: Study) -> list[dict[str, Any]]:
 def cut_off_note(at: xarray.Dataset, study: Study) -> str:
     """What the table is of, and what it says."""
     members = value_of(at, "members")
-    words = f"Shorter waves are taken off both bodies; means over {members:.0f} members."
+    words = f"Both surfaces are low-pass filtered at the cutoff; means over {members:.0f} members."
     if plastic_limit(at, study) is not None:
-        words += " No finer scan passes the plastic limit; the paper's rule has none, and belongs to its waves."
+        words += " No finer scan passes the plastic limit. With friction at opposing contacts there is no such limit."
     return words
 
 
@@ -131,19 +131,19 @@ def yielding_rows(point: xarray.Dataset, study: Study, found: Seen) -> Rows:
     rows = []
     for hardness, wave, low, high, limit in yielding(point, study, found):
         if math.isnan(wave):
-            reached = "never, by these slopes"
+            reached = "never, for these slopes"
         elif wave > found.shortest:
             reached = "this scan already"
         else:
             ends = ", ".join(with_unit(end, "um") for end in (low, min(high, found.shortest)))
             reached = f"{with_unit(wave, 'um')} [{ends}]"
         rows.append([with_unit(hardness, "GPa"), reached, f"{limit:.3f}"])
-    return [["if the hardness is", "it yields at waves of", "μ_s all rub, at least"], *rows] if rows else []
+    return [["if the hardness is", "it yields at a wavelength of", "μ_s all contacts, at least"], *rows] if rows else []
 
 
 ELASTIC = (
-    "This answer is elastic: a finer scan has steeper slopes and less area, without a limit. A hardness ends that; "
-    "give --hardness, or materials by name."
+    "This result is elastic: a finer scan has steeper slopes and less area, without a limit. A hardness sets the "
+    "limit; give --hardness, or materials by name."
 )
 
 

@@ -37,23 +37,26 @@ LONGEST_NAME = 24  # characters of the name of a scan in a figure
 
 def joined_text(joined: JoinedSpectrum) -> str:
     """What each scan gives to one spectrum, how far it is off the others, and the slope over wavelength."""
-    rows = [["scan", "waves taken", "ended by", "beside the others"]]
+    rows = [["scan", "wavelengths used", "limited by", "compared with the others"]]
     for name, (shortest, longest), reason, off, chance in zip(
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
     ):
         beside = "no overlap" if math.isnan(off) else f"{off:.2f} times as much power"
-        beside += ", of few waves" if 2 * chance > math.log(MUCH) else ""
+        beside += ", from few wavelengths" if 2 * chance > math.log(MUCH) else ""
         rows.append([name, f"{with_unit(shortest, 'um')} to {with_unit(longest, 'um')}", reason, beside])
     found = joined.roughness()
-    slopes = [["waves from", "h'", "h'' (1/µm)"]]
+    slopes = [["wavelengths above", "h'", "h'' (1/µm)"]]
     for wave in found.wavelength[:: max(1, found.wavelength.size // MOST_ROWS)]:
         numbers = (found.gradient_at(wave), found.curvature_at(wave))
         slopes.append([with_unit(float(wave), "um"), *(f"{float(number):.3g}" for number in numbers)])
     said = ""
     if (joined.count == 0).any():
-        said = "Between some scans there are waves that none has; a power law joins them.\n"
+        said = "Some wavelengths between the scans are in none of them; a power law fills the gap.\n"
     if spectra_differ(joined):
-        said += "Scans differ by more than a factor of two in power: heights are scaled otherwise, or waves are cut.\n"
+        said += (
+            "Scans differ by more than a factor of two in power: a scale of heights is wrong, or wavelengths are "
+            "missing.\n"
+        )
     return "\n\n".join([aligned(rows), aligned(slopes)]) + "\n" + (fitted(said) + "\n" if said else "")
 
 
@@ -140,15 +143,15 @@ def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 def repeated_text(found: RepeatedScans) -> str:
     """How both scans lie on each other, noise over wavelength, and from which wave on the mean of both is right."""
-    rows = [["waves", "in both", "noise of one", "part of the mean square"]]
+    rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
     for wave, common, noise in np.transpose([found.wavelength, found.common, found.noise]).tolist():
         part = noise**2 / (noise**2 + common**2) if noise or common else 0.0
         waves = f"{with_unit(wave, 'um')} to {with_unit(2 * wave, 'um')}"
         rows.append([waves, with_unit(common, "um"), with_unit(noise, "um"), percent(part)])
     moved = ", ".join(f"{axis} = {with_unit(each, 'um')}" for axis, each in zip("xy", found.shift[::-1], strict=False))
     said = (
-        f"The second scan begins at {moved} of the first. Their correlation is {found.correlation:.4g}, the noise of "
-        f"one scan {with_unit(found.noise_rms, 'um')}."
+        f"The second scan starts at {moved} of the first one. The correlation is {found.correlation:.4g}, the noise of "
+        f"a single scan {with_unit(found.noise_rms, 'um')}."
     )
     return f"{aligned(rows)}\n\n{fitted(said)}\n{fitted(limit_text(found))}\n"
 
@@ -156,12 +159,12 @@ def repeated_text(found: RepeatedScans) -> str:
 def limit_text(found: RepeatedScans) -> str:
     """From which wave on the mean of both scans is right."""
     if math.isnan(found.limit):
-        return "Noise has more than a tenth of the mean square slope of their mean, whatever waves are taken off."
+        return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
     if found.limit <= found.wavelength[0]:
-        return "Of their mean all waves are to be trusted: noise has less than a tenth of its mean square slope."
+        return "All wavelengths of the mean scan can be used: less than a tenth of its mean square slope is noise."
     wave = with_unit(found.limit, "um")
     part = "at most a tenth of the mean square slope"
-    return f"Of their mean waves from {wave} on are to be trusted: --cutoff '{wave}' leaves noise {part}."
+    return f"Wavelengths of the mean scan above {wave} can be used: --cutoff '{wave}' leaves noise {part}."
 
 
 def repeated_record(found: RepeatedScans) -> dict[str, Any]:

@@ -38,7 +38,7 @@ def finer_text(one: PointSummary) -> str:
         return ""
     low, high = (f"{end:.3f}" for end in one.bracket)
     ends = f"{low} (μ0 + τ0/{'H′' if one.grows else 'H'})" + (f" to {high}" if low != high else "")
-    return f"at H = {with_unit(one.hardness, 'GPa')} a finer scan would give {ends}"
+    return f"with H = {with_unit(one.hardness, 'GPa')} a finer scan would give {ends}"
 
 
 def sentence_text(one: PointSummary) -> str:
@@ -51,8 +51,8 @@ def sentence_text(one: PointSummary) -> str:
         faults = "; ".join(doubt.text for doubt in one.faults)
         return f"There is no coefficient to quote at {inputs_text(one)}: {faults}."
     first, *others = one.rules
-    words = f"μ_s = {quoted(first.value, first.lower, first.upper)} {RULES[first.rule]}"
-    words += "".join(f", {quoted(one.value, one.lower, one.upper)} {RULES[one.rule]}" for one in others)
+    words = f"μ_s = {quoted(first.value, first.lower, first.upper)} with {RULES[first.rule]}"
+    words += "".join(f", {quoted(one.value, one.lower, one.upper)} with {RULES[one.rule]}" for one in others)
     parts = [f"{words}, at {inputs_text(one)}", note_text(one)]
     parts += [f"assumed: {', '.join(assumed)}"] if assumed else []
     parts += filter(None, [covers_text(one), roughness_text(one), finer_text(one)])
@@ -107,7 +107,7 @@ def inputs_text(one: PointSummary) -> str:
         steps = np.unique(np.atleast_1d(point.attrs["spacing_um"]).astype(float)).tolist()
         words.append(f"points {' and '.join(with_unit(step, 'um') for step in steps)} apart")
     if "cut_off" in point.coords and float(point["cut_off"]) > 0:
-        words.append(f"waves below {with_unit(float(point['cut_off']), 'um')} taken off")
+        words.append(f"low-pass filtered at {with_unit(float(point['cut_off']), 'um')}")
     return ", ".join(words)
 
 
@@ -125,10 +125,10 @@ def _interface_words(study: Study) -> str:
     """Return name, kind and conditions of the interface that mu0 and tau0 are from."""
     found, name = interface_of(study), Path(str(study.known.interface)).name
     if found is None:
-        return f"interface {name}, which is not there, so that μ0 and τ0 are taken one by one"
+        return f"interface {name}, which is missing, so μ0 and τ0 are independent"
     fit, words = found.fits[0], [found.about.get("kind", "measured"), found.about.get("motion", "")]
     words += [RULES[fit.sliding]] if fit.sliding != "all" else []
-    words += ["its range is not known"] if np.ptp(fit.mu0) == np.ptp(fit.tau0) == 0 else []
+    words += ["its range is unknown"] if np.ptp(fit.mu0) == np.ptp(fit.tau0) == 0 else []
     return f"interface {name} ({', '.join(filter(None, words))})"
 
 
@@ -163,7 +163,7 @@ def note_text(one: PointSummary) -> str:
     difference = value_of(point, "reading_difference")
     if difference > READINGS_DIFFER:
         reading = _READINGS.get(str(point.attrs.get("reading")), "the load has one of three meanings")
-        words.append(f"{reading}; by another reading μ_s differs by {percent(difference)}")
+        words.append(f"{reading}; with another meaning of the load μ_s differs by {percent(difference)}")
     return "; ".join(words)
 
 
@@ -187,7 +187,7 @@ def assumptions_of(study: Study) -> tuple[str, ...]:
         is_plane = study.by_half_space or "cylinder" in law_of(study)
         words.append(f"{'parallel grooves across the scans' if is_plane else 'contacts of spheres'} on {STRIP}")
     elif surfaces.press == "surrogates":
-        words.append("surfaces alike in all directions")
+        words.append("isotropic surfaces")
     words += [] if study.by_half_space else ["contacts that do not interact"]
     words += [] if contact.hardness is not None or "jackson" in law_of(study) else ["elastic contact"]
     words += ["no adhesion"] if contact.work_of_adhesion is None else []
@@ -217,7 +217,9 @@ def _scans_text(study: Study) -> str:
         return "one scan of each part"
     words = f"{counts[0]} × {counts[1]} scans of both parts"
     single = [side for side, count in zip(SIDES, counts, strict=True) if count == 1]
-    return words + "".join(f", and one of the {side}: the spread between its places is not in it" for side in single)
+    return words + "".join(
+        f", but one of the {side}, so the spread between its places is not included" for side in single
+    )
 
 
 def slopes_text(one: PointSummary) -> str:
@@ -226,12 +228,12 @@ def slopes_text(one: PointSummary) -> str:
     known = [rule for rule in one.rules if math.isfinite(rule.slopes)]
     if not known:
         return ""
-    values = " and ".join(f"{quoted(rule.slopes)} {RULES[rule.rule]}" for rule in known)
-    without = ", without regard to the hardness" if is_capped(study) else ""
+    values = " and ".join(f"{quoted(rule.slopes)} with {RULES[rule.rule]}" for rule in known)
+    without = " (the hardness is not considered)" if is_capped(study) else ""
     kappa = value_of(point, "rms_gradient") * modulus_of(point, study) / pressure_of(point)
     if float(point["tau0"]) > 0 and abs(kappa / KAPPA - 1) > OTHER_KAPPA:
         return (
-            f"The slopes alone are no check of this pair: their A E* h'/F is {KAPPA:g} and that of the pair "
-            f"{significant(kappa)}. They would predict {values}{without}."
+            f"The small-slope estimate does not apply: it assumes A E* h'/F = {KAPPA:g}, and this pair has "
+            f"{significant(kappa)}. It would be {values}{without}."
         )
-    return f"The slopes alone predict {values}{without}."
+    return f"Small-slope estimate: {values}{without}."

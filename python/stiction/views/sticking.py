@@ -15,7 +15,7 @@ def sticking_text(sticking: Sticking) -> str:
     """Return whether bodies stick, with forces and pressures, in one or two sentences."""
     least = "at least " if sticking.is_bound else ""
     limit = f"{with_unit(STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
-    where = {"yes": "", "no": f", less than {limit}", "uncertain": f"; they stick above {limit}"}[sticking.sticks]
+    where = {"yes": "", "no": f", less than {limit}", "uncertain": f"; the threshold is {limit}"}[sticking.sticks]
     return (
         f"Sticks without a load: {sticking.sticks}. Pull-off force {least}{_shown(sticking.pull_off, 'pull_off')}, "
         f"{_shown(sticking.pressure, 'pull_off_pressure')} on the nominal area{where}; friction at no load "

@@ -38,9 +38,9 @@ STYLE: dict[Any, Any] = {
 }
 
 # Colours of Okabe and Ito (2008) and of Tol (2021), which eyes of every kind tell apart.
-OPPOSING = "#d55e00"  # contacts that oppose the motion, and the rule by which only these rub
+OPPOSING = "#d55e00"  # contacts that oppose the motion, and the rule of friction at these contacts only
 LEANING = "#0072b2"  # contacts that lean with the motion
-ALL = "#332288"  # the rule by which all contacts rub
+ALL = "#332288"  # the rule of friction at all contacts
 RULES = {"all": ALL, "opposing": OPPOSING}  # colour of each sliding rule, in the order in which they are named
 AREA = "#009e73"  # true contact area
 FORCE = "#000000"  # elastic forces
@@ -54,7 +54,7 @@ FRICTION_MAP = "plasma"
 """Colour map of friction coefficients; viridis is of fractal dimensions, grey of heights, inferno of pressures."""
 SLIP_MAP = "YlOrRd"  # colours of the tangential load at which a point slips: light first, dark last
 
-RULE_WORDS = {"all": "all contacts rub", "opposing": "only climbing contacts rub"}
+RULE_WORDS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}
 """What a legend says of a sliding rule."""
 
 _LABELS = {

@@ -231,7 +231,7 @@ def roughness_text(one: PointSummary) -> str:
     inputs = "the hardness, μ0 and τ0" if one.hardness is not None and one.at["tau0"] > 0 else "μ0"
     decides = abs(one.from_roughness) <= NEGLIGIBLE * one.value
     rest = f"{inputs} decide{'s' * (inputs == 'μ0')}" if decides else f"the rest is from {inputs}"
-    return f"R{contribution_text(one)[1:]}; {rest}."
+    return f"The {contribution_text(one)}; {rest}."
 
 
 def parts_text(one: PointSummary) -> str:
@@ -252,12 +252,13 @@ def budget_text(one: PointSummary) -> str:
     now, then = (from_to(low, high) for low, high in ((one.lower, one.upper), (most.lower, most.upper)))
     if now == then:
         return ""
-    return f"{_MEASURES.get(most.words, f'measure {most.words}')}: {now} becomes {then}"
+    how = _MEASURES.get(most.words, f"Measuring {most.words}")
+    return f"{how} would narrow the interval to [{then.replace(' to ', ', ')}]."
 
 
 _MEASURES = {
-    ORIGIN: "scan the place twice", POSITIONS: "press more positions", FINER: "scan more finely",
-    UPPER_PIECE: "scan more places of the upper part", LOWER_PIECE: "scan more places of the lower part",
+    ORIGIN: "Scanning one place twice", POSITIONS: "Using more positions", FINER: "A finer scan",
+    UPPER_PIECE: "Scanning more places of the upper part", LOWER_PIECE: "Scanning more places of the lower part",
 }  # fmt: skip
 """How to get to know what is no input."""
 
@@ -269,16 +270,16 @@ def test_text(one: PointSummary) -> str:
         return ""
     what = "positions" if one.scans == (1, 1) else "scans and positions"
     own = math.isfinite(first.positions[0]) and first.positions != (first.lower, first.upper)
-    alone = f"; {what} alone: {from_to(*first.positions)}" if own else ""
-    return f"One test, one way: {from_to(*first.next_test)} (95 %){alone}."
+    alone = f"; sampling of {what} alone: {from_to(*first.positions)}" if own else ""
+    return f"Single test in one direction: {from_to(*first.next_test)} (95 %){alone}."
 
 
 def waited_text(one: PointSummary) -> str:
     """How it grows under load, where the study waits."""
     after = [f"{duration(each.seconds)} {quoted(each.value, each.lower, each.upper)}" for each in one.waited]
-    why = "; none where the hardness left is below the pressure" if any(math.isnan(e.value) for e in one.waited) else ""
+    why = "; none if the hardness falls below the pressure" if any(math.isnan(e.value) for e in one.waited) else ""
     rate = f"; {significant(one.ageing)} for each factor e of time" if math.isfinite(one.ageing) else ""
-    return f"After waiting under load: {', '.join(after)}{why}{rate}." if after else ""
+    return f"After a dwell time: {', '.join(after)}{why}{rate}." if after else ""
 
 
 def doubts_text(found: Sequence[PointSummary], most: int | None = None) -> str:
@@ -288,9 +289,9 @@ def doubts_text(found: Sequence[PointSummary], most: int | None = None) -> str:
         faults = sum(doubt.severity == "fault" for doubt in doubts)
         lines = [_doubt(doubt) for doubt in doubts]
         said = lines if most is None else lines[: max(_within(lines, most), faults, 1)]
-        what = f"; {words}" if len(found) == 1 and not one.unloaded and (words := budget_text(one)) else ""
+        what = f". {words}" if len(found) == 1 and not one.unloaded and (words := budget_text(one)) else ""
         what = what or (" a coefficient" if one.unloaded else "")
-        rest = [f"  {len(doubts) - len(said)} more: see the page, at or --json"] if len(doubts) > len(said) else []
+        rest = [f"  {len(doubts) - len(said)} more: see the report or --json"] if len(doubts) > len(said) else []
         return "\n".join([fitted(f"{one.verdict}{what}", hang="  "), *said, *rest])
     kinds: dict[tuple[str, str], list[Doubt]] = {}
     for doubt in (doubt for one in found for doubt in one.doubts):
@@ -300,7 +301,7 @@ def doubts_text(found: Sequence[PointSummary], most: int | None = None) -> str:
         for same in sorted(kinds.values(), key=lambda same: same[0].severity != "fault")
     ]
     shown = MOST_DOUBTS if most is None else max(_within(lines, most), 1)
-    rest = [f"  {len(lines) - shown} more: see the page, at or --json"] if len(lines) > shown else []
+    rest = [f"  {len(lines) - shown} more: see the report or --json"] if len(lines) > shown else []
     counts = [(verdict, sum(one.verdict == verdict for one in found)) for verdict in VERDICTS.values()]
     assessed = ", ".join(f"{verdict} ({count} of {len(found)})" for verdict, count in counts if count)
     return "\n".join([fitted(f"{assessed}."), *lines[:shown], *rest])
@@ -365,7 +366,7 @@ def quantities_text(at: xarray.Dataset, study: Study, *, verbose: bool = False, 
                 rows[-1] = _with_statuses(rows[-1], [contact_status_of(point, study) for point in loads])
     for name, below in _QUANTILES if verbose else ():
         if name in one:
-            words = f"{QUANTITIES[name].short}, {100 * below:.0f} % are below"
+            words = f"{QUANTITIES[name].short}, {100 * below:.0f}th percentile"
             rows += _row(name, words, [point[name].sel(fraction_below=below, method="nearest") for point in loads])
     if verbose and "rms_gradient" in one:
         rows += _row("rms_gradient", QUANTITIES["rms_gradient"].short, [point["rms_gradient"] for point in loads])
@@ -466,7 +467,7 @@ def lay_text(table: xarray.DataArray) -> str:
     """Grooves or none, from the coefficients along several axes: whether the intervals of the extremes are apart."""
     mean, lower, upper = (table.sel(statistic=each) for each in STATISTICS)
     if not np.isfinite(lower.values).all():
-        return "Whether there are grooves is not known: the axes have no intervals."
+        return "Grooves: unknown, because the coefficients along the axes have no intervals."
     high, low = (int(choose(mean.values)) for choose in (np.argmax, np.argmin))
     names = [_axis(float(table["axis"][place])) for place in (high, low)]
     if float(lower[high]) > float(upper[low]):
@@ -502,7 +503,7 @@ def resolution_text(at: xarray.Dataset, study: Study, over: xarray.Dataset | Non
 def history_text(at: xarray.Dataset, study: Study) -> str:
     """What was pressed, and how."""
     steps = {name: str(at.attrs[name]).replace("\n", "; ") for name in ("upper", "lower") if name in at.attrs}
-    mechanics = {"half-space": "the elastic half-space", "asperities": "asperities that do not feel each other"}
+    mechanics = {"half-space": "the elastic half-space", "asperities": "asperities without interaction"}
     model = [mechanics[study.contact.mechanics]]
     if "nominal_area" in at.coords:
         model.append(f"on a nominal area of {float(at['nominal_area']):.4g} µm²")
@@ -515,7 +516,7 @@ def history_text(at: xarray.Dataset, study: Study) -> str:
 def first_text(summary: Summary) -> str:
     """Return the coefficient of the first members of a study of asperities in a line."""
     one = summary.points[0]
-    return f"at first, by asperities: μ_s = {quoted(one.value)} {RULES[one.rules[0].rule]}"
+    return f"preliminary, with asperities: μ_s = {quoted(one.value)}  {RULES[one.rules[0].rule]}"
 
 
 # ---- Overview --------------------------------------------------------------------------------------------------------
@@ -547,7 +548,7 @@ def overview_text(summary: Summary) -> str:
         table = aligned([[name, *cells] for name, cells in zip(names, rows, strict=True)])
         tables.append(f"{fitted(_overview_title(part, varying))}\n{table}")
     if marked:
-        note = "* beyond the model: more than half of the load on overlaps > R/10, or on radii < spacing"
+        note = "* outside the model: more than half of the load is on overlaps > R/10, or on radii < spacing"
         tables.append(fitted(note))
     if left_out := _left_out(at, whole, study):
         tables.append(fitted(left_out))
@@ -574,7 +575,7 @@ def _left_out(at: xarray.Dataset, whole: xarray.Dataset, study: Study) -> str:
         "μ0": (at.sizes["mu0"], whole.sizes["mu0"]), "τ0": (at.sizes["tau0"], whole.sizes["tau0"]),
     }  # fmt: skip
     words = [f"{shown} of {number} values of {name}" for name, (shown, number) in sizes.items() if shown < number]
-    return f"Shown are {', '.join(words)}; stiction at shows all." if words else ""
+    return f"Shown: {', '.join(words)}; use stiction at for all." if words else ""
 
 
 def _overview_title(part: xarray.Dataset, varying: Sequence[str]) -> str:

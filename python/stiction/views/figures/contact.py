@@ -170,7 +170,10 @@ def contacts_figure(
     climbs = climbing(picture, direction)
     x, y = picture["contact_x"].values, picture["contact_y"].values
     sizes = np.maximum(_LARGEST * force / force.max(initial=1e-300), 3.0)
-    for which, colour, marker, words in ((climbs, OPPOSING, "D", "climb"), (~climbs, LEANING, "o", "do not")):
+    for which, colour, marker, words in (
+        (climbs, OPPOSING, "D", "oppose the motion"),
+        (~climbs, LEANING, "o", "do not"),
+    ):
         percent = 100 * force[which].sum() / (force.sum() or 1.0)
         text = f"{int(which.sum())} {words}, with {percent:.0f} % of the load"
         style: dict[str, Any] = {"facecolors": "none", "marker": marker}
@@ -245,7 +248,7 @@ def touching_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figur
     It is of what `contact_picture` returns, for a motion of the upper body in a direction (degrees); 80 mm wide.
     """
     climbs, cut = climbing(picture, direction), picture["contact_at_edge"].values > 0
-    kinds = [(OPPOSING, "has to climb"), (LEANING, "does not")] + [(CUT, "cut by the edge")] * bool(cut.any())
+    kinds = [(OPPOSING, "opposes the motion"), (LEANING, "does not")] + [(CUT, "cut by the edge")] * bool(cut.any())
     if "gap" in picture:
         figure = new_figure(70)
         _lines(figure.subplots(2, 1, height_ratios=[1, 2.5]), picture, np.where(climbs, OPPOSING, LEANING), cut)

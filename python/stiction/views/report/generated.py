@@ -342,7 +342,7 @@ def _head(study: Study) -> list[str]:
     law = "" if study.by_half_space else f", law {contact.model(rules[0]).law}"
     return [
         f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
-        f"pressed by {how}{law}; E* = {with_unit(float(contact.effective_modulus), 'GPa')}; contacts that rub: "
+        f"pressed by {how}{law}; E* = {with_unit(float(contact.effective_modulus), 'GPa')}; contacts with friction: "
         f"{' and '.join(rules)}; motion {', '.join(map(way_text, angles))}."
     ]
 

@@ -82,7 +82,7 @@ def touching_panel(picture: xarray.Dataset, direction: float) -> str:
     said = (
         f"The position whose true area is nearest to the mean: {counted(force.size, 'contact')} at "
         f"{with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {way_text(direction)}, {climbs} of them "
-        f"{'has' if climbs == 1 else 'have'} to climb."
+        f"{'opposes' if climbs == 1 else 'oppose'} the motion."
     )
     if cut.any():
         said += f" The edge cuts contacts with {percent(float(force[cut].sum() / force.sum()))} of the load."

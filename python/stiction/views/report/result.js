@@ -111,7 +111,7 @@ function showReadout() {
     if (judged.said?.bar && rule === "all" && at.isCombined) answers.push(barOf(judged.said.bar), ...(judged.said.most ? [element("p", {class: "hint"}, judged.said.most)] : []));
   }
   if (points.length > 1 && isMeasured)
-    answers.push(element("p", {class: "hint"}, "Where μ0 was measured on smooth faces, all contacts rub; which rule holds elsewhere is not known."));
+    answers.push(element("p", {class: "hint"}, "If μ0 was measured on smooth surfaces, friction acts at all contacts. Which rule holds elsewhere is not known."));
   const [{at: {status, value, lower, upper}}] = points;
   Object.assign(byId("readout").dataset, {dimension: cells.values[d], load: loads[l], mu0: state.mu0, tau0: state.tau0 / 1000, status, value, lower, upper});
   byId("answer").replaceChildren(...answers);
