@@ -391,18 +391,18 @@ def test_preview_is_printed_to_standard_error_of_a_terminal(where, monkeypatch):
         monkeypatch.setattr(f"stiction.cli.{module}.is_watched", lambda: True)
     command = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--onset", 0, "--json", "-o", "first"]
     completed = check_stiction(*command, cwd=where, without_figures=True)
-    assert "at first, by asperities: μ_s = " in completed.stderr
+    assert "preliminary, with asperities: μ_s = " in completed.stderr
     assert json.loads(completed.stdout)["command"] == "pair"
     with contextlib.chdir(where):
         by_asperities = asked(where, *command[1:]).first_study
         value = at_load(run(by_asperities), [float(by_asperities.friction.load[0])])["friction_all_round"]
     mean = float(value.sel(sliding="all", statistic="mean").squeeze())
-    assert f"μ_s = {quoted(mean)} if all contacts rub" in completed.stderr
+    assert f"μ_s = {quoted(mean)}  friction at all contacts" in completed.stderr
     for arguments in ([*PROFILES, *LOAD], [*MAPS, "--load", "10 MPa", "--mechanics", "asperities"]):
         with contextlib.chdir(where):
             assert asked(where, *arguments, *MATERIAL).first_study is None
     again = call_stiction(*command, cwd=where, without_figures=True)
-    assert "at first" not in again.stderr, "what is there already has its answer"
+    assert "preliminary" not in again.stderr, "what is there already has its answer"
 
 
 SCANS = Path(__file__).parents[2] / "examples" / "scans"

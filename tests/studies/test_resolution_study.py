@@ -82,7 +82,7 @@ def test_wavelengths_are_those_of_the_gap(study):
     assert result.shortest == pytest.approx(0.2)
     assert result.longest == pytest.approx(max(gap.extent))
     assert result.fraction_below(0.8) == pytest.approx(float(roughness.fraction_below(0.8)))
-    assert waves_text(result).startswith("Waves from 200 nm to 9.6 µm; those below 400 nm make ")
+    assert waves_text(result).startswith("Wavelengths from 200 nm to 9.6 µm; those below 400 nm contribute ")
     assert seen(Study.named("quick")) is None
 
 

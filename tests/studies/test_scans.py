@@ -196,7 +196,7 @@ def test_caveats_about_files_end_when_accepted(tmp_path, monkeypatch):
         return [item for item in doubts_of_study(study) if "(repeated-extreme)" in item.cure]
 
     (doubt,) = of_files()
-    assert (doubt.severity, doubt.text.partition(":")[0]) == ("caution", "both bodies")
+    assert (doubt.severity, doubt.text.partition(":")[0]) == ("caution", "both scans")
     assert "--missing-value -9999" in doubt.cure
     assert of_files(missing_value="-9999") == of_files(accept="repeated-extreme") == []
     (caveat,) = MeasuredFile.holding(Profile(heights, spacing=100.0), "upper").caveats

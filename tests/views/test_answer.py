@@ -29,7 +29,8 @@ def test_measured_surfaces_quote_friction_at_all_contacts_first():
     assert (message.value, message.lower, message.upper) == pytest.approx((0.21, 0.1995, 0.2205))
     assert (message.verdict, message.doubts) == ("Quote it", ())
     for words in (
-        "μ_s = 0.21 [0.20, 0.22] if all contacts rub", "0.110 [0.104, 0.116] if only climbing contacts rub",
+        "μ_s = 0.21 [0.20, 0.22] with friction at all contacts",
+        "0.110 [0.104, 0.116] with friction at opposing contacts only",
         "10 mN (1 MPa)", "μ0 = 0.2", "τ0 = 50 MPa", "E* = 100 GPa", "hardness 3 GPa", "points 100 nm apart",
         "the mean over 4 directions and 16 positions", "roughness contributes",
     ):  # fmt: skip
@@ -56,7 +57,7 @@ def test_summary_has_a_point_for_every_condition():
         (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
     ]
     message = summarize(measured(cut_offs=(0.0, 0.5)), measured_study()).points
-    assert ["waves below 500 nm taken off" in sentence_text(item) for item in message] == [False, True]
+    assert ["low-pass filtered at 500 nm" in sentence_text(item) for item in message] == [False, True]
 
 
 FAULTS = {
@@ -220,16 +221,16 @@ def test_small_slope_estimate_lists_neglected_effects():
     fitting = measured(rms_gradient=gradient, mean_pressure=pressure)
     for at, hardness, words in (
         (fitting, None, []),
-        (fitting, 5.0, ["without regard to the hardness"]),
-        (measured(rms_gradient=gradient, mean_pressure=pressure / 2), None, ["no check of this pair"]),
+        (fitting, 5.0, ["hardness is not considered"]),
+        (measured(rms_gradient=gradient, mean_pressure=pressure / 2), None, ["does not apply"]),
     ):
         study = measured_study(hardness=hardness)
         message = slopes_text(one(at, study))
-        assert "predict 0.21 if all contacts rub" in message
-        for name in ("hardness", "no check of this pair"):
+        assert "0.21 with friction at all contacts" in message
+        for name in ("hardness", "does not apply"):
             assert (name in message) == any(name in word for word in words)
     without = measured(rms_gradient=gradient, mean_pressure=pressure / 2, tau0=(0.0,))
-    assert "no check" not in slopes_text(one(without, measured_study()))
+    assert "does not apply" not in slopes_text(one(without, measured_study()))
 
 
 @pytest.mark.parametrize("is_floor", [True, False])

@@ -40,7 +40,7 @@ def test_remaining_form_is_a_caveat(rough):
     x = np.linspace(-1, 1, 2000)
     for height, doubted in ((1.0, True), (0.01, False)):
         bowed = Profile(rough.heights + height * x**2, spacing=rough.spacing)
-        assert any("lower: a parabola is" in text for text in texts(rough, bowed)) == doubted
+        assert any("lower: form (a parabola) is" in text for text in texts(rough, bowed)) == doubted
     assert 0 < FORM < 1
     bowed = Profile(rough.heights + x**2, spacing=rough.spacing)
     study = measured_study()
@@ -52,8 +52,8 @@ def test_spikes_are_counted(rough):
     heights = rough.heights.copy()
     heights[[500, 1200]] += 2 * SPIKE * np.abs(np.diff(heights, 2)).max()
     message = texts(Profile(heights, spacing=rough.spacing), rough)
-    assert [text for text in message if "points bend" in text] == [
-        "upper: 6 points bend more than 12 times as sharply as usual, and would touch first"
+    assert [text for text in message if "as sharp as usual" in text] == [
+        "upper: 6 points are more than 12 times as sharp as usual, and would touch first"
     ]
 
 
@@ -61,7 +61,7 @@ def test_caveat_of_both_surfaces_is_listed_once(rough):
     tall = Profile(rough.heights * 1000, spacing=rough.spacing)
     message = texts(tall, tall)
     assert len(message) == len(set(message))
-    assert all(text.startswith("both bodies: ") for text in message)
+    assert all(text.startswith("both scans: ") for text in message)
 
 
 def test_huge_coefficients_and_loads_are_caveats(rough):

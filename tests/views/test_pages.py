@@ -455,7 +455,7 @@ def test_compass_sets_direction_and_curve_shows_numbers(opened_maps):
     pointer(opened_maps, left + 0.5 * width, top + 0.5 * height).perform()
     browser.settle(opened_maps)
     words = opened_maps.find_element("css selector", "#friction .tip").text
-    assert "all contacts rub" in words
+    assert "friction at all contacts" in words
     assert "mN" in words
 
 

@@ -45,10 +45,10 @@ def test_text_fits_the_terminal_width(name, verbose):
 
 def test_text_starts_with_value_and_assessment():
     lines = result_text(summarize(*RESULTS["doubted"])).splitlines()
-    assert lines[0].startswith("μ_s = 0.21 [0.20, 0.22]  if all contacts rub")
+    assert lines[0].startswith("μ_s = 0.21 [0.20, 0.22]  friction at all contacts")
     verdict = lines.index("Do not quote")
     assert verdict < 10
-    assert lines[verdict + 1].startswith("  ! 60 % of the load is on contacts that the edge cuts")
+    assert lines[verdict + 1].startswith("  ! 60 % of the load is on contacts at the edge")
 
 
 def test_text_of_maps_fits_24_lines():
@@ -79,7 +79,7 @@ def test_caveats_of_several_points_give_their_count():
     text = result_text(summarize(at, measured_study()))
     assert "Do not quote" in text.splitlines()[1]
     assert "Quote it" in text.splitlines()[2]
-    assert "cuts (1 of 2)" in " ".join(text.split())
+    assert "edge (1 of 2)" in " ".join(text.split())
 
 
 def test_remedy_without_visible_effect_is_left_out():
@@ -87,7 +87,7 @@ def test_remedy_without_visible_effect_is_left_out():
     for ends, message in (((0.205, 0.215), True), ((one.lower, one.upper - 1e-6), False)):
         options = replace(one, budget=(Left("finer waves", *ends, 0.0),))
         assert options.most is not None
-        assert ("becomes" in doubts_text([options])) == message
+        assert ("would narrow" in doubts_text([options])) == message
 
 
 def test_columns_that_do_not_fit_are_wrapped():
@@ -121,7 +121,7 @@ def test_verbose_table_equals_the_result():
         ([interval(0.1600, 0.011), interval(0.1535, 0.003)], "Grooves: friction along x is 4.2 % higher than along y."),
         ([interval(0.1535, 0.003), interval(0.1600, 0.011)], "Grooves: friction along y is 4.2 % higher than along x."),
         ([interval(0.1935, 0.022), interval(0.1913, 0.022)], "No grooves"),
-        ([interval(0.16, np.nan), interval(0.15, np.nan)], "is not known"),
+        ([interval(0.16, np.nan), interval(0.15, np.nan)], "Grooves: unknown"),
     ],
 )
 def test_grooves_are_reported_if_intervals_of_axes_are_separate(by_axis, words):
@@ -129,7 +129,7 @@ def test_grooves_are_reported_if_intervals_of_axes_are_separate(by_axis, words):
     text = axes_text(at, verbose=True)
     assert words in " ".join(text.split())
     assert [line.split()[0] for line in text.splitlines()[1:3]] == ["x", "y"]
-    briefly = text.split("\n", 3)[3] if words.startswith("Grooves") else ""
+    briefly = text.split("\n", 3)[3] if words.startswith("Grooves: friction") else ""
     assert axes_text(at) == briefly
     assert axes_text(measured(directions=(0.0, 180.0)).isel(cut_off=0, load=0, mu0=0, tau0=0)) == ""
 

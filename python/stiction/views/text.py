@@ -445,7 +445,7 @@ def axes_text(point: xarray.Dataset, *, verbose: bool = False) -> str:
     table = point["friction_by_axis"]
     lay = lay_text(by_rule(table, next(rule for rule in RULES if rule in np.atleast_1d(point["sliding"].values))))
     if not verbose:
-        return fitted(lay) if lay.startswith("Grooves") else ""
+        return fitted(lay) if lay.startswith("Grooves: friction") else ""
     return _by_rules("μ_s along an axis", table, "axis", _axis) + "\n" + fitted(lay)
 
 
