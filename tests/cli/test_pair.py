@@ -252,7 +252,7 @@ def test_smallest_load_has_no_lower_steps(where):
         (["bad\udcff.csv", "lower.csv"], ["file: must be text in UTF-8", "rename"]),
         (["upper.csv", "empty.csv"], ["empty.csv"]),
         (["bare.npy", "lower.csv"], ["bare.npy", "unit"]),
-        ([*PROFILES, "--unit", "mm"], ["upper.csv", "unit says mm"]),
+        ([*PROFILES, "--unit", "mm"], ["upper.csv", "unit is mm"]),
         ([*PROFILES, "--unit", "inch"], ["unit"]),
         ([*PROFILES, "--unit", "um", "--unit", "um", "--unit", "um"], ["--unit", "got 3"]),
         ([*PROFILES, "--missing", "guess"], ["--missing"]),

@@ -221,7 +221,7 @@ def test_adhesion_range_limited_by_grid_is_a_caveat():
     with pytest.warns(UserWarning, match="adhesion_range = 0.5 nm is increased to"):
         result = pair(rough("upper", 0.01), rough("lower", 0.01), **options, **WORK)
     doubts = " ".join(caveat.text for caveat in result.caveats)
-    assert "the least on this grid, not 0.5 nm" in doubts
+    assert "the smallest on this grid, not 0.5 nm" in doubts
     assert "the interval leaves out how E* change" in doubts
 
 

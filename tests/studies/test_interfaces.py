@@ -93,7 +93,7 @@ def test_missing_interface_file_leaves_the_ranges(film, tmp_path) -> None:
     (answer,) = json.loads(completed.stdout)["answers"]
     rule = answer["rules"][0] if "rules" in answer else answer
     assert np.ptp([rule["lower"], rule["upper"]]) > 1.2 * np.ptp(joint)
-    assert "which is not there" in completed.stdout
+    assert "which is missing" in completed.stdout
 
 
 @pytest.mark.parametrize("name", sorted(interfaces()))

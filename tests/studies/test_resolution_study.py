@@ -60,7 +60,7 @@ def test_stored_resolution_is_read_only_with_its_result(study, tmp_path):
     np.testing.assert_array_equal(result["friction_all_round"].values, expected["friction_all_round"].values)
     point = result.isel(load=0, mu0=0, tau0=1)
     rows = cut_off_rows(point, few)
-    assert [row[0] for row in rows[1:]] == ["none off", "200 nm", "400 nm", "plastic limit"]
+    assert [row[0] for row in rows[1:]] == ["none", "200 nm", "400 nm", "plastic limit"]
     assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
     assert plastic_limit(point, few) == pytest.approx(0.3 + 0.05 / 4)
     least = limits(point, few)["area_fraction"]

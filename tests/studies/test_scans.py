@@ -10,6 +10,7 @@ from stiction.studies.intervals import of_scans, student_quantile
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.pair import Pair
 from stiction.surfaces.measured.writing import write_surface
+from stiction.views.sentence import note_text
 
 QUICK = {"load": "2 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "direction": [0.0, 180.0]}
 SEVERAL = [(3, 3), (3, 6), (4, 5), (6, 6)]  # scans of the upper and of the lower part
@@ -125,9 +126,9 @@ def test_variability_between_places_is_in_interval_and_budget(spread) -> None:
     if spread:
         assert pieces
         assert budget[list(pieces)].sum() > 0.2
-    assert "4 × 4 scans of both parts" in result.sentence
+    assert "4 × 4 scans of both parts" in note_text(result.summary().first)
     one = pair(*(item[0] for item in scans), shifts=32, **arguments)
-    assert "one scan of each part" in one.sentence
+    assert "one scan of each part" in note_text(one.summary().first)
     assert np.ptp(result.interval) > (1.5 if spread else 0.0) * np.ptp(one.interval)
     low, high = result.next_test
     assert low <= result.interval[0] < result.interval[1] <= high

@@ -298,7 +298,7 @@ class TestMeasured:
         assert AREAS.with_changes({"contact.direction": -330}).motions()["direction"] == [30.0]
 
     def test_load_steps_surround_requested_loads(self):
-        assert AREAS.contact.steps() == pytest.approx([10**-0.5, 1, 10, 10**1.5])
+        assert AREAS.contact.steps() == pytest.approx([10**-0.5, 1, 10**0.5, 10, 10**1.5])
         for study in (LINES, LINES.with_changes({"contact.mechanics": "half-space"})):
             steps = study.contact.steps()
             assert {1.0, 10.0} <= set(steps)

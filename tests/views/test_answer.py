@@ -127,7 +127,7 @@ def test_pieces_much_smaller_than_the_scan_are_a_caveat():
             at = at.assign_attrs({f"{side}_spacing_um": [0.1], f"{side}_extent_um": [100.0]})
         message = one(at, created)
         assert message.verdict == verdict
-        words = "pieces of 30 µm are pressed, without the longer waves that were scanned on 100 µm"
+        words = "pieces of 30 µm are pressed, without the longer wavelengths of the scan of 100 µm"
         assert (words in texts(message)) == (shape == 300)
 
 
@@ -213,7 +213,7 @@ def test_reading_of_load_is_given_if_it_matters():
     for difference, message in ((2 * READINGS_DIFFER, True), (READINGS_DIFFER / 2, False)):
         sentence = sentence_text(one(measured(reading_difference=difference), measured_study()))
         assert ("the load is that of the elastic contact" in sentence) == message
-        assert ("by another reading μ_s differs by 2 %" in sentence) == message
+        assert ("with another meaning of the load μ_s differs by 2 %" in sentence) == message
 
 
 def test_small_slope_estimate_lists_neglected_effects():
@@ -338,7 +338,7 @@ def test_zero_tau0_is_a_caveat():
     at = measured(tau0=(0.0,))
     at["friction_all_round"] = at["friction_all_round"] / 0.21 * 0.2012
     doubts = [doubt.text for doubt in summarize(at, measured_study()).points[0].doubts]
-    assert doubts == ["τ0 is 0, so this is the μ0 that was given; these surfaces add 0.001"]
+    assert doubts == ["τ0 is 0, so the coefficient is the given μ0; the surfaces add 0.001"]
 
 
 @pytest.mark.parametrize(
@@ -391,7 +391,7 @@ def test_contribution_of_roughness_is_the_remainder():
 
 def test_bracket_names_its_hardness():
     message = finer_text(one(measured(), measured_study(hardness=3.0)))
-    assert message.startswith("at H = 3 GPa a finer scan would give 0.21")
+    assert message.startswith("with H = 3 GPa a finer scan would give 0.21")
     assert finer_text(one(measured(), measured_study())) == ""
 
 
@@ -399,10 +399,12 @@ def test_generated_surfaces_are_assessed_by_contacts_and_tau0():
     message = summarize(generated(contact_count=7.0), generated_study()).points[0]
     assert "7 contacts on average are few" in texts(message)
     assert summarize(generated(contact_count=3.0), generated_study()).points[0].verdict == "Do not quote"
-    assert "τ0 is 0, so this is the μ0" in texts(summarize(generated(friction=0.4), generated_study()).points[0])
+    assert "τ0 is 0, so the coefficient is the given μ0" in texts(
+        summarize(generated(friction=0.4), generated_study()).points[0]
+    )
 
 
 def test_caveat_has_the_number_that_was_checked_and_its_limit():
     (caveat,) = one(measured(share_at_edge=0.6), measured_study()).doubts
     assert (caveat.name, caveat.value, caveat.limit) == ("share_at_edge", pytest.approx(0.6), 0.5)
-    assert caveat.text == "60 % of the load is on contacts that the edge cuts"
+    assert caveat.text == "60 % of the load is on contacts at the edge"

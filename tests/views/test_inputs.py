@@ -112,7 +112,7 @@ def test_wavelengths_below_the_tip_are_a_caveat():
     # Without them it would be smoother still, and further from the surface that the tip smoothed.
     assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
     (doubt,) = doubts_of_inputs(scan, scan, study)
-    assert "sharper than the tip follows: the surface is steeper" in doubt.text
+    assert "too sharp for the tip: the surface is steeper" in doubt.text
     assert instrument_limit(scan, tip_radius=20.0).slope_fraction > 0.1
     assert doubt.severity == "fault"  # an elastic answer has no limit
     plastic = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})

@@ -88,7 +88,9 @@ def test_report_of_scan_has_caveats_and_escapes_text():
     scan = {"name": "<b>.npy", "command": "<i>"}
     bowed = profile.heights + np.linspace(-1, 1, len(profile)) ** 2
     page = surface_page(Profile(bowed, spacing=0.01, history=("<script>alert(1)</script>",)), **scan).html()
-    assert re.search(r"<li>A parabola is \d+ % of its mean square height, and carries the load; try --level", page)
+    assert re.search(
+        r"<li>Form \(a parabola\) is \d+ % of the mean square height, and carries the load; try --level", page
+    )
     assert "<li>" not in surface_page(profile, **scan).body
     assert "alert(1)</script>" not in page
     assert "<b>" not in page

@@ -145,7 +145,7 @@ def test_overview_has_a_row_for_each_cell_and_marks_invalid_values():
     assert len(rows) == 10
     assert text.count("not-reached") == 2
     assert text.count("0.25 [0.24, 0.26]*") == 4
-    assert "* beyond the model" in text
+    assert "* outside the model" in text
 
 
 def test_quantities_of_several_cells_name_the_cell_that_they_are_of():

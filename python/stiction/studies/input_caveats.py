@@ -204,7 +204,7 @@ def _of_instrument(
         severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
         yield Doubt(text, cure, severity, limit.cut_off, has_readings and limit.matters)
     if blunt.reason == "tip" and blunt.slope_fraction > NOISE:
-        text = f"{_waves(blunt)} and are too sharp for the tip: the surface is steeper"
+        text = f"{_waves(blunt)}, too sharp for the tip: the surface is steeper"
         # Without a hardness, steeper slopes reduce the true area without a limit.
         how: Severity = "fault" if elastic and blunt.matters else "caution"
         cure = "use a sharper tip" + (", or give a hardness" if elastic else "")

@@ -126,11 +126,11 @@ def _one_or_two(read: Callable[[object], Any], most: int = 2) -> PlainValidator:
 MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # factors of the heights of a file
 
 
-@dataclass(frozen=True, eq=False)
 class InMemory:
-    """A body that no file holds."""
+    """A surface in memory, without a file. Not a dataclass, so that a study keeps it as an object when it is copied."""
 
-    body: Any
+    def __init__(self, body: Any) -> None:
+        self.body = body
 
 
 class MeasuredFile(Table):

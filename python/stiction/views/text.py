@@ -231,7 +231,7 @@ def roughness_text(one: PointSummary) -> str:
     inputs = "the hardness, μ0 and τ0" if one.hardness is not None and one.at["tau0"] > 0 else "μ0"
     decides = abs(one.from_roughness) <= NEGLIGIBLE * one.value
     rest = f"{inputs} decide{'s' * (inputs == 'μ0')}" if decides else f"the rest is from {inputs}"
-    return f"The {contribution_text(one)}; {rest}."
+    return f"R{contribution_text(one)[1:]}; {rest}."
 
 
 def parts_text(one: PointSummary) -> str:
