@@ -87,7 +87,7 @@ def test_remedy_without_visible_effect_is_left_out():
     for ends, message in (((0.205, 0.215), True), ((one.lower, one.upper - 1e-6), False)):
         options = replace(one, budget=(Left("finer waves", *ends, 0.0),))
         assert options.most is not None
-        assert ("would narrow" in doubts_text([options])) == message
+        assert ("would give" in doubts_text([options])) == message
 
 
 def test_columns_that_do_not_fit_are_wrapped():

@@ -197,7 +197,7 @@ def _of_instrument(
     shortest = limit.wavelength if limit.slope_fraction > NOISE else 0.0
     if shortest:
         is_known = limit.origin == "instrument"
-        text = f"{_waves(limit)}, {'which are' if is_known else 'perhaps'} not the surface's: {REASONS[limit.reason]}"
+        text = f"{_waves(limit)}, {'' if is_known else 'perhaps '}not the surface's: {REASONS[limit.reason]}"
         cure = f"--cutoff '{with_unit(limit.cut_off, 'um')}' removes them"
         if limit.matters:
             cure += ", --cutoff none keeps them" if is_known else CURE

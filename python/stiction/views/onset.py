@@ -21,19 +21,16 @@ AMPLITUDES = (0.5, 0.9)  # amplitudes of cycles over the sliding load
 
 
 def onset_text(onset: xarray.Dataset) -> str:
-    """Return a sentence with the pre-sliding displacement, the contact that slips, and initial stiffnesses."""
+    """Return a sentence with the pre-sliding displacement, the contact that slips, and the tangential stiffness."""
     parts, displacement = [], onset["displacement_at_sliding"]
     if math.isfinite(_ends(displacement)[0]):
         factor, unit = _length_scale(displacement)
         parts.append(f"pre-sliding displacement {quoted(*_ends(displacement, factor))} {unit}")
     slipped = _ends(onset["slipped_area"].sel(fraction=HALF))
     parts.append(f"{percent(slipped[0])} of the contact slips at half of the sliding load")
-    stiffnesses = []
-    for name, words in _STIFFNESSES.items():
-        factor, unit = _stiffness_scale(onset[name])
-        if math.isfinite((ends := _ends(onset[name], factor))[0]):
-            stiffnesses.append(f"{quoted(*ends)} {unit} {words}")
-    parts += [f"initial stiffness {', '.join(stiffnesses)}"] if stiffnesses else []
+    factor, unit = _stiffness_scale(onset["stiffness"])
+    if math.isfinite((ends := _ends(onset["stiffness"], factor))[0]):
+        parts.append(f"initial tangential stiffness {quoted(*ends)} {unit}")
     words = "; ".join(parts)
     return words[0].upper() + words[1:] + "."
 
@@ -53,9 +50,6 @@ def _stiffness_scale(table: xarray.DataArray) -> tuple[float, str]:
 LARGE_STIFFNESS = 1e4  # in mN/µm, from which on it is printed in N/µm
 
 
-_STIFFNESSES = {"stiffness": "tangential", "unloading_stiffness": "normal (unloading, ultrasonic)"}
-
-
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
     """A table of means and intervals, headings first."""
     a = onset.attrs
@@ -63,7 +57,8 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
     half = onset.sel(fraction=HALF)
     (length, length_unit), (rigid, rigid_unit), (normal, normal_unit) = (
         _length_scale(onset["displacement_at_sliding"]),
-        *(_stiffness_scale(onset[name]) for name in _STIFFNESSES),
+        _stiffness_scale(onset["stiffness"]),
+        _stiffness_scale(onset["unloading_stiffness"]),
     )
     rows = [
         ["sliding load (mN)", _cell(onset["sliding_load"])],

@@ -253,7 +253,7 @@ def budget_text(one: PointSummary) -> str:
     if now == then:
         return ""
     how = _MEASURES.get(most.words, f"Measuring {most.words}")
-    return f"{how} would narrow the interval to [{then.replace(' to ', ', ')}]."
+    return f"{how} would give [{then.replace(' to ', ', ')}]."
 
 
 _MEASURES = {
@@ -270,7 +270,7 @@ def test_text(one: PointSummary) -> str:
         return ""
     what = "positions" if one.scans == (1, 1) else "scans and positions"
     own = math.isfinite(first.positions[0]) and first.positions != (first.lower, first.upper)
-    alone = f"; sampling of {what} alone: {from_to(*first.positions)}" if own else ""
+    alone = f"; {what} alone: {from_to(*first.positions)}" if own else ""
     return f"Single test in one direction: {from_to(*first.next_test)} (95 %){alone}."
 
 
