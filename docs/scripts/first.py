@@ -14,7 +14,7 @@ from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, RULES, ST
 
 ROOT = Path(__file__).resolve().parents[2]
 SCANS = ROOT / "examples/scans"
-GIVEN = {"upper": "steel", "lower": "brass", "mu0": 0.2, "tau0": "50 MPa", "mechanics": "half-space"}
+GIVEN = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
 LOADS = np.geomspace(1.0, 100.0, 9)
 HALF_WIDTH = 20.0
 """µm."""
@@ -51,7 +51,7 @@ def friction_against_load():
 def faces():
     """The two faces at one position under the load that is asked for: where they stand, and their contact."""
     upper, lower = (levelled(read_profile(SCANS / f"lapped_{side}.csv"), "line") for side in ("upper", "lower"))
-    curve = half_space(flipped(upper), lower, [ASKED], effective_modulus=78.7, hardness=0.625, boundary="free")
+    curve = half_space(flipped(upper), lower, [ASKED], effective_modulus=78.7, hardness=1.27, boundary="free")
     return lower.x, lower.heights, curve.contact(0)
 
 
@@ -80,7 +80,7 @@ def draw(curves, dark):
     left.set(xlim=(middle - HALF_WIDTH, middle + HALF_WIDTH), ylim=(heights.min() - 10, heights.max() + 130))
     left.set(xlabel="x (µm)", ylabel="height (nm)", title="two lapped faces, and where they touch")
 
-    for rule, words in (("all", "all contacts rub"), ("opposing", "only climbing ones")):
+    for rule, words in (("all", "friction at all contacts"), ("opposing", "at opposing contacts only")):
         (mean, low, high), colour = curves[rule], RULES[rule] if not dark or rule != "all" else "#a99cf0"
         right.fill_between(LOADS, low, high, color=colour, alpha=0.3, linewidth=0)
         right.semilogx(LOADS, mean, color=colour)
@@ -90,7 +90,7 @@ def draw(curves, dark):
             f"{at:.2f}", (ASKED, at), (0, 5), textcoords="offset points", ha="center", weight="bold", color=colour
         )
         right.annotate(words, (LOADS[0], at), (2, -11), textcoords="offset points", color=colour)
-    right.set(ylim=(0, 0.45), xlim=(LOADS[0], LOADS[-1]), xlabel=label("load"), title="what starts them sliding")
+    right.set(ylim=(0, 0.35), xlim=(LOADS[0], LOADS[-1]), xlabel=label("load"), title="coefficient of static friction")
     right.set(ylabel=label("friction_coefficient"), xticks=[1, 10, 100], xticklabels=["1", "10", "100"])
     return figure
 

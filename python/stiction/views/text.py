@@ -271,7 +271,7 @@ def test_text(one: PointSummary) -> str:
     what = "positions" if one.scans == (1, 1) else "scans and positions"
     own = math.isfinite(first.positions[0]) and first.positions != (first.lower, first.upper)
     alone = f"; {what} alone: {from_to(*first.positions)}" if own else ""
-    return f"Single test in one direction: {from_to(*first.next_test)} (95 %){alone}."
+    return f"Single test in one direction: {from_to(*first.next_test)}{alone}."
 
 
 def waited_text(one: PointSummary) -> str:
