@@ -47,7 +47,7 @@ def effective_modulus(
     Parameters
     ----------
     young_upper, poisson_upper, young_lower, poisson_lower : array_like of float
-        Young's moduli in the same unit, that of E*, and Poisson's ratios. Alternatively two `Material`s, upper and
+        Young's moduli in the same unit, that of E*, and Poisson's ratios. Alternatively `Material` objects, upper and
         lower: E* is then a float in GPa, from the representative values of their ranges.
 
     Examples
