@@ -229,7 +229,7 @@ def test_characterise_rejects_bad_input(folder, arguments, message):
 
 def test_characterise_reads_stylus_profile(measured, tmp_path):
     history, message, _ = characterise(measured("dektak-1.csv"), cwd=tmp_path)
-    assert "spacing 0.1562454 µm from its positions, where it says 0.156 µm" in history
+    assert "spacing 0.1562454 µm from its positions, declared as 0.156 µm" in history
     assert "Pq                  94.24 nm\n" in message
     assert "points              9600, 156.2 nm apart, over 1.5 mm\n" in message
 

@@ -222,7 +222,7 @@ def test_adhesion_range_limited_by_grid_is_a_caveat():
         result = pair(rough("upper", 0.01), rough("lower", 0.01), **options, **WORK)
     doubts = " ".join(caveat.text for caveat in result.caveats)
     assert "the smallest on this grid, not 0.5 nm" in doubts
-    assert "the interval leaves out how E* change" in doubts
+    assert "the interval does not include the effect of E* on the attraction" in doubts
 
 
 @pytest.mark.soak
