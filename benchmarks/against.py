@@ -4,7 +4,7 @@ import numpy as np
 import plain
 from measure import seconds
 from stiction import HertzCylinder, Profile, Study, press, random_phases, weierstrass_mandelbrot_family
-from stiction.studies.pressed import member_sums
+from stiction.studies.member_solution import member_sums
 
 POINTS, EXTENT = 150_000, 40.0
 SUMS = ("contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional",

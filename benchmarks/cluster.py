@@ -17,7 +17,7 @@ from measure import seconds
 from stiction import Study
 from stiction.studies import runner
 from stiction.studies.layout import bytes_of_member, stacked
-from stiction.studies.pressed import member_sums
+from stiction.studies.member_solution import member_sums
 from stiction.studies.store import encoded
 
 STUDIES = ("figure6", "figure6-areal", "figure6-half-plane")

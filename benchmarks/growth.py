@@ -2,7 +2,7 @@
 
 from measure import in_units, peak_mebibytes
 from stiction import Study, run
-from stiction.studies.pressed import member_sums
+from stiction.studies.member_solution import member_sums
 
 BASE = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 

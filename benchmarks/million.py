@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from stiction import Study, area_map, friction_map, stiffness_map
 from stiction.studies import runner, store
-from stiction.studies.pressed import arrays_of
+from stiction.studies.member_solution import arrays_of
 from stiction.studies.runner import fill
 
 REPETITIONS = 1_000_000

@@ -5,8 +5,8 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 import numpy as np
 from measure import in_units, seconds, unit
 from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
+from stiction.studies.member_solution import _memory, member_sums
 from stiction.studies.members import fill_profiles
-from stiction.studies.pressed import _memory, member_sums
 
 REPETITIONS = 60  # so that the last one, which a thread may be alone with, is little of all
 STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": REPETITIONS})

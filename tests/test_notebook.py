@@ -31,8 +31,8 @@ from stiction import (
     write_surface,
 )
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.at_load import at_load, member_values
 from stiction.studies.contact_picture import contact_picture
+from stiction.studies.evaluation import at_load, member_values
 from stiction.views.rows import answer_record
 from support.command import call_stiction, check_stiction
 

@@ -19,7 +19,7 @@ from stiction import Profile, Study, Surface, run, write_profile, write_surface
 from stiction._number_format import with_unit
 from stiction.app.run import ALONE, is_left
 from stiction.app.server import OPTIONS
-from stiction.cli import showing
+from stiction.cli import result_output
 from support.command import call_stiction, check_stiction
 
 pytestmark = browser.IN_BROWSER
@@ -137,7 +137,7 @@ def answer(driver):
 def same_as(driver, folder, monkeypatch):
     """Return numbers and sentence of the command line that the page shows, run on the same files."""
     line = driver.find_element("id", "command").get_property("textContent")
-    monkeypatch.setattr(showing, "draw_result", lambda *_, **__: None)
+    monkeypatch.setattr(result_output, "draw_result", lambda *_, **__: None)
     completed = check_stiction(*shlex.split(line)[1:], "--json", cwd=folder)
     return of_record(json.loads(completed.stdout))
 

@@ -8,7 +8,7 @@ import pytest
 import xarray
 from stiction import open_result, run, self_affine, self_affine_surface, write_profile, write_surface
 from stiction._number_format import quoted
-from stiction.studies.at_load import at_load
+from stiction.studies.evaluation import at_load
 from stiction.studies.store import open_stored
 from stiction.studies.summary import summarize
 from stiction.views.rows import SCHEMA

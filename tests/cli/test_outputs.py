@@ -6,7 +6,7 @@ import errno
 import numpy as np
 import pytest
 from stiction import _files, self_affine_surface, write_surface
-from stiction.studies import complete
+from stiction.studies import pipeline
 from support.command import assert_rejected, call_stiction, check_stiction
 
 PAIR = ["pair", "upper.csv", "lower.csv", "--effective-modulus", "80 GPa", "--mu0", "0.2", "--load", "2 mN"]
@@ -106,5 +106,5 @@ def test_csv_quotes_names_that_start_formulas(folder, start):
 
 def test_pair_prints_estimated_time_without_terminal(folder, monkeypatch):
     assert "computing" not in check_stiction(*PAIR, "-o", "short", cwd=folder).stderr
-    monkeypatch.setattr(complete, "LONG", 0.0)
+    monkeypatch.setattr(pipeline, "LONG", 0.0)
     assert "computing 2 repetitions: about " in check_stiction(*PAIR, "-o", "long", cwd=folder).stderr

@@ -17,12 +17,12 @@ from stiction.cli.application import app, tell
 from stiction.cli.options import announce_reader
 from stiction.cli.pair_options import given_options
 from stiction.studies import store
-from stiction.studies.at_load import at_load
+from stiction.studies.evaluation import at_load
 from stiction.studies.input_caveats import doubts_of_inputs
+from stiction.studies.member_solution import pressed_to_loads
 from stiction.studies.members import bodies_of
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import read_options
-from stiction.studies.pressed import pressed_to_loads
 from stiction.studies.store import export
 from stiction.studies.values import StudyError
 from support.command import assert_rejected, call_stiction, check_stiction

@@ -19,8 +19,8 @@ from stiction.mechanics.quantities import (
     VALIDITY,
     shown_in,
 )
-from stiction.studies.at_load import at_load
 from stiction.studies.contact_statistics import OF_CONTACTS
+from stiction.studies.evaluation import at_load
 from stiction.studies.study import study_of
 from stiction.studies.summary import summarize
 from stiction.views.rows import table_of

@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 from stiction import Study
-from stiction.studies import pressed, store
+from stiction.studies import member_solution, store
 from stiction.studies.store import decoded
 
 KILLS = 200
@@ -220,7 +220,7 @@ class Storm:
     def in_the_end(self) -> str:
         self.look()
         for number in self.chance.sample(sorted(self.bits), min(SAMPLE, len(self.bits))):
-            sums = pressed.member_sums(STUDY, number)
+            sums = member_solution.member_sums(STUDY, number)
             assert crc(list(sums.values())) == self.bits[number], f"repetition {number} has other bits"
         for process in self.dask:
             process.kill()

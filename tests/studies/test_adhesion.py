@@ -7,13 +7,13 @@ import pytest
 from stiction import Study, half_space, pair, run, self_affine_surface
 from stiction.mechanics.quantities import HELD
 from stiction.studies.assessment import ADDED, TYPICAL_WORK, added_by_adhesion
-from stiction.studies.at_load import at_load
 from stiction.studies.contact_picture import coming_and_going
+from stiction.studies.evaluation import at_load
 from stiction.studies.members import bodies_of
 from stiction.studies.point import is_unloaded, points
-from stiction.studies.sticking import Sticking
+from stiction.studies.pull_off import Sticking
+from stiction.views.pull_off import sticking_text
 from stiction.views.rows import csv_text, record_text
-from stiction.views.sticking import sticking_text
 from stiction.views.text import result_text
 from support.rough_surfaces import rough_maps
 

@@ -9,11 +9,11 @@ from scipy.stats import halfnorm
 from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
-from stiction.studies.at_load import PerLoad, areas_of, at_load, six_at
 from stiction.studies.budget import _numbers_at, _Point, with_uncertainty
+from stiction.studies.evaluation import PerLoad, areas_of, at_load, six_at
 from stiction.studies.executors import threads
 from stiction.studies.hardness import areas_over_hardness, bodies_wanted, inputs_of
-from stiction.studies.known import ENDS, known
+from stiction.studies.input_uncertainty import ENDS, known
 from stiction.studies.pair import pair_study
 from stiction.studies.summary import summarize
 from stiction.studies.values import StudyError
@@ -275,7 +275,7 @@ def test_interval_covers_the_truth_of_random_inputs(truths) -> None:
 
 def one_test(truth, rng) -> float:
     """The coefficient of one member in one direction, of which the result has many."""
-    from stiction.studies.at_load import member_values
+    from stiction.studies.evaluation import member_values
 
     members = member_values(truth.source, truth.at_study_loads["load"].values).sel(sliding="all").squeeze()
     assert (members["status"] == STATUS_OK).all()

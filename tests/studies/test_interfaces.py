@@ -21,8 +21,8 @@ from stiction import (
     write_interface,
     write_surface,
 )  # fmt: skip
+from stiction.studies.input_uncertainty import ENDS
 from stiction.studies.interfaces import interface_of
-from stiction.studies.known import ENDS
 from support.command import assert_rejected, call_stiction, check_stiction
 
 KINDS = ("measured", "lumped", "bound")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction import Study, contacts, open_result, pair_of, press, run
 from stiction.mechanics.quantities import ONSET
-from stiction.studies.at_load import at_load
+from stiction.studies.evaluation import at_load
 from stiction.studies.study import StudyError
 from stiction.views.report import report_page
 from stiction.views.text import quantities_text

@@ -11,7 +11,7 @@ import typer
 from stiction import Study
 from stiction._errors import ArgumentError
 from stiction.cli.application import app
-from stiction.studies.known import KINDS
+from stiction.studies.input_uncertainty import KINDS
 from stiction.studies.pair_options import (
     GROUPS,
     OPTIONS,

@@ -19,8 +19,8 @@ from stiction import (
     surrogate,
 )
 from stiction.mechanics.patches import slopes
-from stiction.studies.at_load import member_values
 from stiction.studies.contact_statistics import QUANTILES
+from stiction.studies.evaluation import member_values
 from stiction.studies.pair import pair_study
 from stiction.surfaces.pairing import MIN_PIECE_POINTS, MapPairs
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from stiction import Study, run, self_affine_surface
-from stiction.studies.at_load import at_load
+from stiction.studies.evaluation import at_load
 from stiction.studies.members import bodies_of
 from stiction.studies.resolution import FOLDER, resolution_at, resolution_study, seen
 from stiction.studies.runner import fill

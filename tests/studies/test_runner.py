@@ -16,9 +16,9 @@ import pytest
 import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
-from stiction.studies import executors, members, pressed, runner
+from stiction.studies import executors, member_solution, members, runner
 from stiction.studies.layout import bytes_of_member
-from stiction.studies.pressed import cost_of_member
+from stiction.studies.member_solution import cost_of_member
 from stiction.studies.store import StoreError
 from stiction.studies.study import study_of
 from stiction.studies.values import StudyError
@@ -86,7 +86,7 @@ def test_bits_are_independent_of_executor_and_block_size(result, monkeypatch):
 
 def test_bits_are_independent_of_batch_size(result, monkeypatch):
     for rows in (1, 3):
-        for module in (members, pressed):
+        for module in (members, member_solution):
             monkeypatch.setattr(module, "FAMILY_MEMORY", rows * 8 * SMALL.surfaces.points)
         assert_same_bits(run(SMALL).dataset, result)
 
@@ -95,11 +95,11 @@ def test_bits_are_independent_of_batch_size(result, monkeypatch):
 def test_memory_of_a_task_is_within_documented_limit(monkeypatch, points):
     """cluster.md: FAMILY_MEMORY for each body and a profile of each that is scaled, or 32 bytes for each point."""
     family = 8 * 2500
-    monkeypatch.setattr(pressed, "FAMILY_MEMORY", family)
+    monkeypatch.setattr(member_solution, "FAMILY_MEMORY", family)
     values = []
-    monkeypatch.setattr(pressed, "_memory", lambda shape: values.append(np.empty(shape)) or values[-1])
+    monkeypatch.setattr(member_solution, "_memory", lambda shape: values.append(np.empty(shape)) or values[-1])
     study = SMALL.with_changes({"surfaces.points": points, "surfaces.fractal_dimension.count": 10})
-    pressed.member_sums(study, 0)
+    member_solution.member_sums(study, 0)
     (memory,) = values
     assert memory.nbytes <= max(2 * family + 2 * 8 * points, 32 * points)
 

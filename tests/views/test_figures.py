@@ -7,8 +7,8 @@ import pytest
 from matplotlib.image import imread
 from stiction import Profile, Result
 from stiction._number_format import quoted
-from stiction.studies.at_load import at_load, reached_loads
 from stiction.studies.contact_picture import contact_picture
+from stiction.studies.evaluation import at_load, reached_loads
 from stiction.studies.maps import friction_map
 from stiction.studies.study import study_of
 from stiction.views import style

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from stiction import Study, friction_map, run
 from stiction._number_format import quoted
-from stiction.studies.at_load import at_load
 from stiction.studies.budget import with_uncertainty
+from stiction.studies.evaluation import at_load
 from stiction.studies.nodes import Axis, excess, interpolated
 from stiction.studies.point import rules_of
 from stiction.studies.study import study_of

@@ -6,8 +6,8 @@ import xml.etree.ElementTree
 import numpy as np
 import pytest
 from stiction import friction_map, levelled, self_affine, self_affine_surface
-from stiction.studies.at_load import at_load
 from stiction.studies.contact_picture import contact_picture
+from stiction.studies.evaluation import at_load
 from stiction.studies.input_caveats import doubts_of_inputs
 from stiction.studies.nodes import excess
 from stiction.studies.study import study_of

@@ -165,7 +165,7 @@ class Jobs:
         files = self.root / "shared" / f"{self._folders}"
         asked = {"folder": str(job.folder), "name": job.folder.name,
                  "command": "" if by else job.arguments[0], "files": str(files), "root": str(self.root)}  # fmt: skip
-        told = json.loads(await command(["stiction.app.told", json.dumps(asked | of)], memory=MEMORY_OF_JOB))
+        told = json.loads(await command(["stiction.app.result_worker", json.dumps(asked | of)], memory=MEMORY_OF_JOB))
         if told is None:
             return
         job.answer, job.files, job.versions = told["answer"], files, job.versions + 1

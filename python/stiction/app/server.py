@@ -25,7 +25,7 @@ from starlette.routing import Route
 
 from stiction._files import replaced_file
 from stiction._units import short_repr
-from stiction.app import made
+from stiction.app import sample_surfaces
 from stiction.app.form import FIELDS, READING, fields_html, numbers_json
 from stiction.app.jobs import Job, Jobs, RefusedError, without_paths
 from stiction.mechanics.materials import materials
@@ -236,7 +236,7 @@ class Server:
 
     async def demo(self, _: Request) -> Response:
         """Two surfaces of our own, as if they had been dropped."""
-        found = await asyncio.to_thread(made.surfaces, self.root / "files" / "demo")
+        found = await asyncio.to_thread(sample_surfaces.surfaces, self.root / "files" / "demo")
         self.scans |= {path.stem: path for path in found}
         return JSONResponse([{"scan": path.stem, "name": path.name} for path in found])
 
@@ -254,7 +254,7 @@ class Server:
         """What a scan holds."""
         scan, query = request.path_params["scan"], request.query_params
         reading = json.dumps({name: query.get(name, "")[:80] for name in READING})
-        said = await self.jobs.said(["stiction.app.look", str(self._scan(scan)), reading])
+        said = await self.jobs.said(["stiction.app.preview", str(self._scan(scan)), reading])
         self.points[scan] = json.loads(said).get("points", 0)
         return Response(said, media_type="application/json")
 
@@ -331,7 +331,7 @@ class Server:
         changes = dict(json.loads(request.query_params.get("set", "")))
         if not all(CHANGES.fullmatch(f"{key}=") for key in changes):
             raise HTTPException(400)
-        return Response(await asyncio.to_thread(made.profiles, changes), media_type="image/svg+xml")
+        return Response(await asyncio.to_thread(sample_surfaces.profiles, changes), media_type="image/svg+xml")
 
 
 def _listed(name: str, folder: Path) -> dict[str, Any]:

@@ -21,9 +21,9 @@ from stiction._arguments import (
 )
 from stiction._errors import ArgumentError
 from stiction.cli.application import announce, command, interrupted, tell
+from stiction.cli.execution import Workers
 from stiction.cli.options import Json, Verbose, option, refuse
-from stiction.cli.running import Workers
-from stiction.cli.showing import opened
+from stiction.cli.result_output import opened
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import UNCERTAINTY
 

@@ -11,7 +11,7 @@ from stiction._arguments import parse_quantity
 from stiction.cli.application import command, say, tell
 from stiction.cli.options import Json, option, refuse
 from stiction.cli.pair_options import option_of
-from stiction.cli.showing import opened, said_by
+from stiction.cli.result_output import opened, said_by
 
 _TESTS = 'Tests, a row each: "load (mN)", "force (mN)" or coefficient; uncertainty, pair, run, slid, wait.'
 Forces = Annotated[Path | None, typer.Argument(metavar="FORCES.csv", help=_TESTS, show_default=False)]
@@ -61,8 +61,8 @@ def calibrate(
     tests; elsewhere it says what would tell them apart.
     """
     from stiction.studies.calibration import calibrate as fitted
+    from stiction.studies.input_uncertainty import ENDS, known
     from stiction.studies.interfaces import Ball, FrictionTest, write_interface
-    from stiction.studies.known import ENDS, known
     from stiction.studies.tests_file import friction_tests
     from stiction.views.calibration import calibration_figure, calibration_record, calibration_text
     from stiction.views.style import save_picture

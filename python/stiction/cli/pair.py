@@ -13,9 +13,9 @@ import typer
 
 from stiction._text import printable
 from stiction.cli.application import command, is_watched, say, tell
+from stiction.cli.execution import Part, Scheduler, Workers, check_folder, executor_of, fill_folder, part_of
 from stiction.cli.options import Json, Verbose, announce_reader, option
 from stiction.cli.pair_options import COMMON, HelpAll, argument_of, given_options, option_of
-from stiction.cli.running import Part, Scheduler, Workers, check_folder, executor_of, fill_folder, part_of
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import read_options
 from stiction.studies.result import Result
@@ -108,7 +108,7 @@ def pair(
     pressed as areas, or as pairs of lines with --lines. Options that describe a file apply to both; give them twice to
     set UPPER and LOWER separately. The result is a study in DIR, which run, at, plot, report, info and export take.
     """
-    from stiction.cli.showing import said_by, show_answer, show_result, write_views
+    from stiction.cli.result_output import said_by, show_answer, show_result, write_views
     from stiction.studies.members import about
     from stiction.views.files import VIEWS, check_files
     from stiction.views.rows import record_text

@@ -11,7 +11,7 @@ from stiction._arguments import split_values
 from stiction._text import printable_path
 from stiction.cli.application import command, tell
 from stiction.cli.options import Json, Verbose, option
-from stiction.cli.showing import draw_result, opened, show_result
+from stiction.cli.result_output import draw_result, opened, show_result
 
 Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")]
 

@@ -10,8 +10,8 @@ import typer
 
 from stiction._units import short_repr
 from stiction.cli.application import command, tell
+from stiction.cli.execution import Part, Scheduler, Workers
 from stiction.cli.options import Verbose, option
-from stiction.cli.running import Part, Scheduler, Workers
 from stiction.studies.study import Study, study_names, study_summary
 from stiction.studies.values import MAX_LISTED_FAULTS, StudyError, toml
 
@@ -40,8 +40,8 @@ def run_command(
     verbose: Verbose = False,
 ) -> None:
     """Compute a study, or what is missing of it, draw it, and print its friction at a few loads; or one part of it."""
-    from stiction.cli.running import executor_of, fill_folder, part_of
-    from stiction.cli.showing import draw_result, show_result
+    from stiction.cli.execution import executor_of, fill_folder, part_of
+    from stiction.cli.result_output import draw_result, show_result
 
     what, directory = _study(study)
     try:

@@ -14,9 +14,9 @@ from stiction._arguments import (
     split_values,
 )
 from stiction.cli.application import command, tell
+from stiction.cli.execution import Scheduler, Workers
 from stiction.cli.options import option
 from stiction.cli.pair_options import option_of
-from stiction.cli.running import Scheduler, Workers
 from stiction.studies.store import SEAL
 
 TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
@@ -57,7 +57,7 @@ def table_command(
     Pairs of surfaces are pressed as elastic half-spaces. An interrupted table goes on where it stopped, and further mu0
     and tau0 cost nothing.
     """
-    from stiction.cli.running import executor_of, fill_folder
+    from stiction.cli.execution import executor_of, fill_folder
     from stiction.studies.elasticity import elasticity_of
     from stiction.studies.friction_table import friction_table, table_study
     from stiction.studies.store import export

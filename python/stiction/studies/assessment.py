@@ -15,10 +15,10 @@ from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
-from stiction.studies.at_load import ABOVE_NOMINAL, COMPLETE
+from stiction.studies.evaluation import ABOVE_NOMINAL, COMPLETE
 from stiction.studies.hardness import growth_of, inputs_of, materials_of
+from stiction.studies.input_uncertainty import Known
 from stiction.studies.interfaces import interface_of
-from stiction.studies.known import Known
 from stiction.studies.point import (
     RuleValue,
     contact_status_of,

@@ -18,11 +18,11 @@ from stiction._checks import Floats
 from stiction.mechanics.brackets import friction_bracket
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.quantities import attributes_of
-from stiction.studies.at_load import PerLoad, areas_of, member_values, six_at
+from stiction.studies.evaluation import PerLoad, areas_of, member_values, six_at
 from stiction.studies.hardness import Areas, creep_of, growth_of, inputs_of, relative_modulus
+from stiction.studies.input_uncertainty import DRAWS, ENDS, Known, strata
 from stiction.studies.interfaces import HARDNESS, interface_of
 from stiction.studies.intervals import MOST_FREEDOM, OfScans, of_scans
-from stiction.studies.known import DRAWS, ENDS, Known, strata
 from stiction.studies.result import Result
 
 if TYPE_CHECKING:

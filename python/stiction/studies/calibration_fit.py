@@ -21,8 +21,8 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
 from stiction.studies.calibration_growth import best_coefficients, range_of_strength
+from stiction.studies.input_uncertainty import Known, known, sobol
 from stiction.studies.interfaces import UNLIKELY, Fit, FrictionTest, ShearStrength, depends_on_growth, friction_of
-from stiction.studies.known import Known, known, sobol
 
 MIN_VARIATION = 0.1  # standard deviation over mean of A/F among tests below which mu0 and tau0 are not separated
 ROUND_POINTS, MAX_POINTS = 256, 8192  # nuisance points of a round of adaptation, and of the result at most

@@ -14,13 +14,13 @@ from stiction._checks import Floats, float_array, whole_number
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import attributes_of
-from stiction.studies.at_load import member_values
 from stiction.studies.contact_statistics import Table
 from stiction.studies.contact_tables import HalfSpace
+from stiction.studies.evaluation import member_values
 from stiction.studies.maps import cells_of
 from stiction.studies.measured_surfaces import Measured
+from stiction.studies.member_solution import OneLoad
 from stiction.studies.members import bodies_of, pair_of
-from stiction.studies.pressed import OneLoad
 from stiction.studies.result import Result
 from stiction.studies.store import Stored, read_beside
 from stiction.studies.study import Study

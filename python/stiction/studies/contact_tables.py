@@ -16,7 +16,7 @@ from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
 from stiction.mechanics.law import LAWS_BY_NAME, HertzCylinder, JacksonGreen, Law, LawName, as_law
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
 from stiction.studies.generated_surfaces import Generated, Profiles
-from stiction.studies.known import MAX_GROWTH
+from stiction.studies.input_uncertainty import MAX_GROWTH
 from stiction.studies.measured_surfaces import Measured
 from stiction.studies.values import (
     ApproachesOrRange,

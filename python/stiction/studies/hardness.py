@@ -20,7 +20,7 @@ from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.materials import Material, material, softer_material
 from stiction.mechanics.resolution import KAPPA
 from stiction.studies.contact_tables import HalfSpace
-from stiction.studies.known import Known, known, read_known
+from stiction.studies.input_uncertainty import Known, known, read_known
 from stiction.studies.members import bodies_of, points_of_member
 from stiction.studies.moduli import Moduli, hardness_of_material, moduli_of_material
 from stiction.studies.store import Stored, read_beside

@@ -21,16 +21,16 @@ from stiction._text import format_duration
 from stiction._units import short_repr
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import attributes_of
-from stiction.studies.at_load import ABOVE_NOMINAL, at_load, is_unloaded
 from stiction.studies.budget import with_uncertainty
-from stiction.studies.complete import remove_result
+from stiction.studies.evaluation import ABOVE_NOMINAL, at_load, is_unloaded
 from stiction.studies.executors import given_or_threads
 from stiction.studies.hardness import FILE as HARDNESS
 from stiction.studies.hardness import areas_over_hardness, bodies_wanted, count_solutions, hardness_beside
 from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
 from stiction.studies.measured_surfaces import MIN_HEIGHT_FACTOR as MIN_FACTOR
+from stiction.studies.member_solution import cost_of_member, cost_of_solution
 from stiction.studies.members import first_pair
-from stiction.studies.pressed import cost_of_member, cost_of_solution
+from stiction.studies.pipeline import remove_result
 from stiction.studies.result import Result
 from stiction.studies.runner import fill
 from stiction.studies.store import STUDY, Stored, StoreError, export, open_stored

@@ -28,10 +28,10 @@ from stiction._units import loads_to_core_units, to_core_units
 from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
 from stiction.mechanics.friction import SIX_SUMS, FrictionCurve
 from stiction.mechanics.model import Sliding
-from stiction.studies.at_load import PerLoad, areas_of, member_values, six_at
 from stiction.studies.elasticity import Elasticity
+from stiction.studies.evaluation import PerLoad, areas_of, member_values, six_at
 from stiction.studies.hardness import Areas, creep_of, growth_of, inputs_of, relative_modulus
-from stiction.studies.known import Known, draws, known, read_known
+from stiction.studies.input_uncertainty import Known, draws, known, read_known
 from stiction.studies.moduli import Moduli, elasticity_and_moduli
 from stiction.studies.study import Study, study_of
 

@@ -11,7 +11,7 @@ from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction.mechanics.materials import Material, MaterialValue, material
 from stiction.studies.elasticity import Elasticity, elasticity_of
-from stiction.studies.known import MOST_POISSON, NO_NUMBER, Distribution, Known, read_known
+from stiction.studies.input_uncertainty import MOST_POISSON, NO_NUMBER, Distribution, Known, read_known
 from stiction.surfaces.pairing import SIDES
 
 NAMES = ("young", "poisson")

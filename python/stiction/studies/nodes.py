@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.studies.at_load import at_load
 from stiction.studies.budget import SAME_INPUT, with_uncertainty
+from stiction.studies.evaluation import at_load
 from stiction.studies.hardness import inputs_of
 
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.at_load import Kind
+    from stiction.studies.evaluation import Kind
     from stiction.studies.result import Result
     from stiction.studies.study import Study
 

@@ -14,11 +14,11 @@ from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, attributes_of
-from stiction.studies.at_load import OverMembers
 from stiction.studies.contact_picture import MOST_PICTURED
+from stiction.studies.evaluation import OverMembers
 from stiction.studies.executors import sharing
+from stiction.studies.member_solution import OneLoad
 from stiction.studies.members import bodies_of, points_of_member
-from stiction.studies.pressed import OneLoad
 from stiction.studies.store import read_beside
 from stiction.studies.study import Study
 from stiction.surfaces.surface import Surface

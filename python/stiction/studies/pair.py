@@ -28,8 +28,8 @@ from stiction.mechanics.materials import material, softer_material
 from stiction.mechanics.model import THICKNESS
 from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
+from stiction.studies.input_uncertainty import KINDS, NO_NUMBER, Known, read_known
 from stiction.studies.interfaces import Interface, interface, interfaces, medians
-from stiction.studies.known import KINDS, NO_NUMBER, Known, read_known
 from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, About, Body, MeasuredFile
 from stiction.studies.members import about
 from stiction.studies.pair_options import (

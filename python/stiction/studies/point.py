@@ -12,7 +12,7 @@ import numpy as np
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
-from stiction.studies.at_load import ABOVE_NOMINAL, COMPLETE, NO_LOAD
+from stiction.studies.evaluation import ABOVE_NOMINAL, COMPLETE, NO_LOAD
 
 if TYPE_CHECKING:
     import xarray

@@ -12,7 +12,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction._units import exact_text
 from stiction.mechanics import brackets
-from stiction.studies.at_load import at_load
+from stiction.studies.evaluation import at_load
 from stiction.studies.members import about, bodies_of
 from stiction.studies.result import Result
 from stiction.studies.store import STUDY, Stored, StoreError, open_stored

@@ -170,7 +170,7 @@ class Result:
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
         """Loads (mN) of the study, or if it has none, a few that are reached; a `ValueError` if nothing touches."""
-        from stiction.studies.at_load import default_loads
+        from stiction.studies.evaluation import default_loads
 
         return default_loads(self)
 
@@ -245,8 +245,8 @@ class Result:
         >>> (gradient / gradient[1]).round(6).tolist()
         [0.5, 1.0, 2.0]
         """
-        from stiction.studies.at_load import at_load, member_values
         from stiction.studies.budget import with_uncertainty
+        from stiction.studies.evaluation import at_load, member_values
 
         for name, value in (("per_member", per_member), ("budget", budget)):
             check_bool(name, value)

@@ -22,8 +22,8 @@ from stiction._files import new_partial_name
 from stiction._text import format_bytes, format_duration, printable_path
 from stiction.studies.executors import BROKEN, given_or_threads, progress_bar, sharing
 from stiction.studies.layout import OF_MEMBERS, Arrays, bytes_of_member, dataset_of, stacked
+from stiction.studies.member_solution import cost_of_member, member_sums
 from stiction.studies.members import about, points_of_member
-from stiction.studies.pressed import cost_of_member, member_sums
 from stiction.studies.result import Result
 from stiction.studies.store import BLOCKS, Stored, StoreError, begin, put
 from stiction.studies.study import Study

@@ -26,7 +26,7 @@ from stiction.studies.contact_tables import (
     read_contact,
 )
 from stiction.studies.generated_surfaces import Generated, Profiles, SelfAffineSurfaces, WeierstrassMandelbrotSurfaces
-from stiction.studies.known import KnownTable
+from stiction.studies.input_uncertainty import KnownTable
 from stiction.studies.measured_surfaces import Measured, MeasuredFile
 from stiction.studies.values import (
     Case,

@@ -30,7 +30,7 @@ from stiction.studies.point import (
     shape_coordinate,
     value_of,
 )
-from stiction.studies.sticking import Sticking, sticking_of
+from stiction.studies.pull_off import Sticking, sticking_of
 
 if TYPE_CHECKING:
     import xarray

@@ -30,8 +30,8 @@ from stiction.mechanics.model import (
 )
 from stiction.mechanics.quantities import AREAL_SUMS, AREAL_VALIDITY, QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
-from stiction.studies.at_load import OverMembers, by_slopes, piece_at
 from stiction.studies.contact_tables import COMPASS, entry_of
+from stiction.studies.evaluation import OverMembers, by_slopes, piece_at
 from stiction.studies.intervals import Crossing
 from stiction.studies.measured_surfaces import (
     SHIFTS,

@@ -239,8 +239,8 @@ def pair(
     >>> result.verdict in ("Quote it", "Quote with care", "Do not quote")
     True
     """
-    from stiction.studies.complete import complete
     from stiction.studies.executors import given_or_threads
+    from stiction.studies.pipeline import complete
 
     for name, body in (("first", first), ("second", second)):
         if any(step == "turned over" for step in getattr(body, "history", ())):

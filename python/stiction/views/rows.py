@@ -23,10 +23,10 @@ from stiction.mechanics.quantities import QUANTITIES, column_of, shown_in
 from stiction.studies.point import CELLS, rules_of
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.onset import onset_record, words_of
+from stiction.views.pull_off import sticking_record
 from stiction.views.resolution import resolution_record
 from stiction.views.sentence import assumptions_of, covers_text, sentence_text
 from stiction.views.spreadsheet import csv_of_frame
-from stiction.views.sticking import sticking_record
 
 if TYPE_CHECKING:
     import pandas

@@ -17,7 +17,7 @@ from stiction.studies.point import is_capped, law_of, modulus_of, pressure_of, s
 from stiction.studies.summary import PointSummary
 from stiction.surfaces.pairing import SIDES
 from stiction.views.point import RULES, adhesion_text, load_text, materials_text, over_text
-from stiction.views.sticking import sticking_text
+from stiction.views.pull_off import sticking_text
 
 if TYPE_CHECKING:
     import xarray

@@ -13,7 +13,7 @@ from stiction.mechanics.law import LAWS_BY_NAME
 from stiction.studies import values
 from stiction.studies.contact_tables import CONTACTS, LAW_TABLES, SHARED
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
-from stiction.studies.known import KnownTable
+from stiction.studies.input_uncertainty import KnownTable
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.study import FRICTIONS, SHARED_FRICTION, SURFACES, Ensemble, Figures
 from stiction.views.text import fitted

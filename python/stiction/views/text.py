@@ -34,10 +34,10 @@ from stiction.studies.resolution import seen
 from stiction.studies.summary import ORIGIN, PointSummary, Summary
 from stiction.views.onset import onset_note, onset_rows, onset_text, words_of
 from stiction.views.point import RULES, load_text, way_text
+from stiction.views.pull_off import sticking_text
 from stiction.views.resolution import ELASTIC, RULE_TITLES, cut_off_note, cut_off_rows, waves_text, yielding_rows
 from stiction.views.sentence import assumptions_of, finer_text, inputs_text, note_text, slopes_text
 from stiction.views.sentence import roughness_text as contribution_text
-from stiction.views.sticking import sticking_text
 
 if TYPE_CHECKING:
     import xarray

@@ -24,7 +24,7 @@ from stiction._number_format import with_unit
 from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.assessment import HALF
-from stiction.studies.at_load import reached_loads
+from stiction.studies.evaluation import reached_loads
 from stiction.studies.maps import area_map, friction_map, means
 from stiction.studies.members import pair_of, phases_of, unscaled_profile
 from stiction.studies.study import Study, study_of

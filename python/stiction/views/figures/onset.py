@@ -16,9 +16,9 @@ from stiction._checks import Floats
 from stiction._drawing import add_scale_bar
 from stiction._number_format import with_unit
 from stiction.studies.assessment import HALF
-from stiction.studies.at_load import at_load, reached_loads
 from stiction.studies.contact_picture import AROUND_LARGEST, FEWEST_POINTS
 from stiction.studies.contact_tables import Asperities
+from stiction.studies.evaluation import at_load, reached_loads
 from stiction.studies.point import STATISTICS
 from stiction.studies.study import study_of
 from stiction.views.figures.contact import box_of, draw_frame, draw_heights

@@ -13,7 +13,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from stiction.studies.at_load import member_values
+from stiction.studies.evaluation import member_values
 from stiction.studies.height_scale import Scaled, at_height_scale
 from stiction.studies.members import bodies_of
 from stiction.studies.result import Result

@@ -16,7 +16,7 @@ from stiction._number_format import prefix, with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import AREAL_VALIDITY, AT_HARDNESS, ONSET, QUANTITIES, VALIDITY
 from stiction.studies.assessment import ADVICE, HALF, LIMITS_OF_CONTACTS, VERDICTS, checks_of_ensemble
-from stiction.studies.at_load import reached_loads
+from stiction.studies.evaluation import reached_loads
 from stiction.studies.maps import friction_map, means, solved_pieces
 from stiction.studies.nodes import Axis, at_nodes, axes_of, is_interpolated, largest_errors, refined
 from stiction.studies.point import rules_of

@@ -15,7 +15,7 @@ from stiction._text import printable
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, shown_in
 from stiction.studies.assessment import limit_of
-from stiction.studies.at_load import Kind, at_load
+from stiction.studies.evaluation import Kind, at_load
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.nodes import Axis, at_nodes, axes_of, is_interpolated, largest_errors, refined
 from stiction.studies.resolution import seen
@@ -25,6 +25,7 @@ from stiction.studies.summary import PointSummary
 from stiction.views.figures.standard import title_of, words_of
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import materials_text, over_text, way_text
+from stiction.views.pull_off import sticking_text
 from stiction.views.report.page import (
     AXES,
     MOST_TEXT,
@@ -47,7 +48,6 @@ from stiction.views.report.reading import GIVEN, reading_table
 from stiction.views.report.tables import Tables, decimals_of, text_with_unit
 from stiction.views.resolution import waves_text
 from stiction.views.sentence import sentence_text, slopes_text
-from stiction.views.sticking import sticking_text
 from stiction.views.text import budget_text, waited_text
 
 MAX_POINTS = 400_000  # coefficients of measured bodies in a page: nodes times loads, cutoffs, rules and directions

@@ -5,8 +5,8 @@ import pytest
 from stiction import Study, area_map, friction_map, run, stiffness_map, traverse, traverse_mean
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import intervals
-from stiction.studies.at_load import at_load, axes_of, member_values, reached_loads
 from stiction.studies.contact_tables import AROUND_AREAS, ladder
+from stiction.studies.evaluation import at_load, axes_of, member_values, reached_loads
 from stiction.studies.members import bodies_of
 from support.measured_studies import study_of, write_maps, write_profiles
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from stiction import Profile, approach_at_load, flipped, half_space, levelled, press
 from stiction.mechanics.friction import STATUSES
-from stiction.studies import pressed
+from stiction.studies import member_solution
 from stiction.studies.layout import OF_MEMBERS, dataset_of, names_of, stacked, variables_of
+from stiction.studies.member_solution import cost_of_member, member_sums
 from stiction.studies.members import about, bodies_of
-from stiction.studies.pressed import cost_of_member, member_sums
 from support.measured_studies import study_of, write_maps, write_profiles
 
 ROUND_OFF = 1e-9
@@ -92,7 +92,7 @@ def test_unsolved_load_leaves_other_loads_unchanged(tmp_path, monkeypatch):
             raise RuntimeError("no solution")
         return half_space(upper, lower, loads, **rest)
 
-    monkeypatch.setattr(pressed, "half_space", fails)
+    monkeypatch.setattr(member_solution, "half_space", fails)
     values = member_sums(study, 0)
     assert values["status"][0].tolist() == [
         STATUSES.index("not-solved" if index == 1 else "ok") for index in range(loads.size)

@@ -11,14 +11,14 @@ from typing import Any
 from stiction._core import __version__
 from stiction._files import check_replaceable, replaced_file
 from stiction._text import format_duration
-from stiction.studies.at_load import is_unloaded
 from stiction.studies.contact_picture import FILE as PICTURE
 from stiction.studies.contact_picture import contact_picture
+from stiction.studies.evaluation import is_unloaded
 from stiction.studies.hardness import FILE as HARDNESS
 from stiction.studies.hardness import areas_over_hardness, count_solutions, hardness_beside
+from stiction.studies.member_solution import cost_of_member, cost_of_solution
 from stiction.studies.onset import FILE as ONSET
 from stiction.studies.onset import TABLE, TABLE_MARK, backbone, onset_beside, onset_of_result
-from stiction.studies.pressed import cost_of_member, cost_of_solution
 from stiction.studies.resolution import FOLDER, resolution_study
 from stiction.studies.result import Result
 from stiction.studies.runner import fill, filled, prepared

@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._number_format import finite, prefix, with_interval, with_unit
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.sticking import STICKING_PRESSURE, Sticking, Three
+from stiction.studies.pull_off import STICKING_PRESSURE, Sticking, Three
 
 
 def sticking_text(sticking: Sticking) -> str:

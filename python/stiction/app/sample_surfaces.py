@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction.app.look import DRAWN, svg
+from stiction.app.preview import DRAWN, svg
 from stiction.studies.members import pairs_of
 from stiction.studies.study import Study
 from stiction.surfaces.measured.writing import write_surface

@@ -13,8 +13,8 @@ from stiction._text import printable_path
 from stiction._units import short_repr
 from stiction.cli.application import announce, interrupted, say, tell
 from stiction.cli.options import option
-from stiction.studies.complete import complete
 from stiction.studies.executors import threads
+from stiction.studies.pipeline import complete
 from stiction.studies.result import Result
 from stiction.studies.store import OtherStudyError, StoreError, open_stored
 from stiction.studies.study import Study

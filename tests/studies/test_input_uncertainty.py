@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from stiction.studies.known import NO_NUMBER, draws, known, read_known
+from stiction.studies.input_uncertainty import NO_NUMBER, draws, known, read_known
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""`python -m stiction.app.look FILE READING`: what a scan holds, as JSON with a small picture.
+"""`python -m stiction.app.preview FILE READING`: what a scan holds, as JSON with a small picture.
 
 READING is JSON: options of `read_measurement` by name, as texts.
 """
