@@ -147,10 +147,10 @@ def documentation(files: Files) -> Iterator[Item]:
     for name, text in sorted(files.items()):
         if name.endswith(".md") and "generated" not in name:
             body = re.sub(r"```.*?```|\A---.*?^---", "", text, flags=re.DOTALL | re.MULTILINE)
-            for block in re.split(r"\n\s*\n", body):
-                paragraph = " ".join(block.split())
-                if paragraph and not paragraph.startswith(("#", "|", "(", ":", "<")):
-                    for sentence in re.split(r"(?<=[.:])\s+(?=[A-Z*`])", paragraph):
+            for block in re.split(r"\n\s*\n|\n\s*(?=[-*] |\d+\. )", body):
+                paragraph = re.sub(r"^([-*]|\d+\.) ", "", " ".join(block.split()))
+                if paragraph and not paragraph.startswith(("#", "|", "(", ":", "<", "![")):
+                    for sentence in re.split(r"(?<=[.:])\s+(?=[A-Z*`[μτ])", paragraph):
                         if len(sentence.split()) >= MIN_WORDS:
                             yield name, sentence
 
