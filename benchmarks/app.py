@@ -1,6 +1,5 @@
-"""Measure the start and the first result of `stiction app`; also writes the screenshots of docs/howto/app.md."""
+"""Measure the start and the first result of `stiction app`."""
 
-import base64
 import os
 import re
 import resource
@@ -14,17 +13,6 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 from support import browser  # noqa: E402
-
-IMAGES = HERE.parent / "docs/images"
-
-
-def shot(driver, name: str, height: int = 720) -> None:
-    """Save a screenshot of the window."""
-    size(driver, 1280, height)
-    driver.execute_script("document.activeElement.blur(); document.getElementById('inputs').scrollTo(0, 0)")
-    time.sleep(0.5)
-    completed = driver.execute_cdp_cmd("Page.captureScreenshot", {})
-    (IMAGES / f"app_{name}.png").write_bytes(base64.b64decode(completed["data"]))
 
 
 def size(driver, width: int, height: int) -> None:
@@ -53,16 +41,13 @@ def rows() -> list[tuple[str, str]]:
             driver.get(address)
             seen = until(driver, "['upper', 'lower'].every((side) => scans[side]?.holds)")
             paint = driver.execute_script("return performance.getEntriesByName('first-contentful-paint')[0].startTime")
-            shot(driver, "scans")
             time.sleep(5)  # as somebody who reads takes
             driver.execute_script("document.querySelector('#pair .go').click()")
             first = until(driver, "document.querySelector('#answer .value') !== null")
             until(driver, "framed !== '' && document.getElementById('progress').value > 0")
             browser.wait(driver, lambda driver: driver.execute_script("return paged().readyState") == "complete")
-            shot(driver, "first")
             whole = first + until(driver, "document.getElementById('job').dataset.state === 'done'")
             until(driver, "paged().getElementById('main')?.getAttribute('aria-busy') === 'false'")
-            shot(driver, "answer", 1000)
             memory = int(Path(f"/proc/{server.pid}/statm").read_text().split()[1]) * resource.getpagesize()
         finally:
             server.send_signal(signal.SIGINT)

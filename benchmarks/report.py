@@ -1,9 +1,8 @@
 """Measure the size of the interactive report of figure6 and its response time in a browser.
 
-The browser is headless Chromium. Also writes docs/images/report.png.
+The browser is headless Chromium.
 """
 
-import base64
 import statistics
 import sys
 import tempfile
@@ -68,14 +67,6 @@ def median_excess(driver, dataset: xarray.Dataset) -> float:
     return float(np.median(errors))
 
 
-def screenshot(driver, path: Path) -> None:
-    """Save a screenshot of the upper part of the report."""
-    browser.settle(driver)
-    clip = {"x": 0, "y": 0, "width": 1280, "height": 1960, "scale": 1}
-    completed = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})
-    path.write_bytes(base64.b64decode(completed["data"]))
-
-
 def rows() -> list[tuple[str, str]]:
     dataset = run(Study.named("figure6"), store=HERE.parent / "build/figure6").dataset
     with tempfile.TemporaryDirectory() as folder, browser.browser(f"{folder}/profile") as driver:
@@ -86,7 +77,6 @@ def rows() -> list[tuple[str, str]]:
         start = time.perf_counter()
         browser.open_page(driver, page)
         opened = time.perf_counter() - start
-        screenshot(driver, HERE.parent / "docs/images/report.png")
         error = median_excess(driver, dataset)
         assert error < 1, error
         driver.execute_script(WATCH)

@@ -1,0 +1,99 @@
+"""Draw docs/images/screen.png and screen_dark.png: the output of README's example with numbered parts."""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from stiction.views.style import MILLIMETRE, STYLE
+
+ROOT = Path(__file__).resolve().parents[2]
+SCANS = ROOT / "examples/scans"
+OPTIONS = ["--upper", "steel", "--lower", "brass", "--hardness", "120 HV ± 10 %"]
+OPTIONS += ["--mu0", "0.2", "--tau0", "50 MPa", "--load", "50 MPa"]
+COLUMNS = 80  # characters in a line of the terminal
+LINE_HEIGHT, CHARACTER_WIDTH = 4.2, 1.98  # mm
+MARGIN, LABEL_WIDTH, DISC_RADIUS = 3.0, 7.0, 1.75  # mm
+FONT_SIZE = 9.3  # points: a character of DejaVu Sans Mono is then CHARACTER_WIDTH wide
+LIGHT = {"paper": "#f6f7f9", "text": "0.12", "label": "#35618e", "number": "white", "band": "#e3ebf4"}
+DARK = {"paper": "#171b21", "text": "0.9", "label": "#8db8e8", "number": "#171b21", "band": "#232d3a"}
+
+PARTS = [
+    "μ_s = ",
+    "friction at opposing contacts only",
+    "Roughness contributes",
+    "Quote ",
+    "  - both scans",
+    "(slopes)",
+    "Single test",
+    "With H = ",
+    "At 10 mN",
+    "True area",
+    "34 % of the contact",
+    "wrote ",
+]
+"""Text in the first line of each numbered part of the output."""
+
+
+def output() -> list[str]:
+    """Return the lines that README's example prints."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "stiction", "pair", SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv"]
+        completed = subprocess.run(
+            [*command, *OPTIONS], cwd=folder, capture_output=True, check=True, text=True, env={"COLUMNS": f"{COLUMNS}"}
+        )
+    return completed.stdout.rstrip().splitlines()
+
+
+def first_lines(lines: list[str]) -> list[int]:
+    """Return the index of the first line of each part; raise `ValueError` if the output has changed."""
+    indices = []
+    for part in PARTS:
+        matching = [i for i, line in enumerate(lines) if part in line]
+        if not matching:
+            raise ValueError(f"no line contains {part!r}: adapt PARTS, and the list in docs/howto/pair.md")
+        indices.append(matching[0])
+    if indices != sorted(set(indices)):
+        raise ValueError("parts of the output are not in the order of PARTS")
+    return indices
+
+
+def draw(lines: list[str], dark: bool) -> Figure:
+    """Return a picture of the output, for a light or a dark page."""
+    colours = DARK if dark else LIGHT
+    starts = first_lines(lines)
+    width = COLUMNS * CHARACTER_WIDTH + LABEL_WIDTH + 2 * MARGIN
+    height = len(lines) * LINE_HEIGHT + 2 * MARGIN
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(width * MILLIMETRE, height * MILLIMETRE), facecolor=colours["paper"])
+        ax = figure.add_axes((0, 0, 1, 1))
+        ax.set(xlim=(0, width), ylim=(height, 0), aspect="equal")
+        ax.axis("off")
+        ends = [*starts[1:], len(lines)]
+        for number, (start, end) in enumerate(zip(starts, ends, strict=True), 1):
+            while not lines[end - 1].strip():
+                end -= 1
+            if number % 2:
+                ax.axhspan(MARGIN + start * LINE_HEIGHT, MARGIN + end * LINE_HEIGHT, color=colours["band"], linewidth=0)
+            y = MARGIN + (start + 0.5) * LINE_HEIGHT
+            ax.add_patch(Circle((MARGIN + DISC_RADIUS, y), DISC_RADIUS, color=colours["label"], linewidth=0))
+            ax.text(
+                MARGIN + DISC_RADIUS, y + 0.1, f"{number}", ha="center", va="center_baseline", color=colours["number"],
+                fontsize=6.5, weight="bold",
+            )  # fmt: skip
+        for i, line in enumerate(lines):
+            ax.text(
+                MARGIN + LABEL_WIDTH, MARGIN + (i + 0.5) * LINE_HEIGHT, line, va="center_baseline",
+                color=colours["text"], family="DejaVu Sans Mono", fontsize=FONT_SIZE,
+                weight="bold" if i == starts[0] else "normal",
+            )  # fmt: skip
+    return figure
+
+
+if __name__ == "__main__":
+    printed = output()
+    for name, dark in (("screen", False), ("screen_dark", True)):
+        draw(printed, dark).savefig(ROOT / f"docs/images/{name}.png", dpi=180)

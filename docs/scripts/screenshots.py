@@ -1,0 +1,94 @@
+"""Draw the screenshots of the report and of the app in docs/images, in headless Chromium, with README's example.
+
+It takes about a minute on one core.
+"""
+
+import base64
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import stiction as st
+from stiction.views.report import save_report
+
+ROOT = Path(__file__).resolve().parents[2]
+SCANS = ROOT / "examples/scans"
+IMAGES = ROOT / "docs/images"
+WIDTH = 1280  # px
+HEIGHTS = {"report": 1180, "app_scans": 900, "app_answer": 1000}  # px
+OPTIONS = {
+    "upper": "steel",
+    "lower": "brass",
+    "hardness": "120 HV ± 10 %",
+    "mu0": 0.2,
+    "tau0": "50 MPa",
+    "load": "50 MPa",
+}
+
+sys.path.insert(0, str(ROOT / "tests"))
+from support import browser  # noqa: E402
+
+
+def set_theme(driver, dark: bool) -> None:
+    features = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+
+
+def save_screenshot(driver, name: str, height: int) -> None:
+    """Save the upper part of the page, from its top."""
+    clip = {"x": 0, "y": 0, "width": WIDTH, "height": height, "scale": 1}
+    completed = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})
+    (IMAGES / f"{name}.png").write_bytes(base64.b64decode(completed["data"]))
+
+
+def draw_report(driver, folder: Path) -> None:
+    """Draw the report of README's pair, light and dark."""
+    result = st.pair(SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", directory=folder / "pair", **OPTIONS)
+    save_report(result, folder / "report.html")
+    for suffix, dark in (("", False), ("_dark", True)):
+        set_theme(driver, dark)
+        browser.open_page(driver, folder / "report.html", width=WIDTH)
+        save_screenshot(driver, f"report{suffix}", HEIGHTS["report"])
+
+
+def draw_app(driver, folder: Path) -> None:
+    """Draw the app with its two sample surfaces: the form, and the result of the half-space model."""
+    until = lambda script: browser.wait(driver, lambda driver: driver.execute_script(f"return {script}"))  # noqa: E731
+    server = subprocess.Popen(
+        [sys.executable, "-m", "stiction", "app", "--demo"], cwd=folder, stderr=subprocess.PIPE, text=True,
+        env=os.environ | {"BROWSER": "true", "TMPDIR": f"{folder}"},
+    )  # fmt: skip
+    try:
+        address = re.search(r"http:\S+", server.stderr.readline())[0]
+        set_theme(driver, dark=False)
+        metrics = {"width": WIDTH, "height": HEIGHTS["app_scans"], "deviceScaleFactor": 1, "mobile": False}
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+        driver.get(address)
+        until("['upper', 'lower'].every((side) => scans[side]?.holds)")
+        save_screenshot(driver, "app_scans", HEIGHTS["app_scans"])
+        driver.execute_script("document.querySelector('#pair .go').click()")
+        until("document.querySelector('#answer .value') !== null")
+        until("document.getElementById('job').dataset.state === 'done'")
+        until("paged().getElementById('main')?.getAttribute('aria-busy') === 'false'")
+        metrics["height"] = HEIGHTS["app_answer"]
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+        driver.execute_script("document.activeElement.blur(); document.getElementById('inputs').scrollTo(0, 0)")
+        browser.settle(driver)
+        save_screenshot(driver, "app_answer", HEIGHTS["app_answer"])
+    finally:
+        server.send_signal(signal.SIGINT)
+        server.wait()
+
+
+def main() -> None:
+    with tempfile.TemporaryDirectory() as folder, browser.browser(f"{folder}/profile") as driver:
+        draw_report(driver, Path(folder))
+        draw_app(driver, Path(folder))
+
+
+if __name__ == "__main__":
+    main()

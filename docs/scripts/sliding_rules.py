@@ -1,0 +1,81 @@
+"""Draw docs/images/sliding_rules.png and sliding_rules_dark.png: contacts with friction under each sliding rule."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, STYLE, UPPER
+
+IMAGES = Path(__file__).resolve().parents[1] / "images"
+WIDTH, HEIGHT = 170.0, 44.0  # mm
+RADIUS = 1.0  # of all asperities; the other lengths are relative to it
+OFFSETS = np.array([-0.5, 0.6, -0.6, 0.5])  # of the upper asperities from the lower ones, along the sliding direction
+SPACING = 3.0  # between lower asperities
+BASE = 0.45  # height of the flat between asperities, above the centre of the lower ones
+ARROW = 1.15  # length of an arrow of friction
+NUM_POINTS = 1200
+TITLES = {"all": "friction at all contacts", "opposing": "friction at opposing contacts only"}
+
+
+def asperities(x: np.ndarray, centres: np.ndarray) -> np.ndarray:
+    """Return the height of a row of circular asperities above their centres."""
+    heights = np.sqrt(np.clip(RADIUS**2 - np.subtract.outer(x, centres) ** 2, 0.0, None))
+    return np.maximum(heights.max(axis=1), BASE)
+
+
+def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
+    """Draw two rough surfaces, and the friction on the lower one's contacts when the upper one moves to the right."""
+    lower_centres = SPACING * np.arange(len(OFFSETS))
+    upper_centres = lower_centres + OFFSETS
+    # Every pair touches: asperities with smaller offsets are lower by the difference.
+    rise = np.sqrt((2 * RADIUS) ** 2 - OFFSETS**2)
+    distance = rise.max()
+    x = np.linspace(-2.2, lower_centres[-1] + 2.2, NUM_POINTS)
+    lower = np.full_like(x, BASE)
+    for centre, drop in zip(lower_centres, distance - rise, strict=True):
+        lower = np.maximum(lower, asperities(x, np.array([centre])) + drop)
+    upper = distance - asperities(x, upper_centres)
+    ax.fill_between(x, lower, -0.6, color=LOWER, linewidth=0)
+    ax.fill_between(x, upper, distance + 0.6, color=UPPER, linewidth=0)
+    for centre, offset, height, drop in zip(lower_centres, OFFSETS, rise, distance - rise, strict=True):
+        opposes = offset < 0  # the upper asperity is to the left: it must climb to move to the right
+        colour = OPPOSING if opposes else LEANING
+        point = np.array([centre + offset / 2, drop + height / 2])
+        ax.plot(*point, "o", markersize=5, color=colour, zorder=4)
+        if opposes or rule == "all":
+            tangent = np.array([height, -offset]) / (2 * RADIUS)
+            ax.annotate(
+                "", point - ARROW * tangent, point, zorder=5,
+                arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0},
+            )  # fmt: skip
+    middle = lower_centres.mean()
+    ax.annotate(
+        "", (middle + 2.2, distance + 1.1), (middle - 2.2, distance + 1.1),
+        arrowprops={"arrowstyle": "-|>", "color": text_colour, "linewidth": 1.0},
+    )  # fmt: skip
+    ax.text(middle, distance + 1.3, "motion of the upper surface", ha="center", va="bottom", color=text_colour)
+    ax.set(xlim=(x[0], x[-1]), ylim=(-0.7, distance + 1.9), aspect="equal")
+    ax.set_title(TITLES[rule], color=text_colour)
+    ax.axis("off")
+
+
+def draw(dark: bool) -> Figure:
+    """Return the picture for a light or a dark page."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH * MILLIMETRE, HEIGHT * MILLIMETRE))
+        for i, rule in enumerate(TITLES):
+            draw_pair(figure.add_axes((0.01 + 0.5 * i, 0.1, 0.48, 0.84)), rule, "0.92" if dark else "0.1")
+        for x, colour, words in (
+            (0.2, OPPOSING, "slope opposes the motion"),
+            (0.58, LEANING, "slope assists the motion"),
+        ):
+            figure.text(x, 0.07, "●", color=colour, va="center")
+            figure.text(x + 0.02, 0.07, words, color="0.92" if dark else "0.1", va="center")
+    return figure
+
+
+if __name__ == "__main__":
+    for name, dark in (("sliding_rules", False), ("sliding_rules_dark", True)):
+        draw(dark).savefig(IMAGES / f"{name}.png", dpi=200, transparent=dark, facecolor=None if dark else "white")
