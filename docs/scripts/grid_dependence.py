@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from stiction import Study, run
 from stiction.mechanics.friction import compute_load
-from stiction.studies.intervals import Powers
+from stiction.studies.intervals import PowerSums
 from stiction.views.style import FULL_WIDTH, MILLIMETRE, STYLE, dimension_colours, save_picture
 
 DOCS = Path(__file__).parents[1]
@@ -52,7 +52,7 @@ def ratio_of_means(above: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np
         flat = left_out.reshape(-1, repetitions).T
         known = np.isfinite(flat).all(axis=0)
         half = np.full(flat.shape[1], np.nan)
-        powers = Powers((int(known.sum()),))
+        powers = PowerSums((int(known.sum()),))
         powers.add((flat - flat.mean(axis=0))[:, known].T)
         half[known] = powers.half_width()
     half = half.reshape(ratio.shape)

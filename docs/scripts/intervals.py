@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.special import stdtrit
-from stiction.studies.intervals import of_neighbours
+from stiction.studies.intervals import neighbors_mean
 
 DOCS = Path(__file__).parent.parent
 sys.path.insert(0, str(DOCS.parent / "tests"))
@@ -44,7 +44,7 @@ def cosines(values):
     return values.mean(), values.mean() - stdtrit(most, 0.975) * error, values.mean() + stdtrit(most, 0.975) * error
 
 
-METHODS = {"taken": of_neighbours, "independent": independent, "lag one": lag_one, "cosines": cosines}
+METHODS = {"taken": neighbors_mean, "independent": independent, "lag one": lag_one, "cosines": cosines}
 
 
 def main():

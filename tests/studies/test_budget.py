@@ -9,11 +9,11 @@ from scipy.stats import halfnorm
 from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
-from stiction.studies.budget import _numbers_at, _Point, with_uncertainty
+from stiction.studies.budget import _numbers_at, _Point, add_uncertainty
 from stiction.studies.evaluation import PerLoad, areas_of, at_load, six_at
 from stiction.studies.executors import threads
-from stiction.studies.hardness import areas_over_hardness, bodies_wanted, inputs_of
-from stiction.studies.input_uncertainty import ENDS, known
+from stiction.studies.hardness import choose_area_nodes, compute_areas_over_hardness, find_inputs
+from stiction.studies.input_uncertainty import Z_95, parse_input
 from stiction.studies.pair import pair_study
 from stiction.studies.summary import summarize
 from stiction.studies.values import StudyError
@@ -50,7 +50,7 @@ def test_interval_at_a_load_is_independent_of_other_loads() -> None:
         hardness="0.5..1.5 GPa", mechanics="half-space", **QUICK,
     )  # fmt: skip
     own = result.at_study_loads["load"].values.tolist()
-    at = with_uncertainty(at_load(result.source, [*own, 1.5 * own[0]]), result.source, budget=False)
+    at = add_uncertainty(at_load(result.source, [*own, 1.5 * own[0]]), result.source, budget=False)
     assert at["load"].values.tolist() == sorted([*own, 1.5 * own[0]])
     for name in ("friction_combined", "friction_known", "friction_next_test"):
         assert at[name].dims == result.at_study_loads[name].dims
@@ -60,7 +60,7 @@ def test_interval_at_a_load_is_independent_of_other_loads() -> None:
 def test_range_of_mu0_gives_equal_range_of_friction() -> None:
     kwargs = dict(load="2 MPa", tau0=0.0, effective_modulus="80 GPa", **QUICK)
     result = pair(*bodies(rms=0.001), mu0="0.2±0.02", **kwargs)
-    assert result.interval == pytest.approx((0.2 - ENDS * 0.02, 0.2 + ENDS * 0.02), abs=BY_DRAWS * 4 * 0.02)
+    assert result.interval == pytest.approx((0.2 - Z_95 * 0.02, 0.2 + Z_95 * 0.02), abs=BY_DRAWS * 4 * 0.02)
     assert result.budget["input"][0] == "μ0"
     uniform = pair(*bodies(rms=0.001), mu0="uniform 0.1..0.3", **kwargs)
     assert uniform.interval == pytest.approx((0.105, 0.295), abs=BY_DRAWS * 0.2)
@@ -90,9 +90,9 @@ def test_replaced_result_is_solved_over_hardness_again(tmp_path) -> None:
 def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **FEWER)
     result = pair(*bodies(rms=rms), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs)
-    inputs = inputs_of(result.study)
+    inputs = find_inputs(result.study)
     assert sorted(inputs) == ["effective_modulus", "hardness"]
-    assert bodies_wanted(result.study)[1].size == (3 if modulus.startswith("48") else 1)
+    assert choose_area_nodes(result.study)[1].size == (3 if modulus.startswith("48") else 1)
     at = result.at_study_loads
     where = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
     six, areas = six_at(result.source, at["load"].values), areas_of(at, result.source)
@@ -100,8 +100,8 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
     one = _Point(_numbers_at(at, where), where, result.study, inputs, friction, areas)
     one.names, one.places = tuple(inputs), {}  # the scan as it is, at these positions
     for part in (0.03, 0.7):
-        hardness = float(inputs["hardness"].known.quantile(part))
-        stiffness = float(inputs["effective_modulus"].known.quantile(part))
+        hardness = float(inputs["hardness"].estimate.quantile(part))
+        stiffness = float(inputs["effective_modulus"].estimate.quantile(part))
         direct = pair(*bodies(rms=rms), hardness=hardness, effective_modulus=stiffness, **kwargs)
         computed = one._draws({"hardness": part, "effective_modulus": part})
         assert computed[0] == pytest.approx(direct.value, rel=WIDE if modulus.startswith("48") else BETWEEN)
@@ -111,9 +111,9 @@ def test_large_maps_solve_two_members_over_hardness(monkeypatch) -> None:
     options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
     study = pair_study(*bodies(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **options)
     with threads(1) as executor:
-        many = areas_over_hardness(study, executor)
+        many = compute_areas_over_hardness(study, executor)
         monkeypatch.setattr(hardness, "LARGE_POINTS", 1)
-        few = areas_over_hardness(study, executor)
+        few = compute_areas_over_hardness(study, executor)
     assert (many.sizes["repetition"], few.sizes["repetition"]) == (4, 2)
     np.testing.assert_array_equal(few["contact_area"], many["contact_area"][:2])
 
@@ -207,13 +207,13 @@ def test_material_name_combines_with_numbers_of_the_other_surface() -> None:
 
 
 def test_hardness_accepts_vickers_and_rockwell() -> None:
-    assert known("hardness", "150 HV", "hardness").value == pytest.approx(150 * 9.80665e-3 / 0.9272)
-    rockwell = known("hardness", "60 HRC", "hardness")
+    assert parse_input("hardness", "150 HV", "hardness").value == pytest.approx(150 * 9.80665e-3 / 0.9272)
+    rockwell = parse_input("hardness", "60 HRC", "hardness")
     assert rockwell.value == pytest.approx(697 * 9.80665e-3 / 0.9272)
     assert rockwell.low < rockwell.value < rockwell.high
-    assert known("hardness", "58..62 HRC", "hardness").distribution == "log-normal"
+    assert parse_input("hardness", "58..62 HRC", "hardness").distribution == "log-normal"
     with pytest.raises(ValueError, match="from 20 to 68 HRC"):
-        known("hardness", "12 HRC", "hardness")
+        parse_input("hardness", "12 HRC", "hardness")
     study = pair_study(*bodies(), load="2 MPa", mu0=0.2, effective_modulus="80 GPa", hardness="150±15 HV")
     assert float(study.contact.hardness) == pytest.approx(1.586, rel=1e-3)
     assert study.known.hardness == "150±15 HV"
@@ -237,7 +237,7 @@ def test_pair_rejects_bad_ranges(options, words) -> None:
 def test_study_stores_uncertain_inputs() -> None:
     result = pair(*bodies(), load="2 MPa", mu0="0.1..0.3", effective_modulus="80 GPa", **QUICK)
     again = Study.from_toml(result.path / "study.toml")
-    assert inputs_of(again)["mu0"].known == known("mu0", "0.1..0.3")
+    assert find_inputs(again)["mu0"].estimate == parse_input("mu0", "0.1..0.3")
     with pytest.raises(StudyError, match=r"known.tau0.*unit"):
         again.with_changes({"known.tau0": "20..80"})
 
@@ -259,8 +259,8 @@ def test_interval_covers_the_truth_of_random_inputs(truths) -> None:
         scans = [Surface(item.heights[::finer, ::finer], spacing=0.05) for item in recorded]
         common = dict(load="4 MPa", **QUICK)
         message = pair(*scans, **ranges, **common)
-        inputs = inputs_of(message.study)
-        drawn = {name: float(inputs[name].known.quantile(rng.random())) for name in ranges}
+        inputs = find_inputs(message.study)
+        drawn = {name: float(inputs[name].estimate.quantile(rng.random())) for name in ranges}
         truth = pair(*whole, **drawn, **(common | {"shifts": 40}))
         covered += message.interval[0] <= truth.value <= message.interval[1]
         one = one_test(truth, rng)
@@ -289,7 +289,7 @@ def test_interval_contains_value_outside_truncated_distribution(tau0: str) -> No
 
 
 def test_intervals_are_nested_and_positive(monkeypatch) -> None:
-    monkeypatch.setattr(budget, "MOST_BUDGETS", 0)  # which take most of the time
+    monkeypatch.setattr(budget, "MAX_BUDGETS", 0)  # which take most of the time
     # Random statistics, of which the bracket and the sampling interval may be wider than the interval by samples.
     random = np.random.default_rng(5)
     result = pair(
@@ -305,7 +305,7 @@ def test_intervals_are_nested_and_positive(monkeypatch) -> None:
             spread_low=at["spread_low"] * 0 + value * (1 - scatter / 2),
             spread_high=at["spread_high"] * 0 + value * (1 + scatter),
         )
-        (computed,) = summarize(with_uncertainty(point, result.source), result.study).points
+        (computed,) = summarize(add_uncertainty(point, result.source), result.study).points
         rule = computed.rules[0]
         assert rule.rule == "all"
         assert 0 < rule.lower <= rule.positions[0] <= rule.value <= rule.positions[1] <= rule.upper

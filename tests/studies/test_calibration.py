@@ -21,7 +21,7 @@ from stiction import (
     read_interface,
     write_interface,
 )
-from stiction.studies.hardness import hardness_beside, inputs_of
+from stiction.studies.hardness import find_inputs, load_areas_over_hardness
 from stiction.studies.interfaces import GROWTH, HARDNESS, credible_interval
 from support.rough_surfaces import rough_maps
 
@@ -141,7 +141,7 @@ def test_friction_test_accepts_result_of_pair() -> None:
     interface = calibrate(tests)
     assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]
     assert interface.predict(result, "80 MPa")[0] == pytest.approx(truth, rel=0.02)
-    brass = inputs_of(result.study)["hardness"].known
+    brass = find_inputs(result.study)["hardness"].estimate
     assert interface.about[HARDNESS] == brass.text
     assert interface.draws["hardness"].median() == pytest.approx(brass.value, rel=0.1)
 
@@ -269,7 +269,7 @@ def test_area_over_hardness_has_the_error_of_its_members() -> None:
     own = test.yields
     assert own is not None
     assert own.error in own.names
-    solved = hardness_beside(rough.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
+    solved = load_areas_over_hardness(rough.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
     relative = np.log(solved.div(solved[float(rough.study.contact.hardness)], axis=0))
     expected = relative.sem(axis=0)
     for hardness in expected.index[:-1]:

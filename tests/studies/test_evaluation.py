@@ -91,12 +91,12 @@ def test_measured_quantities_average_directions_before_intervals(areas):
     values = member_values(result, [2.0], mu0=0.3)
     point = at_load(result, [2.0], mu0=0.3)
     one = values["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing")
-    expected = intervals.of_sample(one.mean("direction").values)
+    expected = intervals.sample_mean(one.mean("direction").values)
     computed = point["friction_all_round"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
     np.testing.assert_allclose(computed, expected, rtol=ROUND_OFF)
     senses = one.sel(direction=[60.0, 240.0]).mean("direction").values
     by_axis = point["friction_by_axis"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", axis=60.0)
-    np.testing.assert_allclose(by_axis, intervals.of_sample(senses), rtol=ROUND_OFF)
+    np.testing.assert_allclose(by_axis, intervals.sample_mean(senses), rtol=ROUND_OFF)
     low, high = (
         float(point[name].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing"))
         for name in ("spread_low", "spread_high")

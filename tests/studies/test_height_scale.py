@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from stiction import joined_spectrum, open_result, pair, self_affine, write_surface
 from stiction.studies import height_scale
-from stiction.studies.budget import with_uncertainty
+from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
 from stiction.studies.height_scale import (
     MAX_FACTOR,
@@ -70,7 +70,7 @@ def result(bodies):
 
 def test_factor_1_equals_the_result(result):
     at = at_height_scale(result.source, 1, loads_of(result)).isel(height_scale=0)
-    own = with_uncertainty(at_load(result.source, loads_of(result)), result.source).isel(cut_off=0)
+    own = add_uncertainty(at_load(result.source, loads_of(result)), result.source).isel(cut_off=0)
     for name in (
         "friction_all_round",
         "friction_combined",
@@ -105,7 +105,7 @@ def test_scaled_heights_equal_scaled_modulus(hardness):
 def test_stored_factor_equals_result_of_scaled_surfaces(bodies, result, scaled, factors):
     at = at_height_scale(result.source, [2], loads_of(result), scaled=scaled).isel(height_scale=0)
     other = pair(*times(bodies, *factors), **QUICK | HARD)
-    expected = with_uncertainty(at_load(other.source, loads_of(other)), other.source).isel(cut_off=0)
+    expected = add_uncertainty(at_load(other.source, loads_of(other)), other.source).isel(cut_off=0)
     for name in ("friction_all_round", "friction_combined", "contact_area", "normal_stiffness", "rms_gradient"):
         np.testing.assert_allclose(at[name], expected[name].transpose(*at[name].dims), rtol=SAME, err_msg=name)
     assert float(at["upper_rms"]) == pytest.approx(2 * float(result.at(height_scale=1)["upper_rms"][0]), rel=SAME)
@@ -314,7 +314,7 @@ def test_factors_with_range_of_hardness_are_solved_over_it(bodies):
     kwargs = QUICK | {"hardness": "1..3 GPa"}
     at = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
     other = pair(*times(bodies, 2), **kwargs)
-    expected = with_uncertainty(at_load(other.source, loads_of(other)), other.source).isel(cut_off=0)
+    expected = add_uncertainty(at_load(other.source, loads_of(other)), other.source).isel(cut_off=0)
     np.testing.assert_allclose(
         at["friction_combined"], expected["friction_combined"].transpose(*at["friction_combined"].dims)
     )

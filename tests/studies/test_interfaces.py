@@ -21,8 +21,8 @@ from stiction import (
     write_interface,
     write_surface,
 )  # fmt: skip
-from stiction.studies.input_uncertainty import ENDS
-from stiction.studies.interfaces import interface_of
+from stiction.studies.input_uncertainty import Z_95
+from stiction.studies.interfaces import find_interface
 from support.command import assert_rejected, call_stiction, check_stiction
 
 KINDS = ("measured", "lumped", "bound")
@@ -64,7 +64,7 @@ def test_mu0_and_tau0_of_interface_enter_the_interval_jointly(film, result) -> N
     fit = interface(film).fits[0]
     area = adhesion / np.median(fit.tau0)
     friction = fit.mu0 + fit.tau0 * area
-    relative = np.diff(result.of_positions)[0] / 2 / ENDS / result.value
+    relative = np.diff(result.of_positions)[0] / 2 / Z_95 / result.value
     friction = friction * (1 + relative * np.random.default_rng(0).standard_normal(friction.size))
     expected = np.quantile(friction, [0.025, 0.975]) * result.value / np.median(fit.mu0 + fit.tau0 * area)
     assert result.interval == pytest.approx(expected, abs=BY_DRAWS * np.ptp(expected))
@@ -80,8 +80,8 @@ def test_mu0_and_tau0_of_interface_enter_the_interval_jointly(film, result) -> N
 def test_interface_is_ignored_at_another_mu0(result) -> None:
     study = result.study
     again = Study.from_toml(result.path / "study.toml")
-    assert interface_of(again) is interface_of(study) is not None
-    assert interface_of(again.with_changes({"friction.mu0": [0.3]})) is None
+    assert find_interface(again) is find_interface(study) is not None
+    assert find_interface(again.with_changes({"friction.mu0": [0.3]})) is None
 
 
 def test_missing_interface_file_leaves_the_ranges(film, tmp_path) -> None:

@@ -3,7 +3,7 @@ import pytest
 import scipy.special
 import scipy.stats
 from reference.neighbours import judged, of_quantity, traverses
-from stiction.studies.intervals import FEWEST_NEIGHBOURS, of_neighbours, of_positions, of_sample
+from stiction.studies.intervals import MIN_NEIGHBORS, neighbors_mean, positions_mean, sample_mean
 
 TRIALS = 500  # the share that covers scatters by 1 %
 WIDEST = 1.5  # median width over that of an interval from the true variance, where 32 values and more are at hand
@@ -32,7 +32,7 @@ def test_intervals_cover_with_nearly_the_best_width(quantity, positions, correla
     random = np.random.default_rng([positions, int(10 * correlation)])
     truth, best = of_quantity(quantity, positions, correlation, random)
     covered, width, arguments = judged(
-        of_neighbours, traverses(quantity, TRIALS, positions, correlation, random), truth, best
+        neighbors_mean, traverses(quantity, TRIALS, positions, correlation, random), truth, best
     )
     assert arguments > LEAST_GIVEN
     assert covered >= LEAST_COVERAGE[positions, correlation]
@@ -55,7 +55,7 @@ def test_interval_of_normal_values_equals_dense_matrices(correlation):
         errors.append(np.sqrt(squares / (count - 1) * matrix.sum()) / count)
         weights.append(np.sqrt(1 - rho) / np.sqrt(np.linalg.det(matrix) * inverse.sum()) / squares ** ((count - 1) / 2))
     weights = np.array(weights) / np.sum(weights)
-    mean, lower, upper = of_neighbours(values)
+    mean, lower, upper = neighbors_mean(values)
     bend = scipy.stats.skew(values) / 3 / values.std(ddof=1)
     for end, sign in ((lower, -1), (upper, 1)):
         if end in (values.min(), values.max()):
@@ -68,35 +68,35 @@ def test_interval_of_normal_values_equals_dense_matrices(correlation):
 @pytest.mark.parametrize("quantity", ["half zeros", "lognormal 0.5", "bounded"])
 def test_interval_is_invariant_under_scale_origin_and_order(quantity):
     values = traverses(quantity, 1, 24, 0.4, np.random.default_rng(3))[0]
-    expected = np.array(of_neighbours(values))
-    np.testing.assert_allclose(of_neighbours(1e9 * values), 1e9 * expected, rtol=1e-9)
-    np.testing.assert_allclose(of_neighbours(values + 5), expected + 5, rtol=1e-9)
-    np.testing.assert_allclose(of_neighbours(values[::-1]), expected, rtol=1e-9)
-    mean, lower, upper = of_neighbours(-values)
+    expected = np.array(neighbors_mean(values))
+    np.testing.assert_allclose(neighbors_mean(1e9 * values), 1e9 * expected, rtol=1e-9)
+    np.testing.assert_allclose(neighbors_mean(values + 5), expected + 5, rtol=1e-9)
+    np.testing.assert_allclose(neighbors_mean(values[::-1]), expected, rtol=1e-9)
+    mean, lower, upper = neighbors_mean(-values)
     np.testing.assert_allclose([-mean, -upper, -lower], expected, rtol=1e-9)
 
 
 def test_interval_of_independent_values_is_students():
     values = np.random.default_rng(8).normal(size=5000)
     half_width = 1.96 * values.std() / np.sqrt(values.size)
-    _, lower, upper = of_neighbours(values)
+    _, lower, upper = neighbors_mean(values)
     assert upper - lower == pytest.approx(2 * half_width, rel=0.05)
 
 
 def test_interval_stays_within_the_values():
     random = np.random.default_rng(6)
     for quantity in ("half zeros", "bounded", "lognormal 1"):
-        for values in traverses(quantity, 50, FEWEST_NEIGHBOURS, 0.6, random):
-            mean, lower, upper = of_neighbours(values)
+        for values in traverses(quantity, 50, MIN_NEIGHBORS, 0.6, random):
+            mean, lower, upper = neighbors_mean(values)
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 
 
 def test_few_or_equal_values_have_no_interval():
-    assert np.isnan(of_neighbours(np.arange(FEWEST_NEIGHBOURS - 1.0))[1:]).all()
-    mean, lower, upper = of_neighbours(np.zeros(16))
+    assert np.isnan(neighbors_mean(np.arange(MIN_NEIGHBORS - 1.0))[1:]).all()
+    mean, lower, upper = neighbors_mean(np.zeros(16))
     assert mean == 0
     assert np.isnan([lower, upper]).all()
-    assert np.isnan(of_neighbours(np.empty(0))).all()
+    assert np.isnan(neighbors_mean(np.empty(0))).all()
 
 
 # ---- Over a sample ---------------------------------------------------------------------------------------------------
@@ -104,21 +104,21 @@ def test_few_or_equal_values_have_no_interval():
 
 def test_sample_interval_has_nominal_coverage():
     generator = np.random.default_rng(11)
-    mean, lower, upper = of_sample(5 + generator.normal(size=(8, 4000)))
+    mean, lower, upper = sample_mean(5 + generator.normal(size=(8, 4000)))
     # 0.95 within three deviations of a count of 4000.
     assert abs(float(((lower <= 5) & (upper >= 5)).mean()) - 0.95) < 3 * (0.95 * 0.05 / 4000) ** 0.5
     assert mean.mean() == pytest.approx(5, abs=0.05)
 
 
 def test_interval_of_a_sample_of_both_signs_is_symmetric():
-    mean, lower, upper = of_sample(np.array([-1.0, 2.0, 3.0]))
+    mean, lower, upper = sample_mean(np.array([-1.0, 2.0, 3.0]))
     assert upper - mean == pytest.approx(mean - lower)
     assert lower < 0
 
 
 @pytest.mark.parametrize("count", [4, 8, 16])
 def test_interval_of_exponential_samples_stays_above_zero_and_covers(count):
-    mean, lower, upper = of_sample(np.random.default_rng(3).exponential(size=(count, 20_000)))
+    mean, lower, upper = sample_mean(np.random.default_rng(3).exponential(size=(count, 20_000)))
     assert (lower > 0).all()
     plain = mean + (mean - lower)  # no symmetric interval that stays above 0 is as wide
     assert (upper > plain).all()
@@ -127,7 +127,7 @@ def test_interval_of_exponential_samples_stays_above_zero_and_covers(count):
 
 def test_sample_interval_ignores_missing_values():
     values = np.array([[1.0, 0.1, np.nan], [2.0, 0.0, 1.0], [3.0, 5.0, np.nan], [np.nan, 0.0, 2.0]])
-    mean, lower, upper = of_sample(values)
+    mean, lower, upper = sample_mean(values)
     assert mean == pytest.approx([2.0, 1.275, 1.5])
     half_width = 4.302652730 / 3**0.5  # t of 2
     assert (lower[0], upper[0]) == pytest.approx((2 * np.exp(-half_width / 2), 2 * np.exp(half_width / 2)))
@@ -139,6 +139,6 @@ def test_sample_interval_ignores_missing_values():
 def test_interval_does_not_depend_on_other_columns(lines):
     values = np.exp(np.random.default_rng(0).normal(size=(64, 50)).cumsum(axis=0) * 0.3)
     places = np.arange(64) * lines // 64
-    every = np.stack(of_positions(values, places))
-    alone = [of_positions(np.ascontiguousarray(column), places) for column in values.T]
+    every = np.stack(positions_mean(values, places))
+    alone = [positions_mean(np.ascontiguousarray(column), places) for column in values.T]
     assert np.array_equal(every, np.array(alone).T)

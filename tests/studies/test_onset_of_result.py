@@ -9,7 +9,7 @@ import pytest
 import xarray
 from stiction import Profile, Study, approach_at_load, contacts, half_space, open_result, self_affine
 from stiction.studies.executors import threads
-from stiction.studies.intervals import of_sample
+from stiction.studies.intervals import sample_mean
 from stiction.studies.members import bodies_of
 from stiction.studies.onset import FILE, TOLERANCE, backbone, onset_beside, onset_of_result
 from stiction.studies.pair import pair_study
@@ -55,9 +55,9 @@ def test_onset_is_mean_over_members(study, onset):
     # The tolerance is that of a study, whose displacements are those of a smaller one but for a part in a million.
     np.testing.assert_allclose(onset["displacement"].sel(statistic="mean"), np.mean(exact, axis=0), rtol=1e-6)
     for name in ("displacement", "slipped_area", "tangential_load"):
-        expected = of_sample(np.array([getattr(item, name) for item in curves]))[0]
+        expected = sample_mean(np.array([getattr(item, name) for item in curves]))[0]
         np.testing.assert_allclose(onset[name].sel(statistic="mean"), expected, rtol=1e-9, err_msg=name)
-    mean, lower, upper = of_sample(np.array([item.stiffness for item in curves]))
+    mean, lower, upper = sample_mean(np.array([item.stiffness for item in curves]))
     np.testing.assert_allclose(onset["stiffness"], [mean, lower, upper], rtol=1e-9)
     assert onset.attrs["members"] == 3
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction import Profile, Study, Surface, open_result, pair, self_affine_surface
 from stiction.studies.input_caveats import doubts_of_study
-from stiction.studies.intervals import of_scans, student_quantile
+from stiction.studies.intervals import scans_mean, student_quantile
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.pair import Pair
 from stiction.surfaces.measured.writing import write_surface
@@ -37,7 +37,7 @@ def cells(upper: int, lower: int, times: int = 1):
 def test_variances_equal_those_of_mean_squares() -> None:
     rng = np.random.default_rng(4)
     table = rng.standard_normal((4, 1)) * 3 + rng.standard_normal((1, 5)) * 2 + 0.3 * rng.standard_normal((4, 5))
-    result = of_scans(table.ravel(), *cells(4, 5))
+    result = scans_mean(table.ravel(), *cells(4, 5))
     rows, columns = table.mean(axis=1), table.mean(axis=0)
     left = (table - rows[:, None] - columns + table.mean()).ravel()
     squares = 5 * rows.var(ddof=1), 4 * columns.var(ddof=1), left @ left / 12
@@ -52,11 +52,11 @@ def test_variances_equal_those_of_mean_squares() -> None:
 
 def test_scans_of_one_part_are_a_sample() -> None:
     values = np.array([1.0, 1.2, 0.9, 1.3])
-    result = of_scans(np.tile(values, 3), np.tile(np.arange(4), 3), np.zeros(12, int))
+    result = scans_mean(np.tile(values, 3), np.tile(np.arange(4), 3), np.zeros(12, int))
     half = float(student_quantile(3)) * values.std(ddof=1) / 2
     assert (result.mean, result.half_width) == pytest.approx((values.mean(), half))
     assert result.variances[1:] == (0.0, 0.0)
-    assert of_scans(np.ones(3), np.zeros(3, int), np.zeros(3, int)) is None
+    assert scans_mean(np.ones(3), np.zeros(3, int), np.zeros(3, int)) is None
 
 
 def test_member_without_solution_is_left_out() -> None:
@@ -64,7 +64,7 @@ def test_member_without_solution_is_left_out() -> None:
     upper, lower = cells(3, 3, times=2)
     values = rng.standard_normal(18)
     values[4] = np.nan
-    result = of_scans(values, upper, lower)
+    result = scans_mean(values, upper, lower)
     assert np.isfinite([result.mean, result.half_width, result.test]).all()
 
 
@@ -86,7 +86,7 @@ def test_interval_covers_the_mean_of_parts_and_the_next_test(spread) -> None:
         for _ in range(200):
             one, other = cells(upper, lower, times)
             own = coefficient(gradients(upper)[one], gradients(lower)[other])
-            result = of_scans(own * (1 + 0.02 * rng.standard_normal(own.size)), one, other)
+            result = scans_mean(own * (1 + 0.02 * rng.standard_normal(own.size)), one, other)
             covered.append(abs(result.mean - truth) <= result.half_width)
             test = float(coefficient(gradients(1), gradients(1))[0] * (1 + 0.02 * rng.standard_normal()))
             tested.append(abs(test - result.mean) <= float(student_quantile(result.test_freedom)) * result.test)

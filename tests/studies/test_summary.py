@@ -46,14 +46,14 @@ def calls(folder):
             monkeypatch.setattr(module, name, counted)
 
         count(summary, "summarize")
-        count(budget, "with_uncertainty")
+        count(budget, "add_uncertainty")
         count(input_caveats, "doubts_of_study")
         run_command(monkeypatch, "pair", folder / "upper.csv", folder / "lower.csv", *PAIR, "-o", folder / "pair")
     return counts
 
 
 def test_pair_computes_summary_values_and_input_caveats_once(calls):
-    assert calls == {"summarize": 1, "with_uncertainty": 1, "doubts_of_study": 1}
+    assert calls == {"summarize": 1, "add_uncertainty": 1, "doubts_of_study": 1}
 
 
 def test_result_keeps_its_summary_and_adds_what_is_stored_alongside(folder, calls):

@@ -195,7 +195,7 @@ def test_traverse_mean_accounts_for_correlated_positions(pair):
     lines = np.array([10.0, 11.0, 13.0, 9.0, 12.0, 14.0, 8.0, 10.5])
     one["contact_area"] = (one["contact_area"].dims, lines[:, np.newaxis, np.newaxis] + np.zeros((2, 8, 4, 1)))
     area = traverse_mean(one)["contact_area"].values
-    np.testing.assert_allclose(area[0, 0], intervals.of_neighbours(lines))
+    np.testing.assert_allclose(area[0, 0], intervals.neighbors_mean(lines))
     # Fewer answers of a line weigh less.
     one["status"][:, 7, 1:] = "not-reached"
     mean, low, high = traverse_mean(one)["contact_area"].values[0, 0]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction import Study, friction_map, run
 from stiction._number_format import quoted
-from stiction.studies.budget import with_uncertainty
+from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
 from stiction.studies.nodes import Axis, excess, interpolated
 from stiction.studies.point import rules_of
@@ -251,7 +251,7 @@ def test_friction_of_measured_surfaces_equals_the_library(measured):
     own = (0, 0, 0, 0, study.friction.mu0[0], float(study.friction.tau0[0]))
     for _, rule, way, load, mu0, tau0 in (own, *settings_of(numbers, 25, 4)):
         at = at_load(data, [facts["loads"]["values"][load]], mu0=[mu0], tau0=[tau0])
-        at = with_uncertainty(at, data, budget=False).isel(load=0, mu0=0, tau0=0, cut_off=0, sliding=rule)
+        at = add_uncertainty(at, data, budget=False).isel(load=0, mu0=0, tau0=0, cut_off=0, sliding=rule)
         is_whole = facts["ways"][way]["isWhole"]
         place = {"rule": rule, "way": way, "load": load}
         point = numbers.point("friction" if is_whole else "sampling", mu0, tau0, **place)
@@ -278,7 +278,7 @@ def test_headline_of_a_report_is_that_of_the_answers(measured):
     study = study_of(data)
     at = at_load(data, [float(load) for load in study.friction.load])
     rules = numbers.facts["rules"]
-    for one in summarize(with_uncertainty(at, data), study).points:
+    for one in summarize(add_uncertainty(at, data), study).points:
         load = numbers.facts["loads"]["values"].index(one.at["load"])
         for value in one.rules:
             point = numbers.point("friction", one.at["mu0"], one.at["tau0"], rule=rules.index(value.rule), load=load)

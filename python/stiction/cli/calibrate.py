@@ -61,7 +61,7 @@ def calibrate(
     tests; elsewhere it says what would tell them apart.
     """
     from stiction.studies.calibration import calibrate as fitted
-    from stiction.studies.input_uncertainty import ENDS, known
+    from stiction.studies.input_uncertainty import Z_95, parse_input
     from stiction.studies.interfaces import Ball, FrictionTest, write_interface
     from stiction.studies.tests_file import friction_tests
     from stiction.views.calibration import calibration_figure, calibration_record, calibration_text
@@ -88,8 +88,8 @@ def calibrate(
     elif len(bodies) > 1:
         raise ValueError("--measured is of one test, on one --pair or one --ball")
     else:
-        value = known("--measured", measured)
-        error = (value.high - value.low) / (2 * ENDS) or None
+        value = parse_input("--measured", measured)
+        error = (value.high - value.low) / (2 * Z_95) or None
         tests = (FrictionTest(next(iter(bodies.values())), load, coefficient=value.value, uncertainty=error),)
     interface = fitted(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
     tell(calibration_record(interface) if as_json else calibration_text(interface))
@@ -122,11 +122,11 @@ def interfaces(folder: InterfaceFolder = None, as_json: Json = False) -> None:
     of roughness. Each is a range at its pressures and conditions.
     """
     from stiction.studies.interfaces import interfaces as known
-    from stiction.studies.interfaces import interfaces_in
+    from stiction.studies.interfaces import read_interfaces
     from stiction.views.calibration import interfaces_text
     from stiction.views.rows import record
 
-    there = known() if folder is None else interfaces_in(folder)
+    there = known() if folder is None else read_interfaces(folder)
     if not (there or as_json):
         tell(f"{folder}: holds no interfaces; stiction calibrate with --output NAME keeps one")
         return

@@ -277,7 +277,7 @@ def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tu
     return float(load[least]), float(math.exp(place[least]))
 
 
-def sticking(
+def solve_with_adhesion(
     problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
     """The contact at each external load (mN), one after the other on its branch."""
@@ -295,7 +295,7 @@ def sticking(
     return contacts
 
 
-def drawn_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
+def pull_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
     """The contacts from one on as bodies are drawn apart, that of the least load the last, and why they ended early."""
     problem, whole = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)

@@ -210,9 +210,9 @@ class HalfSpaceCurve(FrictionCurve):
     @cached_property
     def _apart(self) -> tuple[list[ContactSolution], str]:
         """Contacts during separation, and the reason if they end before the surfaces separate."""
-        from stiction.mechanics.adhesion import drawn_apart
+        from stiction.mechanics.adhesion import pull_apart
 
-        return drawn_apart(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
+        return pull_apart(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
 
     @property
     def work_of_adhesion(self) -> float:
@@ -498,9 +498,9 @@ def _solve(
     from stiction.mechanics.half_space_problem import Solver, to_contact_solution
 
     if problem.work_of_adhesion > 0:
-        from stiction.mechanics.adhesion import sticking
+        from stiction.mechanics.adhesion import solve_with_adhesion
 
-        return sticking(problem, steps, tolerance=tolerance, progress=progress)
+        return solve_with_adhesion(problem, steps, tolerance=tolerance, progress=progress)
     if problem.turns:
         from stiction.mechanics.tilt import solve_balanced
 

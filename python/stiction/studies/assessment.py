@@ -16,9 +16,9 @@ from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
 from stiction.studies.evaluation import ABOVE_NOMINAL, COMPLETE
-from stiction.studies.hardness import growth_of, inputs_of, materials_of
-from stiction.studies.input_uncertainty import Known
-from stiction.studies.interfaces import interface_of
+from stiction.studies.hardness import find_inputs, find_junction_growth, find_materials
+from stiction.studies.input_uncertainty import UncertainInput
+from stiction.studies.interfaces import find_interface
 from stiction.studies.point import (
     RuleValue,
     contact_status_of,
@@ -301,7 +301,7 @@ def pressure_checks(study: Study, modulus: float) -> Checks:
     def check(limit: float, text: str, cure: str, severity: Severity) -> Check:
         return Check("mean_pressure", limit, text, cure, severity, "GPa")
 
-    softer = softer_material(*materials_of(study))
+    softer = softer_material(*find_materials(study))
     if softer is not None and softer.hardness is not None:
         low, high = softer.hardness.low, softer.hardness.high
         ends = " to ".join(dict.fromkeys(with_unit(end, "GPa") for end in (low, high)))
@@ -337,12 +337,12 @@ def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> I
     """Yield caveats of a strength above that of the softer body, and of a coefficient that is mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and value_of(point, "load_share_at_hardness") > PART_BEYOND:
-        growth = growth_of(study)
+        growth = find_junction_growth(study)
         own, grown = tabor_friction(float(hardness), mu0, tau0, [0.0, GROWTH])
         bulk = float(hardness) * GROWTH**-0.5
-        interface = interface_of(study)
+        interface = find_interface(study)
         if interface is not None and interface.growth is not None and not interface.has_growth(growth):
-            pair, tests = (each.shown if each is not None else "0" for each in (growth, interface.growth))
+            pair, tests = (each.short_text if each is not None else "0" for each in (growth, interface.growth))
             text = f"the interface was calibrated with α = {tests} of junction growth, and the pair has α = {pair}"
             yield Doubt(text, "give both the same --junction-growth", "caution")
         if growth is not None:
@@ -360,7 +360,7 @@ def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> I
     yield from doubted(([IS_MU0],), _numbers(point, study, value))
 
 
-def _of_the_growth(point: xarray.Dataset, hardness: float, tau0: float, growth: Known) -> Iterator[Doubt]:
+def _of_the_growth(point: xarray.Dataset, hardness: float, tau0: float, growth: UncertainInput) -> Iterator[Doubt]:
     """Yield caveats of an interface that is nearly as strong as the bulk."""
     strength = hardness * growth.high**-0.5 if growth.high else math.inf
     seizing = value_of(point, "fraction_seizing")
@@ -395,7 +395,7 @@ def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
         yield Doubt(
             text, "the pull-off force is close to that of a short range; scan more finely for the rest", "caution"
         )
-    known = {name.split("_")[0] for name in inputs_of(study)} & {"hardness", "effective", "young", "poisson"}
+    known = {name.split("_")[0] for name in find_inputs(study)} & {"hardness", "effective", "young", "poisson"}
     if known and value_of(point, "contact_load") > (1 + ADDED) * float(point["load"]):
         names = "the hardness" if known == {"hardness"} else "E*" if "hardness" not in known else "E* and the hardness"
         text = f"the interval does not include the effect of {names} on the attraction"

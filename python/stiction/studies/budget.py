@@ -19,10 +19,10 @@ from stiction.mechanics.brackets import friction_bracket
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.evaluation import PerLoad, areas_of, member_values, six_at
-from stiction.studies.hardness import Areas, creep_of, growth_of, inputs_of, relative_modulus
-from stiction.studies.input_uncertainty import DRAWS, ENDS, Known, strata
-from stiction.studies.interfaces import HARDNESS, interface_of
-from stiction.studies.intervals import MOST_FREEDOM, OfScans, of_scans
+from stiction.studies.hardness import Areas, find_creep, find_inputs, find_junction_growth, relative_modulus
+from stiction.studies.input_uncertainty import NUM_SAMPLES, Z_95, UncertainInput, stratified_points
+from stiction.studies.interfaces import HARDNESS, find_interface
+from stiction.studies.intervals import MAX_FREEDOM, ScansMean, scans_mean
 from stiction.studies.result import Result
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ PLACES = (UPPER_PIECE, LOWER_PIECE, POSITIONS)
 
 INTERFACE = "interface"  # input that is mu0 and tau0 jointly
 KNOWN_QUANTILES = (0.1, 0.5, 0.9)  # quantiles of an input over which the width left, if it were known, is a mean
-MOST_BUDGETS = 100  # coefficients up to which each has a budget; of more, each has its intervals
+MAX_BUDGETS = 100  # coefficients up to which each has a budget; of more, each has its intervals
 SAME_INPUT = 1e-3  # relative difference from the study's mu0 or tau0 up to which its range applies
 MAX_EXPONENT = 50.0  # largest exponent of a factor between tests
 DECILES = 2.563103131089201  # standard deviations of a normal distribution from its tenth to its ninetieth percentile
@@ -49,7 +49,7 @@ Strength = tuple[Floats, Floats, Floats | None, Floats | None]
 """Draws of mu0, tau0 (GPa), and of the hardness (GPa) and α of junction growth if the interface has these."""
 
 
-def with_uncertainty(
+def add_uncertainty(
     at: xarray.Dataset, result: Result | xarray.Dataset, *, budget: bool = True, tests: bool = True
 ) -> xarray.Dataset:
     """Return what `at_load` gives of measured bodies, with combined intervals, predictions and the uncertainty budget.
@@ -58,9 +58,9 @@ def with_uncertainty(
     show: that of `friction_known`, or of the mean over positions where there is none, and at the reading to quote of
     two readings of a scan an interval that contains those of both; `friction_next_test`, of one position in one
     direction; and where the study waits `friction_waited`. The `budget`, which takes most of the time, adds over input
-    (those of `inputs_of`, positions and finer waves) `friction_if_known` and `width_if_known`, the interval that would
-    remain if the input were known. Without `tests` only `friction_combined` is added. Results of generated bodies are
-    returned unchanged.
+    (those of `find_inputs`, positions and finer waves) `friction_if_known` and `width_if_known`, the interval that
+    would remain if the input were known. Without `tests` only `friction_combined` is added. Results of generated bodies
+    are returned unchanged.
     """
     result = Result.of(result)
     study = result.study
@@ -70,28 +70,28 @@ def with_uncertainty(
     is_own = np.isin(at["load"].values, [float(load) for load in study.friction.load])
     if is_own.any() and not is_own.all():
         parts = [
-            with_uncertainty(at.isel(load=np.flatnonzero(each)), result, budget=budget, tests=tests)
+            add_uncertainty(at.isel(load=np.flatnonzero(each)), result, budget=budget, tests=tests)
             for each in (is_own, ~is_own)
         ]
         return _merged(parts)
-    inputs, strengths = inputs_of(study), []
-    if (known := interface_of(study)) is not None:
+    inputs, strengths = find_inputs(study), []
+    if (known := find_interface(study)) is not None:
         fit, hardness = known.fits[0], inputs.get("hardness")
-        joint = hardness is not None and hardness.known.says(known.about.get(HARDNESS, ""))
-        growth = fit.junction_growth if known.has_growth(growth_of(study)) else None
+        joint = hardness is not None and hardness.estimate.agrees_with(known.about.get(HARDNESS, ""))
+        growth = fit.junction_growth if known.has_growth(find_junction_growth(study)) else None
         more = fit.hardness if joint else None, growth
         strengths = [(*each, *more) for each in ((fit.mu0, fit.tau0), *known.at_bounds)]
         gone = ("mu0", "tau0", *(("hardness",) if joint else ()), *(("junction_growth",) if growth is not None else ()))
         inputs = {name: each for name, each in inputs.items() if name not in gone}
     dims = tuple(str(dim) for dim in at["friction_all_round"].dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
-    scatters: dict[tuple[int, ...], OfScans | None] = {}
+    scatters: dict[tuple[int, ...], ScansMean | None] = {}
     surfaces: Any = study.surfaces
     if math.prod(surfaces.scan_counts) > 1:  # the variance of each coefficient is parted
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
         scans = surfaces.scans_of(table["repetition"].values)
-        scatters = {place: of_scans(table.values[place], *scans) for place in np.ndindex(*shape)}
+        scatters = {place: scans_mean(table.values[place], *scans) for place in np.ndindex(*shape)}
     order = [*([INTERFACE] if strengths else []), *inputs, *(PLACES if scatters else (POSITIONS,)), FINER]
     whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
@@ -117,7 +117,7 @@ def with_uncertainty(
         for index, wait in enumerate(study.friction.wait):
             waited[(*place, index)] = one.after(float(wait), pressures[one.load])
         quoted = str(at["sliding"].values[where["sliding"]]) == "all"
-        for index, name in enumerate(order if budget and quoted and np.prod(shape) <= MOST_BUDGETS else ()):
+        for index, name in enumerate(order if budget and quoted and np.prod(shape) <= MAX_BUDGETS else ()):
             if name in one.names:
                 left[(index, *place)] = one.value, *one.interval({name: 0.5})
                 width[(index, *place)] = one.width_left(name)
@@ -132,9 +132,9 @@ def with_uncertainty(
     }
     if budget:
         tables |= {"friction_if_known": (("input", *over), left), "width_if_known": (("input", *dims), width)}
-    if growth_of(study) is not None:
+    if find_junction_growth(study) is not None:
         tables["fraction_seizing"] = dims, seizing
-    said = [inputs[name].words if name in inputs else {INTERFACE: "the interface"}.get(name, name) for name in order]
+    said = [inputs[name].label if name in inputs else {INTERFACE: "the interface"}.get(name, name) for name in order]
     coordinates = {"input": ("input", order), "input_words": ("input", said)} if budget else {}
     if study.friction.wait:
         tables["friction_waited"] = (*dims, "wait", "statistic"), waited
@@ -157,12 +157,12 @@ def _ends_about_zero(friction: PerLoad, own: _Point, inputs: Mapping[str, Any], 
 
     They contain a coefficient and its sampling interval, and are 0 or above.
     """
-    cube = strata(2)
+    cube = stratified_points(2)
     mu0, tau0 = (
-        inputs[name].known.quantile(cube[:, at]) if name in inputs else value
+        inputs[name].estimate.quantile(cube[:, at]) if name in inputs else value
         for at, (name, value) in enumerate((("mu0", own.mu0), ("tau0", own.tau0)))
     )
-    low, high = containing(_ends(np.broadcast_to(friction.coefficient(mu0, tau0), (DRAWS,))), *point.tolist())
+    low, high = containing(_ends(np.broadcast_to(friction.coefficient(mu0, tau0), (NUM_SAMPLES,))), *point.tolist())
     return max(low, 0.0), high
 
 
@@ -201,7 +201,7 @@ class _Point:
 
     def __init__(
         self, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: PerLoad, areas: Areas,
-        strengths: Sequence[Strength] = (), of_parts: OfScans | None = None,
+        strengths: Sequence[Strength] = (), of_parts: ScansMean | None = None,
     ) -> None:  # fmt: skip
         self.study, self.friction, self.areas, self.load = study, friction, areas, where.get("load", 0)
         self.mu0, self.tau0 = float(point["mu0"]), float(point["tau0"])
@@ -213,7 +213,7 @@ class _Point:
             return
         self.value, self.sampling = value, (lower, upper)
         self.bracket: tuple[float, float] | None = None  # of finer scans, from the sampling interval
-        self.inputs: dict[str, Known] = {name: each.known for name, each in inputs.items()}
+        self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
         # A range is of the value that the study asks for, not of another that is read off.
         for name, own in (("mu0", self.mu0), ("tau0", self.tau0)):
             of_interface = float(getattr(study.friction, name)[0]) if study.known.interface else None
@@ -224,7 +224,7 @@ class _Point:
         # Draws of mu0 and tau0 jointly, and of the hardness where they have it; then those with either at its bound.
         self.strengths = strengths
         self.rule = str(point["sliding"])
-        self.growth = growth_of(study)  # α of junction growth
+        self.growth = find_junction_growth(study)  # α of junction growth
         hardness = study.contact.hardness
         self.finest: tuple[float, float] | None = None  # between which ends finer scans lie
         free = study.by_half_space and not study.contact.adheres
@@ -234,7 +234,7 @@ class _Point:
             self.finest = friction_bracket(value, *limits)
             self.bracket = friction_bracket(value, *limits, upper)
         width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
-        error, members = width / (2 * ENDS), int(point["ok"].min())
+        error, members = width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
         # Relative standard deviation of one member in one direction, from the mean.
         self.scatter = spread / (DECILES * value) * math.sqrt(1 + 1 / max(members, 1))
@@ -243,7 +243,7 @@ class _Point:
         if of_parts is not None:
             whole = math.sqrt(sum(of_parts.variances)) or 1.0
             places = {n: error * math.sqrt(each) / whole for n, each in zip(PLACES, of_parts.variances, strict=True)}
-            self.scatter, self.freedom = of_parts.test / value, min(of_parts.test_freedom, MOST_FREEDOM)
+            self.scatter, self.freedom = of_parts.test / value, min(of_parts.test_freedom, MAX_FREEDOM)
         self.places = {name: each for name, each in places.items() if each > 0}
         finer = (FINER,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
         self.names = (*self.inputs, *((INTERFACE,) if strengths else ()), *self.places, *finer)
@@ -314,14 +314,14 @@ class _Point:
 
         key = len(self.names), self.freedom
         if key not in self.areas.kept:
-            self.areas.kept[key] = stdtrit(self.freedom, strata(len(self.names) + 1)[:, -1])
+            self.areas.kept[key] = stdtrit(self.freedom, stratified_points(len(self.names) + 1)[:, -1])
         scatter = math.sqrt(math.log1p(self.scatter**2))
         factor = np.exp(np.minimum(self.areas.kept[key] * scatter, MAX_EXPONENT))
         return containing(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
         """The coefficient after seconds under a nominal pressure (GPa), with its interval; NaN where it yields."""
-        creep, hardness = creep_of(self.study), self.areas.hardness
+        creep, hardness = find_creep(self.study), self.areas.hardness
         assert creep is not None, "a study that waits has its creep"
         assert hardness is not None, "and a hardness"
         left = hardness * wait**-creep.value
@@ -366,8 +366,8 @@ class _Point:
             own_grown = self._grown(np.array([self.areas.hardness], float), self.mu0, self.tau0)
         middle = self.friction.coefficient(self.mu0, self.tau0, own_grown)
         with np.errstate(invalid="ignore"):
-            found = np.broadcast_to(self.value * self.friction.coefficient(mu0, tau0, area) / middle, (DRAWS,))
-        seizes = np.broadcast_to(np.isinf(area), (DRAWS,))
+            found = np.broadcast_to(self.value * self.friction.coefficient(mu0, tau0, area) / middle, (NUM_SAMPLES,))
+        seizes = np.broadcast_to(np.isinf(area), (NUM_SAMPLES,))
         found = np.where(seizes, 1.0, found)
         if FINER in columns and self.finest is not None:
             least = np.minimum(mu0 + tau0 / np.where(seizes, np.inf, hardness), found)
@@ -381,12 +381,12 @@ class _Point:
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], Floats, Floats, Floats | float]:
         """Columns of the cube by what they are of, inputs, hardness, and true area and E* over those of the study."""
-        cube = strata(len(self.names) + 1)
+        cube = stratified_points(len(self.names) + 1)
         columns = dict(zip(self.names, cube.T, strict=False))
-        columns |= {name: np.full(DRAWS, part) for name, part in fixed.items() if name in columns}
+        columns |= {name: np.full(NUM_SAMPLES, part) for name, part in fixed.items() if name in columns}
         drawn = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
-        hardness = drawn.get("hardness", np.full(DRAWS, self.areas.hardness or np.nan))
-        if (creep := creep_of(self.study)) is not None:
+        hardness = drawn.get("hardness", np.full(NUM_SAMPLES, self.areas.hardness or np.nan))
+        if (creep := find_creep(self.study)) is not None:
             hardness = hardness * wait ** -creep.quantile(cube[:, -1])
         softest = None if self.areas.hardness is None else hardness
         modulus = relative_modulus(self.study, drawn)

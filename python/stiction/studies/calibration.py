@@ -24,10 +24,10 @@ from stiction.studies.interfaces import (
     Ball,
     FrictionTest,
     Interface,
-    rules_of,
+    sliding_rules_of,
 )
 
-LEAST_TESTS = 3  # tests that slid from whose scatter errors are found
+MIN_TESTS = 3  # tests that slid from whose scatter errors are found
 
 
 def calibrate(
@@ -95,15 +95,15 @@ def calibrate(
     held = {test.uncertainty is None for test in tests}
     if len(held) > 1:
         raise ValueError("uncertainty must be given of all tests, or of none")
-    if True in held and sum(test.slid for test in tests) < LEAST_TESTS:
-        raise ValueError(f"uncertainty is needed of fewer than {LEAST_TESTS} tests: their scatter says too little")
+    if True in held and sum(test.slid for test in tests) < MIN_TESTS:
+        raise ValueError(f"uncertainty is needed of fewer than {MIN_TESTS} tests: their scatter says too little")
     known = (
         None if mu0 is None else number("mu0", mu0),
         None if tau0 is None else number("tau0", to_core_units("tau0", tau0, "pressure")),
     )
     if any(value is not None and value < 0 for value in known):
         raise ValueError("mu0 and tau0 must not be negative")
-    there = [rule for rule in RULES if all(rule in rules_of(test.result) for test in tests)]
+    there = [rule for rule in RULES if all(rule in sliding_rules_of(test.result) for test in tests)]
     if all(isinstance(test.result, Ball) for test in tests) and sliding == "both":
         there = there[:1]  # both rules are one
     rules = there if sliding == "both" else [sliding]
@@ -123,5 +123,5 @@ def calibrate(
     ]
     advice = () if separated else first.advice()
     about = {"kind": "measured"} | ({HARDNESS: first.shared_hardness.text} if first.shared_hardness else {})
-    about |= {GROWTH: first.growth.shown} if first.growth is not None else {}
+    about |= {GROWTH: first.growth.short_text} if first.growth is not None else {}
     return Interface(tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), about)

@@ -21,8 +21,8 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
 from stiction.studies.calibration_growth import best_coefficients, range_of_strength
-from stiction.studies.input_uncertainty import Known, known, sobol
-from stiction.studies.interfaces import UNLIKELY, Fit, FrictionTest, ShearStrength, depends_on_growth, friction_of
+from stiction.studies.input_uncertainty import UncertainInput, parse_input, sobol_points
+from stiction.studies.interfaces import UNLIKELY, Fit, FrictionTest, ShearStrength, depends_on_growth, evaluate_friction
 
 MIN_VARIATION = 0.1  # standard deviation over mean of A/F among tests below which mu0 and tau0 are not separated
 ROUND_POINTS, MAX_POINTS = 256, 8192  # nuisance points of a round of adaptation, and of the result at most
@@ -102,7 +102,7 @@ class CalibrationProblem:
     ) -> None:
         self.sliding, self.common, self.known, self.outliers = sliding, common, known, outliers
         alike = {(id(test.result), test.load, test.wait): test for test in tests}
-        friction = {key: friction_of(test, sliding) for key, test in alike.items()}
+        friction = {key: evaluate_friction(test, sliding) for key, test in alike.items()}
         self._friction = [friction[id(test.result), test.load, test.wait] for test in tests]
         self.slid = np.array([test.slid for test in tests])
         self.load = np.array([float(test.load) for test in tests])
@@ -354,7 +354,7 @@ class CalibrationProblem:
         return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
 
     @cached_property
-    def growth(self) -> Known | None:
+    def growth(self) -> UncertainInput | None:
         """α of junction growth of the tests, 0 of tests without it that depend on it; None where tests differ in it.
 
         None also where no test depends on α.
@@ -363,7 +363,7 @@ class CalibrationProblem:
         if grown:
             return grown[0] if len({each.text for each in grown}) == 1 else None
         depend = [depends_on_growth(each, self.best.mu0, self.best.tau0) for each in self._friction]
-        return known("junction_growth", 0.0) if any(depend) else None
+        return parse_input("junction_growth", 0.0) if any(depend) else None
 
     def _growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
         """(draws,) α of junction growth of the tests; NaN where there is none, or another in other tests."""
@@ -573,7 +573,7 @@ class CalibrationProblem:
         points = np.zeros((count, len(self.nuisances) + 1))
         log = np.zeros(count)
         if active:
-            unit = sobol(len(active) + 1, count, seed=seed)
+            unit = sobol_points(len(active) + 1, count, seed=seed)
             normal = ndtri(unit[:, :-1])
             stretch = PROPOSAL_FREEDOM / (2 * gammaincinv(PROPOSAL_FREEDOM / 2, unit[:, -1]))
             normal = normal * np.sqrt(stretch)[:, np.newaxis]

@@ -224,7 +224,7 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
         held = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
         for name in ("pull_off", "share_of_pull_off_bounds", "friction_at_no_load"):
             own = held[name].transpose("repetition", ...)
-            mean = np.stack(intervals.of_sample(own.values), axis=-1)
+            mean = np.stack(intervals.sample_mean(own.values), axis=-1)
             one = {dim: 0 for dim in own.dims if dim == "sliding" and dim not in head.dims}
             variables[name] = xarray.Variable((*own.dims[1:], "statistic"), mean, own.attrs).isel(one)
     variables |= {name: about[name].variable for name in VALIDITY}
@@ -359,28 +359,28 @@ class OverMembers:
         """(..., 3): mean, lower and upper end of values (members, ...)."""
         if self.scans is not None:
             columns = values.reshape(values.shape[0], -1).T
-            ends = [_ends_of(column, intervals.of_scans(column, *self.scans)) for column in columns]
+            ends = [_ends_of(column, intervals.scans_mean(column, *self.scans)) for column in columns]
             return np.array(ends).reshape(*values.shape[1:], 3)
         if self.order is None or self.lines is None:
-            return np.stack(intervals.of_sample(values), axis=-1)
+            return np.stack(intervals.sample_mean(values), axis=-1)
         flat = values[self.order].reshape(values.shape[0], -1)
         known = np.isfinite(flat)
         if known.all():
-            whole = np.stack(intervals.of_positions(flat, self.lines), axis=-1)
+            whole = np.stack(intervals.positions_mean(flat, self.lines), axis=-1)
             return whole.reshape(*values.shape[1:], 3)
         found = [
-            intervals.of_positions(column[there], self.lines[there])
+            intervals.positions_mean(column[there], self.lines[there])
             for column, there in zip(flat.T, known.T, strict=True)
         ]
         return np.array(found).reshape(*values.shape[1:], 3)
 
 
-def _ends_of(values: Floats, found: intervals.OfScans | None) -> tuple[float, float, float]:
+def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
     """Mean, lower and upper end, which are above 0 where no value is negative."""
     if found is None:
         known = values[np.isfinite(values)]
         return float(known.mean()) if known.size else np.nan, np.nan, np.nan
-    ends = intervals.ends_of_mean(found.mean, found.half_width, np.nanmin(values) < 0)
+    ends = intervals.mean_interval(found.mean, found.half_width, np.nanmin(values) < 0)
     return found.mean, float(ends[0]), float(ends[1])
 
 

@@ -165,7 +165,7 @@ def friction_table(
     dataset, pressure = dataset.isel(load=kept), steps[kept]
     approach, touching, stiffness = (each[..., kept] for each in (approach, touching, stiffness))
     pairs = {"contact_area_fraction": touching / area, "normal_stiffness": stiffness, "approach": approach}
-    means = {name: np.stack(intervals.of_sample(each), axis=-1) for name, each in pairs.items()}
+    means = {name: np.stack(intervals.sample_mean(each), axis=-1) for name, each in pairs.items()}
     light = means["contact_area_fraction"][..., 0] <= LIGHT
     light[light.sum(axis=-1) < 2] = True
     laws = _laws(pressure, light, pairs)
@@ -212,9 +212,9 @@ def _coefficient(data: xarray.Dataset, mu0: Floats, tau0: Floats) -> Floats:
         mean = np.where(total[0] > 0, total[1] / total[0], np.nan)
         others = total[:, :, np.newaxis] - loads
         moved = others[1] / others[0] - mean[:, np.newaxis]
-    left_out = intervals.Powers(mean.shape)
+    left_out = intervals.PowerSums(mean.shape)
     left_out.add(np.moveaxis(moved, 1, -1))
-    half = left_out.half_width() if data.sizes["repetition"] >= intervals.FEWEST_OF_SAMPLE else np.nan
+    half = left_out.half_width() if data.sizes["repetition"] >= intervals.MIN_SAMPLE_SIZE else np.nan
     return np.stack([mean, np.maximum(mean - half, 0.0), mean + half], axis=-1)
 
 
@@ -234,7 +234,7 @@ def _laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) 
             exponent = logarithms @ offset / (offset @ offset)
             found["stiffness_exponent"][place] = exponent
             found["stiffness_factor"][place] = np.exp(logarithms.mean(axis=1) - exponent * np.log(p).mean())
-    laws = {name: np.stack(intervals.of_sample(each), axis=-1) for name, each in found.items()}
+    laws = {name: np.stack(intervals.sample_mean(each), axis=-1) for name, each in found.items()}
     for name in names[1:]:
         laws[name][~np.isfinite(found["stiffness_exponent"]).all(axis=0)] = np.nan
     return laws

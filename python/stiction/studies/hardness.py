@@ -20,7 +20,7 @@ from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.materials import Material, material, softer_material
 from stiction.mechanics.resolution import KAPPA
 from stiction.studies.contact_tables import HalfSpace
-from stiction.studies.input_uncertainty import Known, known, read_known
+from stiction.studies.input_uncertainty import UncertainInput, parse_input, parse_study_input
 from stiction.studies.members import bodies_of, points_of_member
 from stiction.studies.moduli import Moduli, hardness_of_material, moduli_of_material
 from stiction.studies.store import Stored, read_beside
@@ -61,67 +61,70 @@ ROUNDED = 0.006  # relative difference between a number and itself in three digi
 
 
 @dataclass(frozen=True)
-class Input:
+class StudyInput:
     """An input of a study with its name in words."""
 
-    words: str
-    known: Known
+    label: str
+    estimate: UncertainInput
 
 
-def inputs_of(study: Study) -> dict[str, Input]:
+def find_inputs(study: Study) -> dict[str, StudyInput]:
     """What is known of the inputs of a study of measured bodies that are no exact numbers, by their names."""
     if not study.is_measured:
         return {}
     table, contact = study.known, study.contact
-    bodies = materials_of(study)
-    found: dict[str, Input] = {}
+    bodies = find_materials(study)
+    found: dict[str, StudyInput] = {}
     for name, words, kind in (("mu0", "μ0", ""), ("tau0", "τ0", "pressure")):
         if (text := getattr(table, name)) is not None:
-            found[name] = Input(words, known(name, text, kind))  # type: ignore[arg-type]
-    moduli = moduli_of(study).inputs
+            found[name] = StudyInput(words, parse_input(name, text, kind))  # type: ignore[arg-type]
+    moduli = find_moduli(study).inputs
     if "effective_modulus" in moduli:
-        found["effective_modulus"] = Input("E*", moduli.pop("effective_modulus"))
+        found["effective_modulus"] = StudyInput("E*", moduli.pop("effective_modulus"))
     if contact.hardness is not None:
         softer = softer_material(*bodies)
         words = f"the hardness of the {softer.name}" if softer else "the hardness"
         if table.hardness is not None:
-            found["hardness"] = Input(words, known("hardness", table.hardness, "hardness"))
+            found["hardness"] = StudyInput(words, parse_input("hardness", table.hardness, "hardness"))
         elif softer and softer.hardness and abs(float(contact.hardness) / softer.hardness - 1) < ROUNDED:
-            found["hardness"] = Input(words, hardness_of_material(softer.hardness))
-    if (growth := growth_of(study)) is not None:
-        found["junction_growth"] = Input("the junction growth α", growth)
+            found["hardness"] = StudyInput(words, hardness_of_material(softer.hardness))
+    if (growth := find_junction_growth(study)) is not None:
+        found["junction_growth"] = StudyInput("the junction growth α", growth)
     for key, value in moduli.items():
         name, _, side = key.partition("_")
         words = f"{_MODULI[name]} of the {bodies[SIDES.index(side)].name if bodies else f'{side} body'}"
-        found[key] = Input(words, value)
-    return {name: each for name, each in found.items() if not each.known.is_exact}
+        found[key] = StudyInput(words, value)
+    return {name: each for name, each in found.items() if not each.estimate.is_exact}
 
 
-def growth_of(study: Study) -> Known | None:
+def find_junction_growth(study: Study) -> UncertainInput | None:
     """Return α of junction growth, with the study's own as its value; None where contacts do not grow."""
     own = study.contact.junction_growth
-    return replace(known("junction_growth", study.known.junction_growth or own), value=own) if own else None
+    return replace(parse_input("junction_growth", study.known.junction_growth or own), value=own) if own else None
 
 
-def creep_of(study: Study) -> Known | None:
+def find_creep(study: Study) -> UncertainInput | None:
     """What is known of the exponent of indentation creep, where the study waits."""
-    return known("creep", study.known.creep) if study.friction.wait and study.known.creep else None
+    return parse_input("creep", study.known.creep) if study.friction.wait and study.known.creep else None
 
 
-def moduli_of(study: Study) -> Moduli:
+def find_moduli(study: Study) -> Moduli:
     """What is known of the moduli of a study."""
-    table, materials, middle = study.known, materials_of(study), float(study.contact.effective_modulus)
+    table, materials, middle = study.known, find_materials(study), float(study.contact.effective_modulus)
     if table.effective_modulus is not None:
-        return Moduli(middle, known("effective_modulus", table.effective_modulus, "modulus"))
+        return Moduli(middle, parse_input("effective_modulus", table.effective_modulus, "modulus"))
     if table.young is not None and table.poisson is not None:
         given = [(table.young[i % len(table.young)], table.poisson[i % len(table.poisson)]) for i in range(2)]
-        bodies = [{"young": known("young", e, "modulus"), "poisson": read_known("poisson", nu)} for e, nu in given]
+        bodies = [
+            {"young": parse_input("young", e, "modulus"), "poisson": parse_study_input("poisson", nu)}
+            for e, nu in given
+        ]
         return Moduli(middle, bodies=tuple(bodies))
     bodies = [moduli_of_material(each) for each in materials]
     return Moduli(middle, bodies=tuple(bodies), is_one_material=bool(materials) and materials[0] == materials[1])
 
 
-def materials_of(study: Study) -> tuple[Material, ...]:
+def find_materials(study: Study) -> tuple[Material, ...]:
     """The materials of both bodies by whose names a study was made; none of names that somebody gave himself."""
     try:
         return tuple(material(name) for name in study.contact.materials or ())
@@ -131,22 +134,22 @@ def materials_of(study: Study) -> tuple[Material, ...]:
 
 def relative_modulus(study: Study, drawn: Mapping[str, Floats]) -> Floats | float:
     """E* over that of the study, of draws of its inputs by their names."""
-    return moduli_of(study).relative(drawn)
+    return find_moduli(study).relative(drawn)
 
 
 # ---- Areas over hardness ---------------------------------------------------------------------------------------------
 
 
-def bodies_wanted(study: Study) -> tuple[Floats, Floats]:
+def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     """Hardnesses over relative moduli (GPa), and these (E* over that of the study), at which its ranges ask for areas.
 
     The last hardness is infinity, elastic bodies. There are none where hardness and E* are numbers or nearly so, and
     the study does not wait.
     """
-    inputs, creep, own = inputs_of(study), creep_of(study), study.contact.hardness
+    inputs, creep, own = find_inputs(study), find_creep(study), study.contact.hardness
     # Each input of E* at its ends, the others in the middle, and what they make of it in quadrature.
     steps = [
-        np.ptp(np.log(relative_modulus(study, {name: each.known.quantile(OUTER)}))) / 2
+        np.ptp(np.log(relative_modulus(study, {name: each.estimate.quantile(OUTER)}))) / 2
         for name, each in inputs.items()
         if name not in ("mu0", "tau0", "hardness", "junction_growth")
     ]
@@ -154,9 +157,9 @@ def bodies_wanted(study: Study) -> tuple[Floats, Floats]:
     moduli = np.exp([-wide, 0.0, wide]) if wide > NARROW else np.ones(1)
     if own is None:
         return np.array([np.inf] if moduli.size > 1 else []), moduli
-    if "hardness" not in inputs and creep is None and moduli.size == 1 and growth_of(study) is None:
+    if "hardness" not in inputs and creep is None and moduli.size == 1 and find_junction_growth(study) is None:
         return np.zeros(0), moduli
-    ends = inputs["hardness"].known.quantile(OUTER) if "hardness" in inputs else np.repeat(float(own), 2)
+    ends = inputs["hardness"].estimate.quantile(OUTER) if "hardness" in inputs else np.repeat(float(own), 2)
     if creep is not None:
         falls = np.power.outer([1.0, *study.friction.wait], -creep.quantile(OUTER))
         ends = ends * [falls.min(), falls.max()]
@@ -168,16 +171,16 @@ def bodies_wanted(study: Study) -> tuple[Floats, Floats]:
 
 def _sheared_nodes(study: Study, softest: float) -> Floats:
     """Return the nodes below a hardness (GPa) that junction growth takes, whatever mu0 and tau0 are."""
-    if growth_of(study) is None:
+    if find_junction_growth(study) is None:
         return np.zeros(0)
     return np.asarray(softest * np.exp(-SHEARED_STEP * np.arange(1, NUM_SHEARED + 1)))
 
 
-def areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
+def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
     """True areas (µm²) of the first members of a study over hardness (GPa), E* and its loads; None for no range."""
     import xarray
 
-    hardnesses, moduli = bodies_wanted(study)
+    hardnesses, moduli = choose_area_nodes(study)
     if not hardnesses.size:
         return None
     loads = np.array([float(load) for load in study.friction.load])
@@ -198,8 +201,8 @@ def areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | No
 
 
 def count_solutions(study: Study) -> int:
-    """Return how many solutions at other hardnesses and moduli `areas_over_hardness` takes, over all loads."""
-    hardnesses, moduli = bodies_wanted(study)
+    """Return how many solutions at other hardnesses and moduli `compute_areas_over_hardness` takes, over all loads."""
+    hardnesses, moduli = choose_area_nodes(study)
     return hardnesses.size * moduli.size * _members(study) * len(study.friction.load) if hardnesses.size else 0
 
 
@@ -210,7 +213,7 @@ def _members(study: Study) -> int:
 
 def _areas_wanted(study: Study) -> tuple[str, ...]:
     """Return the names of the areas that are solved over hardness."""
-    return ("contact_area", "opposing_area") if growth_of(study) is not None else ("contact_area",)
+    return ("contact_area", "opposing_area") if find_junction_growth(study) is not None else ("contact_area",)
 
 
 def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:
@@ -246,10 +249,10 @@ def _opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
     return np.asarray(sums.reshape(-1, sums.shape[-1]).mean(axis=0))
 
 
-def hardness_beside(result: Stored) -> xarray.Dataset | None:
+def load_areas_over_hardness(result: Stored) -> xarray.Dataset | None:
     """What lies beside a stored result of its ranges of hardness and E* and of its loads, if it does."""
     study = result.study
-    hardnesses, moduli = bodies_wanted(study) if study.is_measured else (np.zeros(0), np.ones(1))
+    hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     wanted = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
     names = ("hardness", "relative_modulus", "load")
     found = read_beside(result.path / FILE, (*names, *_areas_wanted(study))) if hardnesses.size else None
@@ -299,7 +302,7 @@ class Areas:
         """
         own = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
-        solved = result.alongside(hardness_beside)
+        solved = result.alongside(load_areas_over_hardness)
         # The value itself depends on the areas of junction growth, at every load.
         grows = bool(study.contact.junction_growth)
         if solved is not None and (grows or set(loads.tolist()) <= set(solved["load"].values.tolist())):

@@ -21,11 +21,16 @@ from stiction._text import format_duration
 from stiction._units import short_repr
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import attributes_of
-from stiction.studies.budget import with_uncertainty
+from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import ABOVE_NOMINAL, at_load, is_unloaded
 from stiction.studies.executors import given_or_threads
 from stiction.studies.hardness import FILE as HARDNESS
-from stiction.studies.hardness import areas_over_hardness, bodies_wanted, count_solutions, hardness_beside
+from stiction.studies.hardness import (
+    choose_area_nodes,
+    compute_areas_over_hardness,
+    count_solutions,
+    load_areas_over_hardness,
+)
 from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
 from stiction.studies.measured_surfaces import MIN_HEIGHT_FACTOR as MIN_FACTOR
 from stiction.studies.member_solution import cost_of_member, cost_of_solution
@@ -195,8 +200,8 @@ def stored_factors(result: Stored, scaled: Scaled) -> dict[float, Stored]:
 
 def _lacks_hardness(stored: Stored) -> bool:
     """Return whether a study has ranges of hardness or E*, and is not solved over them yet."""
-    wants = bool(bodies_wanted(stored.study)[0].size) and not is_unloaded(Result(stored))
-    return wants and hardness_beside(stored) is None
+    wants = bool(choose_area_nodes(stored.study)[0].size) and not is_unloaded(Result(stored))
+    return wants and load_areas_over_hardness(stored) is None
 
 
 def seconds_to_compute(study: Study, count: int) -> float:
@@ -224,7 +229,7 @@ def compute_factors(
                 remove_result(there)  # of another pair
             fill(study, folder, executor=workers, progress=progress)
             stored = open_stored(folder)
-            if _lacks_hardness(stored) and (areas := areas_over_hardness(stored.study, workers)) is not None:
+            if _lacks_hardness(stored) and (areas := compute_areas_over_hardness(stored.study, workers)) is not None:
                 export(areas, folder / HARDNESS, replace=True)
 
 
@@ -280,7 +285,7 @@ def at_height_scale(
         raise NotComputedError(missing, seconds_to_compute(study, missing.size))
     around = [places for each in factors.tolist() if (places := _neighbors(solved, each))]
     points = [
-        with_uncertainty(at_load(each, loads, mu0=mu0, tau0=tau0), each, budget=False).isel(cut_off=0)
+        add_uncertainty(at_load(each, loads, mu0=mu0, tau0=tau0), each, budget=False).isel(cut_off=0)
         for each in map(Result, there.values())
     ]
     first = points[list(there).index(1.0)]

@@ -30,8 +30,8 @@ from stiction.mechanics.friction import SIX_SUMS, FrictionCurve
 from stiction.mechanics.model import Sliding
 from stiction.studies.elasticity import Elasticity
 from stiction.studies.evaluation import PerLoad, areas_of, member_values, six_at
-from stiction.studies.hardness import Areas, creep_of, growth_of, inputs_of, relative_modulus
-from stiction.studies.input_uncertainty import Known, draws, known, read_known
+from stiction.studies.hardness import Areas, find_creep, find_inputs, find_junction_growth, relative_modulus
+from stiction.studies.input_uncertainty import UncertainInput, draw_samples, parse_input, parse_study_input
 from stiction.studies.moduli import Moduli, elasticity_and_moduli
 from stiction.studies.study import Study, study_of
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 HEAD = "# stiction interface"  # first line of a file
 COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)", "junction growth", "area per load of the tests (1/GPa)")
-LONGEST_FILE = 50_000_000  # largest number of bytes of a file of an interface
+MAX_FILE_SIZE = 50_000_000  # largest number of bytes of a file of an interface
 _NUMBERS = ("area_per_load", "variation")
 
 EXCLUDED, UNLIKELY = 0.01, 0.05
@@ -144,7 +144,7 @@ class ShearStrength:
 class _Yields:
     """True area over the computed one as a function of inputs that are not known exactly."""
 
-    known: Mapping[str, Known]  # hardness, creep, moduli and α of junction growth that are ranges
+    known: Mapping[str, UncertainInput]  # hardness, creep, moduli and α of junction growth that are ranges
 
     def key(self, name: str) -> str:
         """Name of a nuisance: inputs of two results that are known alike are one."""
@@ -160,7 +160,7 @@ class _Yields:
         return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
 
     @property
-    def growth(self) -> Known | None:
+    def growth(self) -> UncertainInput | None:
         """α of junction growth; None where contacts do not grow, and the area is the same for every strength."""
         return None
 
@@ -201,11 +201,11 @@ class _ResultYields(_Yields):
         """Those of a result of measured bodies by the half-space; None of others, and where nothing varies."""
         source = getattr(result, "source", result)
         study = study_of(getattr(result, "dataset", result))
-        known = {name: each.known for name, each in inputs_of(study).items() if name not in ("mu0", "tau0")}
-        fall = creep_of(study)
+        known = {name: each.estimate for name, each in find_inputs(study).items() if name not in ("mu0", "tau0")}
+        fall = find_creep(study)
         if wait != 1 and fall is None:
             raise ValueError("wait needs a pair that was pressed with wait and creep")
-        if not known and fall is None and growth_of(study) is None:
+        if not known and fall is None and find_junction_growth(study) is None:
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
         at = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
@@ -226,9 +226,9 @@ class _ResultYields(_Yields):
         return super().values(columns) | scores
 
     @property
-    def growth(self) -> Known | None:
+    def growth(self) -> UncertainInput | None:
         """α of junction growth."""
-        return growth_of(self.study)
+        return find_junction_growth(self.study)
 
     def area_of(self, drawn: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
         """Return the true area over the computed one, of values of the inputs.
@@ -500,7 +500,7 @@ class Interface:
         from scipy.special import ndtr
 
         fit, random = self.fits[0], np.random.default_rng(1)
-        found = friction_of(FrictionTest(result, load, coefficient=0.0), fit.sliding)
+        found = evaluate_friction(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
         def scores(name: Hashable) -> Floats:  # what is common to tests and prediction is drawn once
             return fit.scores[name] if name in fit.scores else random.standard_normal(len(fit.mu0))
@@ -508,14 +508,14 @@ class Interface:
         area = np.exp(found.scatter * scores(found.surfaces))
         if (own := found.yields) is not None:
             drawn = own.values({name: ndtr(scores(name)) for name in own.names})
-            if "hardness" in drawn and own.known["hardness"].says(self.about.get(HARDNESS, "")):
+            if "hardness" in drawn and own.known["hardness"].agrees_with(self.about.get(HARDNESS, "")):
                 drawn["hardness"] = fit.hardness
             if "junction_growth" in drawn and self.has_growth(own.known["junction_growth"]):
                 drawn["junction_growth"] = fit.junction_growth
         growth = None if own is None else own.growth
         depends = growth is not None or depends_on_growth(found, float(np.median(fit.mu0)), float(np.median(fit.tau0)))
         if depends and self.growth is not None and not self.has_growth(growth):
-            calibrated, own_text = (each.shown if each is not None else "0" for each in (self.growth, growth))
+            calibrated, own_text = (each.short_text if each is not None else "0" for each in (self.growth, growth))
             warnings.warn(
                 f"the interface was calibrated with α = {calibrated} of junction growth, and the result has "
                 f"α = {own_text}; press both with the same junction_growth",
@@ -531,14 +531,14 @@ class Interface:
         return self.interval_of(coefficient)
 
     @property
-    def growth(self) -> Known | None:
+    def growth(self) -> UncertainInput | None:
         """α of junction growth of the tests, at its median; None where no test depends on it, or tests differ in it."""
         if GROWTH not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
-        return replace(read_known("junction_growth", self.about[GROWTH]), value=median)
+        return replace(parse_study_input("junction_growth", self.about[GROWTH]), value=median)
 
-    def has_growth(self, growth: Known | None) -> bool:
+    def has_growth(self, growth: UncertainInput | None) -> bool:
         """Return whether α is that of the tests; None is 0."""
         own = self.growth
         if own is None or growth is None:
@@ -570,7 +570,7 @@ def depends_on_growth(friction: _Friction, mu0: float, tau0: float) -> bool:
     return not grown <= (1 + GROWN) * own
 
 
-def rules_of(result: Any) -> tuple[str, ...]:
+def sliding_rules_of(result: Any) -> tuple[str, ...]:
     """Return the sliding rules that a result has."""
     if isinstance(result, Ball):  # on which all rubs
         return RULES
@@ -579,7 +579,7 @@ def rules_of(result: Any) -> tuple[str, ...]:
     return tuple(study_of(getattr(result, "dataset", result)).contact.rules())
 
 
-def friction_of(test: FrictionTest, sliding: Sliding) -> _Friction:
+def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _Friction:
     """What the surfaces of a test do at its load, by a sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
@@ -691,7 +691,7 @@ def read_interface(path: str | Path) -> Interface:
     ValueError: no such file: cannot be read as an interface: No such file or directory
     """
     try:
-        lines = read_content(Path(path), LONGEST_FILE, HEAD.encode()).decode("utf-8").splitlines()
+        lines = read_content(Path(path), MAX_FILE_SIZE, HEAD.encode()).decode("utf-8").splitlines()
     except NotReadableError as error:
         raise ValueError(f"{printable_path(path)}: is no interface: {error}") from None
     except OSError as error:
@@ -709,7 +709,7 @@ def read_interface(path: str | Path) -> Interface:
         ratio, variation = (float(head.pop(name)) for name in _NUMBERS)
         sliding, separated = head.pop("sliding"), head.pop("separated") == "yes"
         check_choice("sliding", sliding, Sliding)
-        read_known("junction_growth", head.get(GROWTH, "0"))
+        parse_study_input("junction_growth", head.get(GROWTH, "0"))
     except (ValueError, KeyError, csv.Error, StopIteration):
         said = "an entry of its head is missing or unknown, or a row is not of five numbers"
         raise ValueError(f"{printable_path(path)}: is a damaged interface: {said}") from None
@@ -737,7 +737,7 @@ def interfaces() -> dict[str, dict[str, str]]:
     return {str(name): table for name, table in tomllib.loads(text).items()}
 
 
-def interfaces_in(folder: str | Path) -> dict[str, dict[str, str]]:
+def read_interfaces(folder: str | Path) -> dict[str, dict[str, str]]:
     """What `interfaces` gives, of the files in a folder that `write_interface` wrote; others are passed over."""
     found = {}
     try:
@@ -777,15 +777,18 @@ def interface(name_or_path: str | Path) -> Interface:
             return read_interface(name_or_path)
         names = "; ".join(interfaces())
         raise ValueError(f"interface must be a file or one of {names}, got {str(name_or_path)!r}")
-    ranges: dict[str, Known] = {"mu0": known("mu0", table["mu0"]), "tau0": known("tau0", table["tau0"], "pressure")}
-    values = draws(ranges)
+    ranges: dict[str, UncertainInput] = {
+        "mu0": parse_input("mu0", table["mu0"]),
+        "tau0": parse_input("tau0", table["tau0"], "pressure"),
+    }
+    values = draw_samples(ranges)
     unknown = np.full(values["mu0"].size, math.nan)
     fit = _fit("all", values["mu0"], values["tau0"], unknown, unknown, unknown)
     about = {key: text for key, text in table.items() if key not in ranges}
     return Interface((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **about})
 
 
-def interface_of(study: Study) -> Interface | None:
+def find_interface(study: Study) -> Interface | None:
     """The strength by which a study was asked for; None where it was by none, or that is gone or another by now."""
     text = study.known.interface
     if text is None:
@@ -794,7 +797,7 @@ def interface_of(study: Study) -> Interface | None:
         found = _kept(text, 0 if text in interfaces() else Path(text).stat().st_mtime_ns)
     except (ValueError, OSError):
         return None
-    mu0, tau0 = medians(found)
+    mu0, tau0 = median_strength(found)
     return found if study.friction.mu0 == (mu0,) and [float(each) for each in study.friction.tau0] == [tau0] else None
 
 
@@ -803,7 +806,7 @@ def _kept(text: str, _changed: int) -> Interface:
     return interface(text)
 
 
-def medians(found: Interface) -> tuple[float, float]:
+def median_strength(found: Interface) -> tuple[float, float]:
     """Medians of mu0 and of tau0 (GPa), in four digits."""
     mu0, tau0 = (float(f"{np.median(each):.4g}") for each in (found.fits[0].mu0, found.fits[0].tau0))
     return mu0, tau0

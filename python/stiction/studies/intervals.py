@@ -19,12 +19,12 @@ AROUND = 4  # steps on both sides of a crossing over which the slope of a mean i
 MAX_LOAD_RATIO = 10.01
 """Ratio of neighboring solved loads above which no value between them is interpolated."""
 IN_CACHE = 2**15  # numbers that are worked on at a time: of more, each step would wait for memory
-FEWEST_OF_SAMPLE = 3
-FEWEST_NEIGHBOURS = 8  # fewer, even independent ones, cannot tell their mean from their correlation
+MIN_SAMPLE_SIZE = 3
+MIN_NEIGHBORS = 8  # fewer, even independent ones, cannot tell their mean from their correlation
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MOST_STEPS = 50
 _STRAIGHT = 1e-9  # skewness below which a scale is straight to round-off
-MOST_FREEDOM = 1e6  # degrees of freedom from which on Student's t is normal
+MAX_FREEDOM = 1e6  # degrees of freedom from which on Student's t is normal
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
@@ -111,7 +111,7 @@ class Crossing:
 # ---- Over repetitions ------------------------------------------------------------------------------------------------
 
 
-class AtLoads:
+class MeansAtLoads:
     """Means of values, read off where the means of normal loads reach loads, and their intervals: docs, intervals.md.
 
     A jackknife over the repetitions. With v and n the values and normal loads of each at the crossing, and e the
@@ -131,7 +131,7 @@ class AtLoads:
         self._slope = _slopes(values[self._curve], normal[self._curve], self._index)
         self._carrying = np.zeros(normal.shape[0], np.intp)
         self._negative = np.zeros(normal.shape[0], np.bool_)
-        self._logarithms, self._plain = Powers(self._load.shape), Powers(self._load.shape)
+        self._logarithms, self._plain = PowerSums(self._load.shape), PowerSums(self._load.shape)
         self._loads, self._values = _Extent(self._load.size), _Extent(self._load.size)
         self.mean = self._over_loads(self._mean)
 
@@ -197,7 +197,7 @@ class _Extent:
         return np.asarray(np.where(mean > 0, self._sum - self._most > 0, (mean < 0) & (self._sum - self._least < 0)))
 
 
-class Powers:
+class PowerSums:
     """Sums of powers of jackknife values (..., r) that come by, and half the interval that they give."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
@@ -246,7 +246,7 @@ def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
 # ---- Over a sample ---------------------------------------------------------------------------------------------------
 
 
-def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
+def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
     """Mean, lower and upper end of values (r, ...) over the first axis, without NaN, by Student's t.
 
     Student's t is of the logarithm of the mean where no value is negative, so that the interval stays above 0.
@@ -257,12 +257,12 @@ def of_sample(values: Floats) -> tuple[Floats, Floats, Floats]:
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.sqrt(np.square(np.where(known, values - mean, 0.0)).sum(axis=0) / (count - 1) / count)
     quantile = student_quantile(np.maximum(count - 1, 1))
-    half_width = np.where(count >= FEWEST_OF_SAMPLE, quantile * error, np.nan)
+    half_width = np.where(count >= MIN_SAMPLE_SIZE, quantile * error, np.nan)
     mean = np.where(count > 0, mean, np.nan)
-    return mean, *ends_of_mean(mean, half_width, (there < 0).any(axis=0))
+    return mean, *mean_interval(mean, half_width, (there < 0).any(axis=0))
 
 
-def ends_of_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
+def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
     """Lower and upper end of a mean by half the width of its normal interval, on a logarithmic scale unless signed."""
     mean, half_width = np.asarray(mean, float), np.asarray(half_width, float)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -285,19 +285,19 @@ def _of_count(count: int) -> tuple[Floats, Floats, float, float]:
     return ones, inflation, float(student_quantile(count - 1)), density
 
 
-def of_neighbours(values: Floats) -> tuple[Floats, Floats, Floats]:
+def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
     """Mean of values (r, ...) over the first axis, in whose order they are neighbours, and its interval.
 
     The interval (docs: intervals) is that of the mixture of autoregressive processes over all correlations from 0 to
     0.95, each weighted by the likelihood that the values give it and by sqrt(1 - ρ), on a scale that takes their
-    skewness off, and not beyond them. NaN for fewer than `FEWEST_NEIGHBOURS` values, and where all are equal.
+    skewness off, and not beyond them. NaN for fewer than `MIN_NEIGHBORS` values, and where all are equal.
     """
     count = values.shape[0]
     # Each row (c, r) is summed alone, so that its bits do not depend on how many others there are.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
-    if count >= FEWEST_NEIGHBOURS:
+    if count >= MIN_NEIGHBORS:
         at_a_time = max(1, IN_CACHE // (4 * count))
         for first in range(0, mean.size, at_a_time):
             some = slice(first, first + at_a_time)
@@ -349,7 +349,7 @@ def _ends_of_neighbours(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     return np.where(differ, lower, np.nan), np.where(differ, upper, np.nan)
 
 
-def of_positions(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
+def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
     """Mean and interval of values (r, ...) at positions on lines, in the order of neighbours, or of means of lines."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
@@ -361,7 +361,7 @@ def of_positions(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Float
         np.add.at(sums, index, values)
         whole = np.ascontiguousarray(np.moveaxis(sums, 0, -1)).sum(axis=-1) / counts.sum()
         each = (whole + (sums - counts * whole) / counts.mean())[np.argsort(first)]
-    mean, lower, upper = of_neighbours(each)
+    mean, lower, upper = neighbors_mean(each)
     return mean, np.maximum(lower, values.min(axis=0)), np.minimum(upper, values.max(axis=0))
 
 
@@ -369,7 +369,7 @@ def of_positions(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Float
 
 
 @dataclass(frozen=True)
-class OfScans:
+class ScansMean:
     """Mean of members of several scans of two parts, and what its uncertainty is made of."""
 
     mean: float
@@ -381,10 +381,10 @@ class OfScans:
     @property
     def half_width(self) -> float:
         """Half the 95 % interval of the mean of both parts; infinite where there are too few members."""
-        return float(student_quantile(min(self.freedom, MOST_FREEDOM))) * math.sqrt(sum(self.variances))
+        return float(student_quantile(min(self.freedom, MAX_FREEDOM))) * math.sqrt(sum(self.variances))
 
 
-def of_scans(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> OfScans | None:
+def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScansMean | None:
     """Means of values (r, ...) of members that are of scans (r,) of either part, by two-way random effects; or None.
 
     Searle, Casella & McCulloch, Variance Components (1992), chapter 4: mean squares not above the last are pooled.
@@ -416,7 +416,7 @@ def of_scans(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -
     inside = max(within.size - count, 1)
     between = shares[:2] / sizes[::-1]
     test = np.append(between * (1 + 1 / sizes), float(within @ within) / inside + rest * (1 + 1 / count))
-    return OfScans(
+    return ScansMean(
         mean, tuple(shares / count), _satterthwaite(shares.sum(), weights, each), math.sqrt(test.sum()),
         _test_freedom(test, np.append(each[:2], inside)),
     )  # fmt: skip
@@ -432,7 +432,7 @@ def _test_freedom(parts: Floats, freedoms: Floats) -> float:
     from scipy.special import stdtridf
 
     variance = float(parts.sum())
-    common = min(_satterthwaite(variance, parts, freedoms), MOST_FREEDOM)
+    common = min(_satterthwaite(variance, parts, freedoms), MAX_FREEDOM)
     if not variance > 0:
         return common
     widest = float((student_quantile(freedoms) * np.sqrt(parts / variance)).max())

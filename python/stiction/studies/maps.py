@@ -193,7 +193,7 @@ def ensemble_map(
     at = {}
     for cell in np.ndindex(asked.cells):
         normal, values = (each[..., 0] for each in asked.curves(cell, averages, others))
-        at[cell] = intervals.AtLoads(normal, values, count, load_values)
+        at[cell] = intervals.MeansAtLoads(normal, values, count, load_values)
     at_a_time = max(1, AT_ONCE // max(1, asked.mu0.size * asked.tau0.size * dataset.sizes[asked.step]))
     with given_or_threads(None) as pool:
         for piece in solved_pieces(result, asked.names(), change):
@@ -236,7 +236,9 @@ class _Asked:
         values = np.broadcast_to(_values(other, self.what, *material), normal.shape)
         return tuple(each.reshape(-1, *normal.shape[2:]) for each in (normal, values))  # type: ignore[return-value]
 
-    def dataset_of(self, at: dict[tuple[int, ...], intervals.AtLoads], averages: Sums, others: Sums) -> xarray.Dataset:
+    def dataset_of(
+        self, at: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sums, others: Sums
+    ) -> xarray.Dataset:
         """What was found of each cell, as a dataset."""
         import xarray
 

@@ -11,7 +11,13 @@ from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction.mechanics.materials import Material, MaterialValue, material
 from stiction.studies.elasticity import Elasticity, elasticity_of
-from stiction.studies.input_uncertainty import MOST_POISSON, NO_NUMBER, Distribution, Known, read_known
+from stiction.studies.input_uncertainty import (
+    MAX_POISSON,
+    UNCERTAIN_TEXT,
+    Distribution,
+    UncertainInput,
+    parse_study_input,
+)
 from stiction.surfaces.pairing import SIDES
 
 NAMES = ("young", "poisson")
@@ -25,21 +31,21 @@ class Moduli:
     ----------
     middle : float, GPa
         E* at the middle of what is known.
-    effective_modulus : Known or None
+    effective_modulus : UncertainInput or None
         E*, GPa, where it is known itself.
-    bodies : tuple of mapping of str to Known
+    bodies : tuple of mapping of str to UncertainInput
         Otherwise "young" (GPa) and "poisson" of the upper and the lower body, if they are known.
     is_one_material : bool
         Whether both bodies are one material, whose moduli are drawn once.
     """
 
     middle: float
-    effective_modulus: Known | None = None
-    bodies: tuple[Mapping[str, Known], ...] = ()
+    effective_modulus: UncertainInput | None = None
+    bodies: tuple[Mapping[str, UncertainInput], ...] = ()
     is_one_material: bool = False
 
     @property
-    def inputs(self) -> dict[str, Known]:
+    def inputs(self) -> dict[str, UncertainInput]:
         """What is not known exactly, by names such as "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         found = {f"{name}_{side}": body[name] for side, body in zip(sides, self.bodies, strict=False) for name in NAMES}
@@ -64,18 +70,18 @@ def _compliance(young: Any, poisson: Any) -> Any:
     return (1 - poisson**2) / young
 
 
-def moduli_of_material(body: Material) -> dict[str, Known]:
+def moduli_of_material(body: Material) -> dict[str, UncertainInput]:
     """Young's modulus (GPa) and Poisson's ratio of a material as the ranges of their source."""
-    poisson = replace(_of_source(body.poisson_ratio, "normal"), most=MOST_POISSON)
+    poisson = replace(_of_source(body.poisson_ratio, "normal"), maximum=MAX_POISSON)
     return {"young": _of_source(body.young_modulus, "log-normal"), "poisson": poisson}
 
 
-def _of_source(value: MaterialValue, distribution: Distribution) -> Known:
+def _of_source(value: MaterialValue, distribution: Distribution) -> UncertainInput:
     low, high = float(value.low), float(value.high)
-    return Known(float(value), low, high, distribution if low < high else "exact", f"{low:g}..{high:g}")
+    return UncertainInput(float(value), low, high, distribution if low < high else "exact", f"{low:g}..{high:g}")
 
 
-def hardness_of_material(value: MaterialValue) -> Known:
+def hardness_of_material(value: MaterialValue) -> UncertainInput:
     """Hardness (GPa) of a material as the range of its source."""
     return _of_source(value, "log-normal")
 
@@ -92,7 +98,9 @@ def elasticity_and_moduli(
     asked = {"effective_modulus": effective_modulus, "young": young, "poisson": poisson}
     found = {name: _known(name, value) for name, value in asked.items() if value is not None}
     middle = {
-        name: [each.value for each in values] if any(NO_NUMBER.search(each.text) for each in values) else asked[name]
+        name: [each.value for each in values]
+        if any(UNCERTAIN_TEXT.search(each.text) for each in values)
+        else asked[name]
         for name, values in found.items()
     }
     one = {
@@ -114,11 +122,11 @@ def elasticity_and_moduli(
     return elasticity, Moduli(value, bodies=tuple(bodies), is_one_material=is_one_material)
 
 
-def _known(name: str, value: Any) -> list[Known]:
+def _known(name: str, value: Any) -> list[UncertainInput]:
     several = [value] if name == "effective_modulus" else split_values(value)
     if not several:
         raise ArgumentError(f"{{{name}}} must have at least one value, got {{got}}", got=repr(value))
     try:
-        return [read_known(name, each) for each in several]
+        return [parse_study_input(name, each) for each in several]
     except ValueError as error:
         raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.studies.budget import SAME_INPUT, with_uncertainty
+from stiction.studies.budget import SAME_INPUT, add_uncertainty
 from stiction.studies.evaluation import at_load
-from stiction.studies.hardness import inputs_of
+from stiction.studies.hardness import find_inputs
 
 if TYPE_CHECKING:
     import xarray
@@ -103,7 +103,7 @@ class Axis:
 
 def axes_of(study: Study) -> tuple[Axis, Axis]:
     """Return the first nodes of mu0 and of tau0 (GPa) of a study, from 0 to the largest value of a report."""
-    ranged = set(inputs_of(study)) | ({"mu0", "tau0"} if study.known.interface else set())
+    ranged = set(find_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     strength = MODULUS_FRACTION * modulus
     strength = strength if hardness is None else min(strength, BULK_FRACTION * float(hardness))
@@ -137,7 +137,7 @@ def at_nodes(result: Result, loads: Floats, axes: tuple[Axis, Axis], of: Kind | 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # a tau0 that is large beside E* is marked in the report
         at = at_load(result, loads, mu0=mu0, tau0=tau0, of=of)
-    return at if of == "surrogates" else with_uncertainty(at, result, budget=False, tests=False)
+    return at if of == "surrogates" else add_uncertainty(at, result, budget=False, tests=False)
 
 
 def refined(axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats]) -> tuple[Axis, Axis]:

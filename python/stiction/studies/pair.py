@@ -28,8 +28,8 @@ from stiction.mechanics.materials import material, softer_material
 from stiction.mechanics.model import THICKNESS
 from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
-from stiction.studies.input_uncertainty import KINDS, NO_NUMBER, Known, read_known
-from stiction.studies.interfaces import Interface, interface, interfaces, medians
+from stiction.studies.input_uncertainty import KINDS, UNCERTAIN_TEXT, UncertainInput, parse_study_input
+from stiction.studies.interfaces import Interface, interface, interfaces, median_strength
 from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, About, Body, MeasuredFile
 from stiction.studies.members import about
 from stiction.studies.pair_options import (
@@ -247,21 +247,23 @@ class Pair:
         return elasticity_of(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
 
     @cached_property
-    def known(self) -> dict[str, list[Known]]:
+    def known(self) -> dict[str, list[UncertainInput]]:
         """What is known of inputs that were given as ranges or with an uncertainty, by their names."""
-        found: dict[str, list[Known]] = {}
+        found: dict[str, list[UncertainInput]] = {}
         for name in KINDS:
             texts = [each for each in split_values(self.options.given(name)) if each is not None]
-            if not any(isinstance(each, str) and NO_NUMBER.search(each) for each in texts):
+            if not any(isinstance(each, str) and UNCERTAIN_TEXT.search(each) for each in texts):
                 continue
             if len(texts) > (2 if name in ("young", "poisson") else 1):
                 raise ArgumentError(f"{{{name}}} must be one value where it is a range, got {{got}}", got=repr(texts))
             found[name] = self._read(name)
         return found
 
-    def _read(self, name: str) -> list[Known]:
+    def _read(self, name: str) -> list[UncertainInput]:
         try:
-            return [read_known(name, each) for each in split_values(self.options.given(name)) if each is not None]
+            return [
+                parse_study_input(name, each) for each in split_values(self.options.given(name)) if each is not None
+            ]
         except ValueError as error:
             raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
 
@@ -280,7 +282,7 @@ class Pair:
     def _middle(self, name: str) -> Any:
         """An argument as it was given, or the middle of what is known, in four digits."""
         if name in ("mu0", "tau0") and self.strength is not None:
-            return medians(self.strength)[name == "tau0"]
+            return median_strength(self.strength)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
             return 0.0
         if name not in self.known:
@@ -530,7 +532,7 @@ class Pair:
         for name in ("work_of_adhesion", "adhesion_range"):
             if (value := self.options.given(name)) is None:
                 continue
-            if isinstance(value, str) and NO_NUMBER.search(value):
+            if isinstance(value, str) and UNCERTAIN_TEXT.search(value):
                 said = f"{{{name}}} must be one value; press at both ends of a range, got {{got}}"
                 raise ArgumentError(said, got=repr(value))
             found[name] = self._quantity(name, value)
@@ -538,7 +540,7 @@ class Pair:
         return found
 
     @property
-    def _growth(self) -> Known | None:
+    def _growth(self) -> UncertainInput | None:
         """Return α of junction growth, None where contacts do not grow.
 
         By default it is that of the tests of the interface, or else that of the softer material.
@@ -555,7 +557,7 @@ class Pair:
         elif self._hardness is None:
             raise ArgumentError("{junction_growth} needs {hardness}: contacts that do not yield do not grow")
         try:
-            found = read_known("junction_growth", given)
+            found = parse_study_input("junction_growth", given)
         except ValueError as error:
             raise ArgumentError("{junction_growth} {why}", why=str(error).strip()) from None
         if found.value and self._adhesion.get("work_of_adhesion"):

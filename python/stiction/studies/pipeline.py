@@ -15,7 +15,7 @@ from stiction.studies.contact_picture import FILE as PICTURE
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import is_unloaded
 from stiction.studies.hardness import FILE as HARDNESS
-from stiction.studies.hardness import areas_over_hardness, count_solutions, hardness_beside
+from stiction.studies.hardness import compute_areas_over_hardness, count_solutions, load_areas_over_hardness
 from stiction.studies.member_solution import cost_of_member, cost_of_solution
 from stiction.studies.onset import FILE as ONSET
 from stiction.studies.onset import TABLE, TABLE_MARK, backbone, onset_beside, onset_of_result
@@ -66,12 +66,12 @@ def complete(
         said(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
         return Result(stored)
     result = Result(stored)
-    if measured and hardness_beside(stored) is None and not is_unloaded(result):
+    if measured and load_areas_over_hardness(stored) is None and not is_unloaded(result):
         # A few members at other hardnesses and moduli, where these are ranges.
         seconds = count_solutions(stored.study) * cost_of_solution(stored.study) if stored.study.by_half_space else 0.0
         if seconds > LONG:
             say(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
-        _put_beside(stored, HARDNESS, lambda: areas_over_hardness(stored.study, executor))
+        _put_beside(stored, HARDNESS, lambda: compute_areas_over_hardness(stored.study, executor))
     if before < total and (before or not measured):
         said(f"wrote {folder}" + (f" ({before} of its {total} repetitions were there already)" if before else ""))
     elif before == total:

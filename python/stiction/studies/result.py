@@ -245,7 +245,7 @@ class Result:
         >>> (gradient / gradient[1]).round(6).tolist()
         [0.5, 1.0, 2.0]
         """
-        from stiction.studies.budget import with_uncertainty
+        from stiction.studies.budget import add_uncertainty
         from stiction.studies.evaluation import at_load, member_values
 
         for name, value in (("per_member", per_member), ("budget", budget)):
@@ -258,7 +258,7 @@ class Result:
         strengths = to_core_units("tau0", tau0, "pressure")
         if per_member:
             return member_values(self, loads, mu0=mu0, tau0=strengths, reading=reading or "elastic")
-        return with_uncertainty(at_load(self, loads, mu0=mu0, tau0=strengths, reading=reading), self, budget=budget)
+        return add_uncertainty(at_load(self, loads, mu0=mu0, tau0=strengths, reading=reading), self, budget=budget)
 
     def _at_height_scale(
         self, factors: Any, load: Any, mu0: Any, tau0: Any, reading: Any, scaled: Any, compute: bool

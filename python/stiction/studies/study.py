@@ -26,7 +26,7 @@ from stiction.studies.contact_tables import (
     read_contact,
 )
 from stiction.studies.generated_surfaces import Generated, Profiles, SelfAffineSurfaces, WeierstrassMandelbrotSurfaces
-from stiction.studies.input_uncertainty import KnownTable
+from stiction.studies.input_uncertainty import UncertainInputsTable
 from stiction.studies.measured_surfaces import Measured, MeasuredFile
 from stiction.studies.values import (
     Case,
@@ -230,7 +230,7 @@ class Study(Table):
     friction: Friction = Field(default_factory=_empty)
     ensemble: Ensemble = Ensemble()
     figures: Figures = Figures()
-    known: KnownTable = KnownTable()
+    known: UncertainInputsTable = UncertainInputsTable()
 
     @model_validator(mode="before")
     @classmethod

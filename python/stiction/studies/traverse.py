@@ -686,7 +686,7 @@ def pressed_maps_mean(result: xarray.Dataset, *, surrogates: bool | None = None)
         if values.dtype.kind != "f" or "repetition" not in values.dims:
             continue
         first = values.transpose("repetition", ...)
-        statistics = np.stack(intervals.of_sample(first.values), axis=-1)
+        statistics = np.stack(intervals.sample_mean(first.values), axis=-1)
         statistics = np.minimum(statistics, QUANTITIES[str(name)].bounds[1])
         variables[str(name)] = ((*first.dims[1:], "statistic"), statistics, values.attrs)
     ok = (result["status"] == friction.STATUS_OK).sum("repetition")

@@ -57,7 +57,7 @@ def _not_separated(interface: Interface) -> Iterator[str]:
 def _growth_words(interface: Interface) -> str:
     """Return α of junction growth that the tests were calibrated with, and its interval where it is a range."""
     assert interface.growth is not None, "tests have α"
-    words = f"Junction growth: the tests have α = {interface.growth.shown}"
+    words = f"Junction growth: the tests have α = {interface.growth.short_text}"
     if interface.growth.is_exact:
         return f"{words}. A pair with this interface takes the same."
     low, value, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
@@ -106,7 +106,7 @@ def calibration_record(interface: Interface) -> str:
     advice = [{"what": words, "error_of_mu0": mu0, "error_of_tau0": tau0} for words, mu0, tau0 in interface.advice]
     return record(
         "calibrate", values, kind="interface", variation=interface.variation, separated=interface.separated,
-        junction_growth=None if interface.growth is None else interface.growth.shown,
+        junction_growth=None if interface.growth is None else interface.growth.short_text,
         excluded=list(interface.excluded), fits=fits, would_separate=advice,
     )  # fmt: skip
 

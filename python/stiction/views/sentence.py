@@ -11,8 +11,8 @@ import numpy as np
 
 from stiction._number_format import percent, quoted, significant, with_unit
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.studies.hardness import inputs_of
-from stiction.studies.interfaces import interface_of
+from stiction.studies.hardness import find_inputs
+from stiction.studies.interfaces import find_interface
 from stiction.studies.point import is_capped, law_of, modulus_of, pressure_of, shape_coordinate, value_of
 from stiction.studies.summary import PointSummary
 from stiction.surfaces.pairing import SIDES
@@ -123,7 +123,7 @@ def _is_asked(point: xarray.Dataset, study: Study, name: str) -> bool:
 
 def _interface_words(study: Study) -> str:
     """Return name, kind and conditions of the interface that mu0 and tau0 are from."""
-    found, name = interface_of(study), Path(str(study.known.interface)).name
+    found, name = find_interface(study), Path(str(study.known.interface)).name
     if found is None:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
     fit, words = found.fits[0], [found.about.get("kind", "measured"), found.about.get("motion", "")]
@@ -134,12 +134,12 @@ def _interface_words(study: Study) -> str:
 
 def _range(study: Study) -> str:
     """Return the range of the hardness; empty for a single number."""
-    found = inputs_of(study).get("hardness")
+    found = find_inputs(study).get("hardness")
     if found is None:
         return ""
     if study.known.hardness is not None:
         return f" ({study.known.hardness})"
-    return f" ({with_unit(found.known.low, 'GPa')} to {with_unit(found.known.high, 'GPa')})"
+    return f" ({with_unit(found.estimate.low, 'GPa')} to {with_unit(found.estimate.high, 'GPa')})"
 
 
 _READINGS = {

@@ -13,7 +13,7 @@ from stiction.mechanics.law import LAWS_BY_NAME
 from stiction.studies import values
 from stiction.studies.contact_tables import CONTACTS, LAW_TABLES, SHARED
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
-from stiction.studies.input_uncertainty import KnownTable
+from stiction.studies.input_uncertainty import UncertainInputsTable
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.study import FRICTIONS, SHARED_FRICTION, SURFACES, Ensemble, Figures
 from stiction.views.text import fitted
@@ -50,8 +50,8 @@ _ALLOWED = {
 
 _UNCERTAIN = 'a value with its uncertainty or a range, as text: `"0.2±0.02"`, `"20..80 MPa"`'
 _KNOWN = {
-    KnownTable.model_fields["mu0"].annotation: _UNCERTAIN,
-    KnownTable.model_fields["young"].annotation: f"a list of one or two such values: {_UNCERTAIN}",
+    UncertainInputsTable.model_fields["mu0"].annotation: _UNCERTAIN,
+    UncertainInputsTable.model_fields["young"].annotation: f"a list of one or two such values: {_UNCERTAIN}",
 }
 """What texts of the table `[known]` may be, by their types."""
 
@@ -64,7 +64,7 @@ _TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values
     ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,), ()),
     ("`[contact]`", _PRESSED, _CONTACTS, SHARED),
     ("`[friction]`", _FRICTION, FRICTIONS, SHARED_FRICTION),
-    ("`[known]`", f"{KnownTable.__doc__}", (KnownTable,), ()),
+    ("`[known]`", f"{UncertainInputsTable.__doc__}", (UncertainInputsTable,), ()),
     ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), ()),
     ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,), ()),
 )

@@ -45,7 +45,7 @@ BANDS = {
 def load_figure(points: xarray.Dataset, asked: Sequence[float] = (), *, title: str = "") -> Figure:
     """Friction coefficient by both sliding rules, and true contact area, against load; 80 mm wide.
 
-    It is of what `with_uncertainty` returns, of one cell and one mu0 and tau0; loads that were asked for (mN) are
+    It is of what `add_uncertainty` returns, of one cell and one mu0 and tau0; loads that were asked for (mN) are
     marked. Friction has its combined interval, and darker the sampling interval of the mean over positions.
     """
     loads = np.asarray(points["load"].values, dtype=np.float64)
