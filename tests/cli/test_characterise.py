@@ -98,7 +98,7 @@ def test_characterise_interpolates_missing_points_and_selects_columns(folder, pr
     lines = (folder / "scan.csv").read_text(encoding="utf-8").splitlines()
     lines[100] = lines[100].split(",")[0] + ",nan"
     (folder / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
-    assert_rejected(call_stiction("characterise", "gaps.csv", cwd=folder), "1 missing points of 3000", "interpolate")
+    assert_rejected(call_stiction("characterise", "gaps.csv", cwd=folder), "1 of 3000 points", "interpolate")
     for missing, done in (("interpolate", "interpolated"), ("mask", "masked")):
         history, message, _ = characterise("gaps.csv", "--missing", missing, cwd=folder)
         assert (
@@ -312,7 +312,9 @@ def test_dry_run_shows_how_files_are_read(folder):
         "characterise", "scan.csv", "heights.npy", "--unit", "um", "--spacing", "10 nm", "--dry-run", cwd=folder
     )
     first, second = completed.stdout.splitlines()
-    assert first.startswith("scan.csv: positions and heights; 3000 points; 10 nm apart; heights 1 (z (um)) in um")
+    assert first.startswith(
+        "scan.csv: positions and heights; 3000 points; 10 nm apart; heights from column 1 (z (um)) in um"
+    )
     assert second.startswith("heights.npy: NumPy array; 3000 points; 10 nm apart")
     assert not list(folder.glob("*.png"))
     completed = check_stiction("characterise", "scan.csv", "--dry-run", "--json", cwd=folder)

@@ -474,11 +474,11 @@ def test_reading_reports_layout_units_and_points(tmp_path):
     assert record["layout"] == "positions and heights"
     assert record["points"] == [60]
     assert record["spacing_um"] == [0.5]
-    assert record["heights"] == "1 (z (um))"
+    assert record["heights"] == "column 1 (z (um))"
     assert (record["unit"], record["missing_points"], record["encoding"]) == ("um", 0, "ascii")
     assert (record["lines"], record["lines_above"], record["lines_below"]) == ([3, 62], 2, 1)
     assert str(reading).startswith(
-        "positions and heights; 60 points; 0.5 µm apart; heights 1 (z (um)) in um; none missing"
+        "positions and heights; 60 points; 0.5 µm apart; heights from column 1 (z (um)) in um; none missing"
     )
 
 

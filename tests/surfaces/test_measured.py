@@ -166,7 +166,7 @@ def test_reader_rejects_options_that_contradict_the_file(file):
         ("x (um),z (um)\n" + "".join(f"{0.3 * i:.0f},1.5\n" for i in range(99)), "too few digits for their spacing"),
         (
             "x (um),z (um)\n0,1\n0.1,***\n0.2,1\n0.3,\n0.4,1\n",
-            "has 2 missing points of 5, the first at point 1, counted from 0",
+            "misses 2 of 5 points, the first at point 1, counted from 0",
         ),
         ("x (um),z (um)\n0,1\n,2\n0.2,1\n0.3,4\n0.4,1\n", "no usable position at point 1, counted from 0"),
         ("x (um),z (um)\n0,nan\n1,nan\n2,nan\n3,nan\n", "all points are missing"),
@@ -358,7 +358,7 @@ def test_index_column_of_pandas_is_ignored(file, separator):
     frame = pandas.DataFrame({"x (um)": X, "z (um)": [*HEIGHTS[:4], np.nan]})
     for table in (frame, frame.rename_axis("index")):
         path = file(table.to_csv(sep=separator))
-        assert "has 1 missing points of 5, the first at point 4, counted from 0" in refusal(path)
+        assert "misses 1 of 5 points, the first at point 4, counted from 0" in refusal(path)
         profile = read_profile(path, missing="interpolate")
         assert profile.heights.tolist() == HEIGHTS[:4]
         assert profile.history[1] == "the first column, which numbers the rows, removed"
@@ -412,7 +412,7 @@ def test_workbooks_are_read(file):
     area = read_surface(file(workbook(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
     assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)  # of which openpyxl writes 16 digits
     gaps = [row if at != 6 else [None, row[1], None] for at, row in enumerate(ROWS)]
-    assert "has 1 missing points of 5, the first at point 2, counted from 0" in refusal(
+    assert "misses 1 of 5 points, the first at point 2, counted from 0" in refusal(
         file(workbook(("one", gaps)), "d.xlsx")
     )
 
@@ -725,7 +725,7 @@ def test_x3p_missing_points_are_masked(file):
     valid = np.ones(METRES.shape, dtype=bool)
     valid[2, 4] = False
     path = file(x3p(METRES, valid=valid.ravel()), "a.x3p")
-    assert "has 1 missing points of 54, the first at row 2, column 4, counted from 0" in refusal(path, read_surface)
+    assert "misses 1 of 54 points, the first at row 2, column 4, counted from 0" in refusal(path, read_surface)
     surface = read_surface(path, missing="interpolate")
     assert surface.heights[2, 4] == pytest.approx(1e6 * (METRES[2, 3] + METRES[2, 5]) / 2)
     assert surface.history[-1].startswith(

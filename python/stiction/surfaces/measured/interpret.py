@@ -531,7 +531,7 @@ def _fill_gaps(
         first = np.argwhere(gaps)[0].tolist()
         position = f"point {first[0]}" if gaps.ndim == 1 else f"row {first[0]}, column {first[1]}"
         raise FormatError(
-            f"has {int(gaps.sum())} missing points of {gaps.size}, the first at {position}, counted from 0; "
+            f"misses {int(gaps.sum())} of {gaps.size} points, the first at {position}, counted from 0; "
             'missing="mask" (--missing mask) uses only measured points, and missing="interpolate" '
             "(--missing interpolate) interpolates between their neighbours"
         )

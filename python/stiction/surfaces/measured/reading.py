@@ -88,7 +88,9 @@ class Reading(Generic[_Body]):
                 f"{with_unit(self.body.spacings[1], 'µm')} along x and {with_unit(self.body.spacings[0], 'µm')} along y"
             )
         source = self.source
-        heights = f"heights {printable(source.column)} in {self.unit}" if source.column else f"heights in {self.unit}"
+        heights = (
+            f"heights from {printable(source.column)} in {self.unit}" if source.column else f"heights in {self.unit}"
+        )
         parts = [source.layout or "unknown layout", f"{shape} points", f"{apart} apart", heights]
         parts += [f"{self.missing} of {self.points} missing" if self.missing else "none missing"]
         if source.lines is not None:

@@ -179,7 +179,8 @@ def _units(table: Table) -> tuple[str | None, ...]:
 
 def _describe_column(table: Table, place: int) -> str:
     number = _column_numbers(table)[place]
-    return f"{number} ({printable(table.names[place])})" if table.names and table.names[place] else str(number)
+    name = f" ({printable(table.names[place])})" if table.names and table.names[place] else ""
+    return f"column {number}{name}"
 
 
 def _height_unit(table: Table, place: int) -> str | None:
