@@ -1,4 +1,4 @@
-"""Draw docs/images/pla_silicone.png and print the numbers of two silicones in tutorials/from_a_test.md.
+"""Draw docs/images/pla_silicone.png and print the numbers of two silicones in tutorials/friction_tests.md.
 
     python docs/scripts/pla_silicone.py pla_silicone.csv
 
