@@ -169,7 +169,7 @@ def test_friction_of_generated_bodies_is_that_of_the_library(result, numbers, na
         numbers = ReportNumbers(report_page(result))
     statuses, errors = of_generated(result, numbers, settings_of(numbers, 60, 5))
     expected = {"ok", "not-reached", "self-locked", "below-range", "between-nodes"}
-    assert np.mean([statuse in expected for statuse in statuses]) > 0.9
+    assert np.mean([status in expected for status in statuses]) > 0.9
     assert len(errors) > 15
     assert np.quantile(errors, 0.8) < MOST_EXCESS
 
@@ -192,7 +192,7 @@ def test_nodes_of_any_sums_are_those_of_the_library(reached):
         for m, t in itertools.product(range(0, len(axes["mu0"]["rising"]), 2), range(0, len(axes["tau0"]["rising"]), 2))
     ]
     statuses, errors = of_generated(data, numbers, settings * 2)
-    assert not [statuse for statuse in statuses if " for " in statuse or statuse == "between-nodes"]
+    assert not [status for status in statuses if " for " in status or status == "between-nodes"]
     assert max(errors, default=0.0) < 0.1
 
 
