@@ -1,10 +1,12 @@
 """Tests of the closed forms against other packages and each other, and of the asperity model against them."""
 
 import math
+import re
 import warnings
 
 import numpy as np
 import pytest
+import stiction
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference import elastic_plastic
@@ -160,3 +162,62 @@ def test_effective_modulus_of_equal_materials_is_half_the_plane_strain_modulus()
 def test_closed_forms_reject_bad_arguments(call, word):
     with pytest.raises(ValueError, match=word):
         call()
+
+
+EXTREME_VALUES = (5e-324, 1e-300, 1e-150, 1e150, 1e300, 1.7e308)
+CLOSED_FORMS = (
+    ("effective_modulus", (210.0, 0.3, 100.0, 0.3), {}),
+    ("hertz_sphere", (0.01, 1.0, 10.0), {}),
+    ("hertz_cylinder", (0.01, 1.0, 10.0), {"width": 1.0}),
+    ("hertz_line", (0.01, 1.0, 10.0), {"width": 1.0}),
+    ("hertz_ellipse", (0.01, 1.0, 2.0, 10.0), {}),
+    ("tabor_parameter", (1.0, 80.0), {"work_of_adhesion": 5e-5, "adhesion_range": 5e-4}),
+    ("jkr", (0.0, 1.0, 80.0), {"work_of_adhesion": 5e-5}),
+    ("dmt", (0.0, 1.0, 80.0), {"work_of_adhesion": 5e-5}),
+    ("maugis_dugdale", (0.0, 1.0, 80.0), {"work_of_adhesion": 5e-5, "adhesion_range": 5e-4}),
+    ("fuller_tabor", (0.01, 1.0, 80.0), {"work_of_adhesion": 5e-5}),
+    ("gentle_friction", (0.4,), {"rms_gradient": 0.04, "effective_modulus": 10.0, "slope_ratio": 1.0}),
+    ("slope_friction", (0.1,), {"mu0": 0.4, "tau0": 0.01, "mean_pressure": 1.0}),
+    ("hardness_under_shear", (2.0, 0.2, 0.05, 9.0), {}),
+    ("tabor_friction", (2.0, 0.2, 0.05, 9.0), {}),
+    ("westergaard_contact_fraction", (0.01,), {"amplitude": 0.1, "wavelength": 1.0, "effective_modulus": 10.0}),
+    ("westergaard_pressure", (0.1, 0.01), {"amplitude": 0.1, "wavelength": 1.0, "effective_modulus": 10.0}),
+    ("westergaard_gap", (0.1, 0.01), {"amplitude": 0.1, "wavelength": 1.0, "effective_modulus": 10.0}),
+)
+
+
+@pytest.mark.parametrize(("name", "positional", "named"), CLOSED_FORMS, ids=[form[0] for form in CLOSED_FORMS])
+def test_closed_form_of_extreme_arguments_is_a_number_or_raises_value_error(name, positional, named):
+    """Replace one argument at a time; NumPy's warnings are errors."""
+    function = getattr(stiction, name)
+    function(*positional, **named)
+    messages = set()
+    for value in EXTREME_VALUES:
+        calls = [([*positional[:i], value, *positional[i + 1 :]], named) for i in range(len(positional))]
+        calls += [(positional, {**named, key: value}) for key in named]
+        for arguments, keywords in calls:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                try:
+                    result = function(*arguments, **keywords)
+                except ValueError as error:
+                    messages.add(str(error))
+                    continue
+            parts = result if isinstance(result, tuple) else (result,)
+            assert not any(np.isinf(part).any() for part in parts)
+    assert all(re.search(f"^{name} exceeds|must be|must not", message) for message in messages), messages
+
+
+def test_closed_forms_accept_empty_arrays():
+    assert stiction.gentle_friction(0.4, rms_gradient=0.04, effective_modulus=[]).shape == (0,)
+    assert hertz_sphere([], 1.0, 10.0)[0].shape == (0,)
+
+
+def test_closed_form_names_value_that_is_not_positive():
+    with pytest.raises(ValueError, match=r"^overlap must be above 0, got -0\.5$"):
+        hertz_sphere(np.array([[0.1, -0.5]]), 1.0, 10.0)
+
+
+def test_gentle_friction_rejects_array_as_order():
+    with pytest.raises(ValueError, match="order must be 1 or 2"):
+        stiction.gentle_friction(0.4, rms_gradient=0.04, order=np.array([1, 2]))

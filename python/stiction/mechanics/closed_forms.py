@@ -5,7 +5,9 @@ Plain NumPy, independent of the core. All arguments broadcast.
 
 from __future__ import annotations
 
-from typing import Any, Literal, overload
+import functools
+from collections.abc import Callable
+from typing import Any, Literal, ParamSpec, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +21,9 @@ _BISECTIONS = 64  # number of bisections: resolves the logarithm of an aspect ra
 _SLOPE_TOLERANCE = 1e-9  # tolerance by which a slope may exceed the gradient
 _SMALL_SLOPE = 1e-3  # deviation of slopes below which two terms of a series are exact to the last bit
 
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
 
 def positive(**arguments: ArrayLike) -> list[Floats]:
     """Check that all arguments are above 0, and return them as arrays."""
@@ -26,9 +31,25 @@ def positive(**arguments: ArrayLike) -> list[Floats]:
     for name, values in arguments.items():
         array = float_array(name, values)
         if not (array > 0).all():
-            raise ValueError(f"{name} must be above 0, got {values!r}")
+            raise ValueError(f"{name} must be above 0, got {array[~(array > 0)][0]:g}")
         arrays.append(array)
     return arrays
+
+
+def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Make a function raise ValueError where a result or an intermediate number exceeds double precision."""
+
+    @functools.wraps(function)
+    def checked(*args: _P.args, **kwargs: _P.kwargs) -> _R:
+        try:
+            with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
+                return function(*args, **kwargs)
+        except ArithmeticError:  # NumPy's FloatingPointError is one, too
+            raise ValueError(
+                f"{function.__name__} exceeds the range of double precision; its arguments must be less extreme"
+            ) from None
+
+    return checked
 
 
 @overload
@@ -39,6 +60,7 @@ def effective_modulus(young_upper: float, poisson_upper: float, young_lower: flo
 def effective_modulus(
     young_upper: ArrayLike, poisson_upper: ArrayLike, young_lower: ArrayLike, poisson_lower: ArrayLike
 ) -> Floats: ...
+@reject_overflow
 def effective_modulus(
     young_upper: Any, poisson_upper: Any, young_lower: Any = None, poisson_lower: Any = None
 ) -> Floats | float:
@@ -75,6 +97,7 @@ def effective_modulus(
     return float(modulus) if np.ndim(modulus) == 0 else np.asarray(modulus)
 
 
+@reject_overflow
 def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike) -> tuple[Floats, Floats]:
     """Compute force (mN) and area (µm²) of elastic spheres: 4/3 E* R^(1/2) overlap^(3/2) and π R overlap.
 
@@ -99,6 +122,7 @@ def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: Array
     return np.asarray(4 / 3 * e * r**0.5 * d**1.5), np.asarray(np.pi * r * d)
 
 
+@reject_overflow
 def tabor_parameter(
     radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike, adhesion_range: ArrayLike
 ) -> Floats:
@@ -124,6 +148,7 @@ def tabor_parameter(
     return np.asarray((r * w**2 / (e**2 * length**3)) ** (1 / 3))
 
 
+@reject_overflow
 def jkr(
     load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
 ) -> tuple[Floats, Floats]:
@@ -157,6 +182,7 @@ def jkr(
     return np.cbrt(cube), pull.copy()
 
 
+@reject_overflow
 def dmt(
     load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
 ) -> tuple[Floats, Floats]:
@@ -182,6 +208,7 @@ def dmt(
     return np.cbrt(np.where(cube >= 0, cube, np.nan)), pull.copy()
 
 
+@reject_overflow
 def maugis_dugdale(
     load: ArrayLike,
     radius: ArrayLike,
@@ -223,6 +250,8 @@ def maugis_dugdale(
             outer = least.x - 1
             while outer > -30 and _maugis(outer, strength)[1] < force / unit:
                 outer -= 1
+            if _maugis(outer, strength)[1] < force / unit:  # the difference of both radii is lost in round-off
+                raise ArithmeticError
             result = brentq(lambda x, s=strength, f=force / unit: _maugis(x, s)[1] - f, outer, least.x)
             radii[place] = _maugis(result, strength)[0] * (unit * r1 / modulus) ** (1 / 3)
     return np.asarray(radii), np.asarray(pulls)
@@ -239,6 +268,7 @@ def _maugis(logarithm: float, strength: float) -> tuple[float, float]:
     return radius, radius**3 - strength * radius**2 * (root + m**2 * angle)
 
 
+@reject_overflow
 def fuller_tabor(
     deviation: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
 ) -> tuple[Floats, Floats]:
@@ -297,6 +327,7 @@ def _check_adhesive(
     return positive(radius=radius, effective_modulus=effective_modulus, work_of_adhesion=work_of_adhesion, **others)
 
 
+@reject_overflow
 def hertz_cylinder(
     overlap: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, width: ArrayLike = 1.0
 ) -> tuple[Floats, Floats]:
@@ -324,6 +355,7 @@ def hertz_cylinder(
     return np.asarray(np.pi * e * w * half_width**2 / (4 * r)), np.asarray(2 * half_width * w)
 
 
+@reject_overflow
 def hertz_line(
     load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, width: ArrayLike = 1.0
 ) -> tuple[Floats, Floats]:
@@ -352,6 +384,7 @@ def hertz_line(
     return np.asarray(half_width), np.asarray(2 * f / (np.pi * half_width * w))
 
 
+@reject_overflow
 def hertz_ellipse(
     overlap: ArrayLike, radius_1: ArrayLike, radius_2: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, tuple[Floats, Floats]]:
@@ -399,6 +432,7 @@ def hertz_ellipse(
     return np.asarray(2 / 3 * np.pi * major * d * e / complete), np.asarray(np.pi * major * minor), (first, second)
 
 
+@reject_overflow
 def slope_friction(
     slope_angle: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike = 0.0, mean_pressure: ArrayLike | None = None
 ) -> Floats:
@@ -438,6 +472,7 @@ def slope_friction(
     return np.where(locked, np.nan, np.tan(theta + np.arctan(mu)))
 
 
+@reject_overflow
 def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
     """Compute the largest pressure H' of a plastic contact that slides, after junction growth.
 
@@ -480,6 +515,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
     return np.where(square == 0, strength, np.where(left > 0, pressure, np.nan))
 
 
+@reject_overflow
 def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
     """Compute the friction coefficient t of contacts that all yield, after junction growth.
 
@@ -514,6 +550,7 @@ def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: 
     return np.where(left > 0, grown, np.nan)
 
 
+@reject_overflow
 def gentle_friction(
     mu0: ArrayLike,
     tau0: ArrayLike = 0.0,
@@ -590,9 +627,9 @@ def gentle_friction(
     if not (ratio >= 0).all():
         raise ValueError(f"slope_ratio must not be negative, got {slope_ratio!r}")
     check_choice("sliding", sliding, Sliding)
-    if order not in (1, 2):
+    if np.ndim(order) or order not in (1, 2):
         raise ValueError(f"order must be 1 or 2, got {order!r}")
-    check_shear_strength(tau, float(np.min(modulus)))
+    check_shear_strength(tau, float(np.min(modulus, initial=np.inf)))
     m = mu + factor * tau / (modulus * gradient)
     shared = ratio / (1 + ratio**2)
     mean = slope * shared / np.sqrt(2 * np.pi)
@@ -626,6 +663,7 @@ def _stretch(deviation: Floats) -> tuple[Floats, Floats]:
 # ---- Sinusoidal surface (Westergaard) -------------------------------------------------------------------------------
 
 
+@reject_overflow
 def westergaard_contact_fraction(
     mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> Floats:
@@ -658,6 +696,7 @@ def westergaard_contact_fraction(
     return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / full, 1))))
 
 
+@reject_overflow
 def westergaard_pressure(
     x: ArrayLike, mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> Floats:
@@ -687,6 +726,7 @@ def westergaard_pressure(
     return np.asarray(np.where(p < full, partial, p + full * (1 - 2 * sine**2)))
 
 
+@reject_overflow
 def westergaard_gap(
     x: ArrayLike, mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> Floats:
