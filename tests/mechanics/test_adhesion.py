@@ -398,6 +398,21 @@ def test_zero_work_of_adhesion_changes_no_bits():
     assert little.contact_area == pytest.approx(plain.contact_area, rel=1e-6)
 
 
+def test_pull_off_is_found_if_repetitions_change_nothing():
+    """On these steps two repetitions in a row change nothing, and their ratio is 0/0."""
+    columns = "0011000010111 0010010101100", "0101010011010 0100101100001"
+    heights = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]
+    upper, lower = (
+        Surface(scale * (2.0 * signs - 1), spacing=(0.0392, 0.00392))
+        for scale, signs in zip((0.05, 0.13), heights, strict=True)
+    )
+    curve = half_space(
+        upper, lower, [1e-7], boundary="periodic", effective_modulus=1.4556, hardness=0.011425,
+        work_of_adhesion=1.16636e-8, adhesion_range=4.739e-5,
+    )  # fmt: skip
+    assert curve.pull_off > 0
+
+
 def test_half_space_rejects_bad_adhesion():
     bodies, adhesive = ball(1.0)
     with pytest.raises(ValueError, match="strictly increasing or strictly decreasing"):

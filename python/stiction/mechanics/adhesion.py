@@ -140,7 +140,7 @@ class Attraction:
             least = min(least, residual)
             if slow > PATIENCE:  # errors of the solutions may be what is left
                 inexact, slow = inexact / 10, 0
-            ratio = residual / before
+            ratio = residual / before if before else 0.0
             length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
             following, plain = np.clip(attraction + change, 0.0, self.most), None
             if count % (PLAIN + 1) == PLAIN and longest > 1:
