@@ -523,8 +523,8 @@ def test_server_waits_longer_for_the_first_window():
 
 def test_server_ends_after_its_last_window_is_closed(tmp_path, tmp_path_factory):
     """Here it asks whether anybody is there once somebody was, and that is the last that it hears."""
-    code = "from stiction.app import run; from stiction.cli.application import say; run.ALONE = 1.5; "
-    code += "run.run(say=say)"
+    code = "from stiction.app import run; from stiction.cli.application import print_message; run.ALONE = 1.5; "
+    code += "run.run(print_message=print_message)"
     with served(tmp_path, code=code) as server, browser.browser(tmp_path_factory.mktemp("profile")) as driver:
         driver.get(server.address)
         driver.get("about:blank")

@@ -128,8 +128,8 @@ def test_at_accepts_lists_as_pair_does(folder):
     ("arguments", "words"),
     [
         (("study", "--load", "-1 mN", "--mu0", "0.3"), ["--load must be above 0"]),
-        (("study", "--load", "1 mN", "--mu0", "-0.3"), ["--mu0 must be at least 0"]),
-        (("study", "--load", "1 mN", "--tau0", "-1 MPa"), ["--tau0 must be at least 0"]),
+        (("study", "--load", "1 mN", "--mu0", "-0.3"), ["--mu0 must be at minimum 0"]),
+        (("study", "--load", "1 mN", "--tau0", "-1 MPa"), ["--tau0 must be at minimum 0"]),
         (("study", "--load", "1 um"), ["--load"]),
         (("study", "--load", "1 MPa"), ["--load of a study must be a force"]),
         (("study",), ["give --load: this study does not ask for loads"]),

@@ -211,7 +211,7 @@ def test_characterise_of_several_files_prints_one_table(folder):
         (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "6", "--column", "6"], "not for use with --column"),
         (["scan.csv", "--band", "1 um"], "--band needs two wavelengths"),
         (["scan.csv", "--band", "2 um,1 um"], "--band must be the shortest and then the longest"),
-        (["scan.csv", "--band", "1 um,1.01 um"], "band must hold at least 8 harmonics"),
+        (["scan.csv", "--band", "1 um,1.01 um"], "band must hold at minimum 8 harmonics"),
         (
             ["scan.csv", "--output", "figure.bmp"],
             "figure.bmp: cannot be written: its name must end in .html, .png, .pdf or .svg",

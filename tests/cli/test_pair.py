@@ -13,8 +13,8 @@ import typer
 from stiction import Study, effective_modulus, run, self_affine, self_affine_surface, tabor_friction, write_profile
 from stiction._errors import ArgumentError
 from stiction._number_format import quoted
-from stiction.cli.application import app, tell
-from stiction.cli.options import announce_reader
+from stiction.cli.application import app, print_output
+from stiction.cli.options import show_reader_import
 from stiction.cli.pair_options import given_options
 from stiction.studies import store
 from stiction.studies.evaluation import at_load
@@ -280,7 +280,7 @@ def test_smallest_load_has_no_lower_steps(where):
         ),
         ([*PROFILES, "--effective-modulus", "10 mN"], ["--effective-modulus"]),
         ([*PROFILES, "--load", "10 nm"], ["--load must be a force or a pressure", "mN", "MPa"]),
-        ([*PROFILES, "--mu0", "-1"], ["--mu0 must be at least 0"]),
+        ([*PROFILES, "--mu0", "-1"], ["--mu0 must be at minimum 0"]),
         ([*MAPS, "--hardness", "150 HB"], ["--hardness", "'HB'"]),
         ([*MAPS, "--load", "1 GPa", "--hardness", "0.5 GPa"], ["--load must be below the hardness, 0.5 GPa"]),
         (
@@ -388,7 +388,7 @@ def test_pair_requires_materials_and_distinguishes_them_from_files(where, argume
 
 def test_preview_is_printed_to_standard_error_of_a_terminal(where, monkeypatch):
     for module in ("application", "pair"):
-        monkeypatch.setattr(f"stiction.cli.{module}.is_watched", lambda: True)
+        monkeypatch.setattr(f"stiction.cli.{module}.has_terminal", lambda: True)
     command = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--shifts", 3, "--onset", 0, "--json", "-o", "first"]
     completed = check_stiction(*command, cwd=where, without_figures=True)
     assert "preliminary, with asperities: μ_s = " in completed.stderr
@@ -446,11 +446,11 @@ def test_pair_output_fits_24_lines(where, arguments, tmp_path):
 
 def test_value_and_assessment_are_bold_on_terminals_only(capsys, monkeypatch):
     lines = "μ_s = 0.29 [0.24, 0.42]  if all\nQuote with care; measure\nQuote withers\n"
-    tell(lines)
+    print_output(lines)
     assert capsys.readouterr().out == lines
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
     monkeypatch.setattr("typer.echo", print)
-    tell(lines)
+    print_output(lines)
     bold = capsys.readouterr().out
     assert bold.count("\x1b[1m") == 2
     assert "\x1b[1mμ_s = 0.29 [0.24, 0.42]\x1b[0m  if all" in bold
@@ -458,17 +458,17 @@ def test_value_and_assessment_are_bold_on_terminals_only(capsys, monkeypatch):
 
 
 def test_slow_reader_is_announced_once(where, monkeypatch):
-    monkeypatch.setattr("stiction.cli.application.is_watched", lambda: True)
+    monkeypatch.setattr("stiction.cli.application.has_terminal", lambda: True)
     (where / "scan.di").write_text("nothing")
     monkeypatch.delitem(sys.modules, "SurfaceTopography", raising=False)
     events = []
-    monkeypatch.setattr("stiction.cli.options.announce", events.append)
-    announce_reader(where / "scan.di")
-    announce_reader(where / "upper.csv")
-    announce_reader(where / "missing.di")
+    monkeypatch.setattr("stiction.cli.options.show_status", events.append)
+    show_reader_import(where / "scan.di")
+    show_reader_import(where / "upper.csv")
+    show_reader_import(where / "missing.di")
     assert events == ["loading SurfaceTopography, which takes some seconds, to read scan.di"]
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
-    announce_reader(where / "scan.di")
+    show_reader_import(where / "scan.di")
     assert len(events) == 1
 
 

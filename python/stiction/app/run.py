@@ -61,7 +61,7 @@ class Connection(H11Protocol):
         self.transport.abort()
 
 
-def run(*, say: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
+def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
     """Serve the page until its last window has been closed for a while, unless it is kept, or somebody interrupts."""
     with tempfile.TemporaryDirectory(prefix=PREFIX) as folder, socket.create_server(("127.0.0.1", 0)) as listening:
         server = Server(Path(folder).resolve(), Path.cwd(), listening.getsockname()[1], has_demo=demo)
@@ -72,7 +72,7 @@ def run(*, say: Callable[[str], None], keep: bool = False, demo: bool = False) -
             h11_max_incomplete_event_size=2**14,
         )  # fmt: skip
         serving = uvicorn.Server(config)
-        say(f"{address}\nopens in one browser, once; Ctrl-C ends it")
+        print_message(f"{address}\nopens in one browser, once; Ctrl-C ends it")
         with suppress(KeyboardInterrupt):
             asyncio.run(_serve(serving, server, listening, address, keep))
 

@@ -1,4 +1,4 @@
-"""The `stiction` command: parsing and printing only, a file for each group of commands."""
+"""Command line interface `stiction`: parses arguments and prints results, one module for each group of commands."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-INTERRUPTED = 130  # exit status, as of a shell's own commands
+INTERRUPTED = 130  # exit status after Ctrl-C, as in a shell
 BAD_INPUT = 2  # exit status
 
 MIN_ADDRESS_SPACE = 2**30
-"""Bytes of address space (ulimit -v) below which OpenBLAS may wait for memory for ever while SciPy is loaded."""
+"""Bytes of address space (ulimit -v) below which OpenBLAS may block forever while SciPy is imported."""
 
 
 def main() -> None:
-    """Run the command: exit status 0, 2 for bad input with one message, 130 when interrupted."""
+    """Run the command and exit with status 0, with 2 and a message for bad input, or with 130 after Ctrl-C."""
     _open_closed_streams()
-    if (limit := _address_space()) < MIN_ADDRESS_SPACE:
-        needed = MIN_ADDRESS_SPACE // 10**6
+    if (limit := _address_space_limit()) < MIN_ADDRESS_SPACE:
+        minimum = MIN_ADDRESS_SPACE // 10**6
         print(
-            f"stiction: memory is limited to {limit // 10**6} MB here (ulimit -v); at least {needed} MB are needed",
+            f"stiction: memory is limited to {limit // 10**6} MB (ulimit -v); at minimum {minimum} MB are needed",
             file=sys.stderr,
         )
         sys.exit(BAD_INPUT)
     try:
-        with end_at_interrupt():
+        with exit_on_interrupt():
             from stiction.cli.application import start
         status = start()
-    except KeyboardInterrupt:  # while libraries are loaded
+    except KeyboardInterrupt:  # while libraries are imported
         status = INTERRUPTED
-    if status == INTERRUPTED:  # threads may still compute, and nobody waits for them
+    if status == INTERRUPTED:  # exit without waiting for threads that still compute
         with suppress(OSError):
             sys.stdout.flush()
             sys.stderr.flush()
@@ -42,39 +42,39 @@ def main() -> None:
 
 
 @contextmanager
-def end_at_interrupt() -> Iterator[None]:
-    """End the process at Ctrl-C while modules are loaded: some catch every exception, and would go on."""
+def exit_on_interrupt() -> Iterator[None]:
+    """Exit on Ctrl-C while modules are imported, because some modules catch every exception and continue."""
 
-    def end(*_: object) -> None:
+    def exit_process(*_: object) -> None:
         os.write(2, b"stiction: interrupted\n")
         os._exit(INTERRUPTED)
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # another handler, or none, as in the background of a shell
+        yield  # another handler is installed, or SIGINT is ignored as in a background job
         return
     try:
-        signal.signal(signal.SIGINT, end)
+        signal.signal(signal.SIGINT, exit_process)
         yield
     finally:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _open_closed_streams() -> None:
-    """Open standard streams that are closed, to nowhere: the next file to be opened would take their place."""
+    """Open closed standard streams on the null device, because the next opened file would get their number."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
             os.fstat(number)
         except OSError:
-            null = os.open(os.devnull, os.O_RDWR)  # gets the lowest number that is free
+            null = os.open(os.devnull, os.O_RDWR)  # gets the lowest free number
             setattr(sys, name, os.fdopen(null, "w" if number else "r"))
 
 
-def _address_space() -> float:
-    """Return the limit of address space in bytes, infinite where there is none."""
+def _address_space_limit() -> float:
+    """Return the limit on the address space in bytes, infinity if there is no limit."""
     try:
         import resource
-    except ImportError:  # not on Windows
+    except ImportError:  # Windows
         return math.inf
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     return math.inf if limit == resource.RLIM_INFINITY else limit

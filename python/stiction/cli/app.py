@@ -1,4 +1,4 @@
-"""`stiction app`: a page on this computer where two scans are dropped."""
+"""`stiction app`: the browser app."""
 
 from __future__ import annotations
 
@@ -6,22 +6,23 @@ from typing import Annotated
 
 import typer
 
-from stiction.cli.application import command, say
+from stiction.cli.application import command, print_message
 
 
 @command("app", "stiction app", "stiction app --demo")
 def app(
-    demo: Annotated[bool, typer.Option("--demo", help="Begin with two surfaces of its own.")] = False,
-    keep: Annotated[bool, typer.Option("--keep", help="Go on when no window is open any more.")] = False,
+    demo: Annotated[bool, typer.Option("--demo", help="Start with two sample surfaces.")] = False,
+    keep: Annotated[bool, typer.Option("--keep", help="Keep running after the last window is closed.")] = False,
 ) -> None:
-    """Open a page in the browser: drop two scans, and see their friction.
+    """Open the browser app: drop in two scans and get their coefficient of friction.
 
-    It answers to this computer alone, sends nothing anywhere, and ends 90 seconds after its last window was closed.
+    The app accepts connections only from this computer, sends no data elsewhere, and exits 90 seconds after its last
+    window is closed.
     """
     try:
         from stiction.app.run import run
     except ImportError:
         raise ValueError(
-            "app needs the packages starlette and uvicorn: pip install starlette uvicorn, or ./dev setup app in a clone"
+            "app requires starlette and uvicorn: run pip install starlette uvicorn, or ./dev setup app in a clone"
         ) from None
-    run(say=say, keep=keep, demo=demo)
+    run(print_message=print_message, keep=keep, demo=demo)

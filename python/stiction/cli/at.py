@@ -1,4 +1,4 @@
-"""`stiction at`: what a result says at one load."""
+"""`stiction at`: values of a result at other loads, mu0, tau0 or surface heights."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from stiction._arguments import (
     split_values,
 )
 from stiction._errors import ArgumentError
-from stiction.cli.application import announce, command, interrupted, tell
+from stiction.cli.application import command, interruption, print_output, show_status
 from stiction.cli.execution import Workers
-from stiction.cli.options import Json, Verbose, option, refuse
-from stiction.cli.result_output import opened
+from stiction.cli.options import Json, Verbose, option, reject_options
+from stiction.cli.result_output import open_with_warning
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import UNCERTAINTY
 
@@ -36,26 +36,38 @@ if TYPE_CHECKING:
 
 Loads = Annotated[
     list[str] | None,
-    option("--load FORCE", 'Normal load, "0.1 mN", or of measured bodies a pressure, "10 MPa,20 MPa".', "its own"),
-]
-Width = Annotated[str | None, option("--width LENGTH", "Of two profiles, the width that a force is on.", "1 um")]
+    option(
+        "--load FORCE", 'Normal loads, such as "0.1 mN", or for measured surfaces pressures, such as "10 MPa,20 MPa".',
+        "loads of the study",
+    ),
+]  # fmt: skip
+Width = Annotated[str | None, option("--width LENGTH", "Contact width of two profiles, for loads in newtons.", "1 um")]
 Dimension = Annotated[
-    str | None, option("--d NUMBERS", 'Of a study: the nearest fractal dimensions that it has, "1.1,1.3".', "all")
+    str | None,
+    option("--d NUMBERS", 'Fractal dimensions of generated surfaces; the nearest are used, "1.1,1.3".', "all"),
 ]
-Hurst = Annotated[str | None, option("--hurst NUMBERS", "Of self-affine surfaces: the nearest Hurst exponents.", "all")]
-Amplitude = Annotated[str | None, option("--amplitude LENGTH", "Of a study: the nearest that it has.", "its first")]
-Mu0 = Annotated[str | None, option("--mu0 NUMBERS", 'Molecular friction coefficients, "0.3,0.4".', "its own")]
-Tau0 = Annotated[str | None, option("--tau0 PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', "its own")]
+Hurst = Annotated[
+    str | None, option("--hurst NUMBERS", "Hurst exponents of self-affine surfaces; the nearest are used.", "all")
+]
+Amplitude = Annotated[
+    str | None, option("--amplitude LENGTH", "Amplitude of generated surfaces; the nearest is used.", "the first")
+]
+Mu0 = Annotated[
+    str | None, option("--mu0 NUMBERS", 'Molecular friction coefficients, such as "0.3,0.4".', "mu0 of the study")
+]
+Tau0 = Annotated[
+    str | None, option("--tau0 PRESSURES", 'Adhesive shear strengths, such as "0 MPa,50 MPa".', "tau0 of the study")
+]
 Direction = Annotated[
-    float | None, option("--direction DEGREES", "Where the upper body is about to move.", "the mean of all")
+    float | None, option("--direction DEGREES", "Sliding direction of the upper body.", "mean over all directions")
 ]
 
-_heights = partial(option, panel="Another finish")
+_height_option = partial(option, panel="Scaled heights")
 ScaleHeights = Annotated[
-    str | None, _heights("--scale-heights FACTORS", 'Heights times factors, "0.5,1,2" or "0.25..4".', False)
+    str | None, _height_option("--scale-heights FACTORS", 'Multiply heights by factors, "0.5,1,2" or "0.25..4".', False)
 ]
-ScaledSurfaces = Annotated[str, _heights("--scaled both|upper|lower", "Surfaces whose heights are scaled.")]
-Compute = Annotated[bool, _heights("--compute", "Compute the factors that are missing, and keep them in DIR.", False)]
+ScaledSurfaces = Annotated[str, _height_option("--scaled both|upper|lower", "Surfaces whose heights are scaled.")]
+Compute = Annotated[bool, _height_option("--compute", "Compute missing factors, and store them in DIR.", False)]
 
 
 @command(
@@ -68,7 +80,7 @@ Compute = Annotated[bool, _heights("--compute", "Compute the factors that are mi
 )
 def at(
     context: typer.Context,
-    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")],
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")],
     load: Loads = None,
     width: Width = None,
     d: Dimension = None,
@@ -84,113 +96,118 @@ def at(
     verbose: Verbose = False,
     as_json: Json = False,
 ) -> None:
-    """Coefficient of static friction, true contact area and stiffness of a result at one load, with intervals.
+    """Print the static friction, true contact area and stiffness of a result at given loads, with intervals.
 
-    Loads, mu0 and tau0 that are not given are those of the study. Others need nothing pressed again. Each factor of
-    --scale-heights is solved once and stored with the result.
+    Loads, mu0 and tau0 default to the values of the study. Other values need no new contact computation. Each factor of
+    --scale-heights is computed once and stored with the result.
     """
     from stiction.views import rows, text
 
-    result = opened(directory)
-    rubbing = None if mu0 is None else parse_coefficients("mu0", mu0)
-    strengths = None
+    result = open_with_warning(directory)
+    mu0_values = None if mu0 is None else parse_coefficients("mu0", mu0)
+    tau0_values = None
     if tau0 is not None:
-        strengths = reject_negative("tau0", parse_quantities("tau0", tau0, "pressure"), tau0)
+        tau0_values = reject_negative("tau0", parse_quantities("tau0", tau0, "pressure"), tau0)
     if scale_heights is None:
-        refuse(context, "is for --scale-heights", "scaled", "compute", "workers")
+        reject_options(context, "is for --scale-heights", "scaled", "compute", "workers")
     else:
-        refuse(context, "does not apply to --scale-heights", "d", "hurst", "amplitude", "direction")
-        loads = _loads(result, load, width)
-        assert result.stored is not None, "a directory is open"
-        _at_height_scale(
-            result.stored, scale_heights, scaled, loads, rubbing, strengths, compute=compute, workers=workers,
+        reject_options(context, "does not apply to --scale-heights", "d", "hurst", "amplitude", "direction")
+        loads = _parse_loads(result, load, width)
+        assert result.stored is not None, "the result was opened from a directory"
+        _print_scaled_heights(
+            result.stored, scale_heights, scaled, loads, mu0_values, tau0_values, compute=compute, workers=workers,
             as_json=as_json,
         )  # fmt: skip
         return
     length = None if amplitude is None else parse_quantity("amplitude", amplitude, "length")
-    found = result.at(_loads(result, load, width), mu0=rubbing, tau0=strengths, budget=True)
+    values = result.at(_parse_loads(result, load, width), mu0=mu0_values, tau0=tau0_values, budget=True)
     dimensions = None if d is None else parse_numbers("d", d)
     if hurst is not None:
         if d is not None or getattr(result.study.surfaces, "generator", "") != "self-affine":
             raise ArgumentError("{hurst} is for self-affine surfaces, without --d, got {got}", got=repr(hurst))
-        dimensions = [2 - each for each in parse_numbers("hurst", hurst)]
-    found = _cells(found, dimensions, None if length is None else [length])
+        dimensions = [2 - exponent for exponent in parse_numbers("hurst", hurst)]
+    values = _select_nearest(values, dimensions, None if length is None else [length])
     if direction is not None:
-        found = _towards(found, direction)
-    summary = result.summary_of(found)
+        values = _select_direction(values, direction)
+    summary = result.summary_of(values)
     if as_json:
-        tell(rows.record_text("at", summary))
+        print_output(rows.record_text("at", summary))
     else:
-        if own := text.own_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
-            tell(own)
-        tell(text.result_text(summary, verbose=verbose))
+        if defaults := text.own_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
+            print_output(defaults)
+        print_output(text.result_text(summary, verbose=verbose))
 
 
-def _at_height_scale(
+def _print_scaled_heights(
     stored: Stored, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print a result over factors of its heights; those that are missing are computed on request."""
+    """Print a result for several factors of its heights, and compute missing factors on request."""
     from stiction.studies.executors import threads
     from stiction.studies.height_scale import at_height_scale, checked_factors, compute_factors
     from stiction.views.height_scale import height_scale_record, height_scale_text
 
-    asked: Any = scaled
+    scaled_bodies: Any = scaled
     factors = checked_factors(text)
     if compute:
         try:
             with threads(workers) as executor:
-                compute_factors(stored, factors, asked, executor, progress=True, announce=announce)
+                compute_factors(stored, factors, scaled_bodies, executor, progress=True, announce=show_status)
         except KeyboardInterrupt:
-            raise interrupted("; finished factors are kept: the same command goes on from there") from None
-    at = at_height_scale(stored, factors, loads, mu0=mu0, tau0=tau0, scaled=asked)
-    tell((height_scale_record if as_json else height_scale_text)(at, stored.study))
+            raise interruption("; finished factors are stored: run the same command again to resume") from None
+    values = at_height_scale(stored, factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
+    print_output((height_scale_record if as_json else height_scale_text)(values, stored.study))
 
 
-def _loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
-    """Return the loads of the options, or those of the study, in mN and in rising order; forces may be on a width."""
-    strip = 1.0
+def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
+    """Return the loads of the options in increasing order, or the loads of the study (mN)."""
+    width_factor = 1.0
     if width is not None:
         if result.study.surfaces.press != "lines":
             raise ArgumentError("{width} is for two profiles, got {got}", got=repr(width))
-        strip = THICKNESS / float(parse_quantity("width", width, "length"))
+        width_factor = THICKNESS / float(parse_quantity("width", width, "length"))
     if not texts:
         if not result.study.friction.load:
-            raise ArgumentError("give {load}: this study does not ask for loads of its own")
+            raise ArgumentError("give {load}: the study has no loads")
         return [float(load) for load in result.study.friction.load]
     reject_decimal_commas("load", texts)
     loads = set()
-    for each in (part for text in texts for part in split_values(text)):
-        amount, per_area = parse_load("load", each, or_zero=result.study.contact.adheres)
-        force = float(amount) * (1.0 if per_area else strip)
+    for value in (part for text in texts for part in split_values(text)):
+        amount, per_area = parse_load("load", value, or_zero=result.study.contact.adheres)
+        force = float(amount) * (1.0 if per_area else width_factor)
         if per_area:
             coordinates = result.head.coords
             if "nominal_area" not in coordinates:
-                raise ValueError(f"--load of a study must be a force, got {each!r}")
+                raise ValueError(f"--load of a study must be a force, got {value!r}")
             force *= float(coordinates["nominal_area"])
-        loads.add(float(f"{force:.12g}"))  # as that of a pair, so that it is the same
+        loads.add(float(f"{force:.12g}"))  # rounded like the loads of a pair, so that equal loads compare equal
     return sorted(loads)
 
 
-def _cells(found: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None) -> xarray.Dataset:
-    """Return the cells nearest to the given dimensions and amplitudes (µm); all, and the first, if there are none."""
-    nearest = {"--d": ("fractal_dimension", dimensions), "--amplitude": ("amplitude", amplitudes)}
-    for flag, (name, values) in nearest.items():
+def _select_nearest(
+    dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
+) -> xarray.Dataset:
+    """Select the nearest fractal dimensions and amplitudes (µm).
+
+    The default is all dimensions and the first amplitude.
+    """
+    selections = {"--d": ("fractal_dimension", dimensions), "--amplitude": ("amplitude", amplitudes)}
+    for flag, (name, values) in selections.items():
         if values is not None:
-            if name not in found.dims:
+            if name not in dataset.dims:
                 raise ValueError(
                     f"{flag} is for studies of generated surfaces, got {', '.join(f'{v:g}' for v in values)}"
                 )
-            found = found.sel({name: values}, method="nearest").drop_duplicates(name)
-    return found.isel(amplitude=[0]) if "amplitude" in found.dims and amplitudes is None else found
+            dataset = dataset.sel({name: values}, method="nearest").drop_duplicates(name)
+    return dataset.isel(amplitude=[0]) if "amplitude" in dataset.dims and amplitudes is None else dataset
 
 
-def _towards(found: xarray.Dataset, direction: float) -> xarray.Dataset:
-    known = found["direction"].values.reshape(-1).tolist() if "direction" in found.coords else []
-    if direction % 360 not in known:
-        shown = ", ".join(f"{each:g}" for each in known) or "none"
-        raise ValueError(f"--direction must be one of those of the result, {shown}; got {direction:g}")
-    one = found.drop_vars(["friction_all_round", "friction_by_axis"], errors="ignore")
-    if "direction" not in one.dims:
-        return one
-    return one.drop_vars([name for name in UNCERTAINTY if name in one]).sel(direction=direction % 360)
+def _select_direction(dataset: xarray.Dataset, direction: float) -> xarray.Dataset:
+    directions = dataset["direction"].values.reshape(-1).tolist() if "direction" in dataset.coords else []
+    if direction % 360 not in directions:
+        listed = ", ".join(f"{value:g}" for value in directions) or "none"
+        raise ValueError(f"--direction must be a direction of the result ({listed}), got {direction:g}")
+    selected = dataset.drop_vars(["friction_all_round", "friction_by_axis"], errors="ignore")
+    if "direction" not in selected.dims:
+        return selected
+    return selected.drop_vars([name for name in UNCERTAINTY if name in selected]).sel(direction=direction % 360)

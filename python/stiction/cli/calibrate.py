@@ -1,4 +1,4 @@
-"""`stiction calibrate`: mu0 and tau0 from friction that was measured on surfaces that were pressed."""
+"""`stiction calibrate` and `stiction interfaces`: mu0 and tau0 fitted to measured friction, or from the literature."""
 
 from __future__ import annotations
 
@@ -8,24 +8,38 @@ from typing import Annotated, Any
 import typer
 
 from stiction._arguments import parse_quantity
-from stiction.cli.application import command, say, tell
-from stiction.cli.options import Json, option, refuse
-from stiction.cli.pair_options import option_of
-from stiction.cli.result_output import opened, said_by
+from stiction.cli.application import command, print_message, print_output
+from stiction.cli.options import Json, option, reject_options
+from stiction.cli.pair_options import pair_option
+from stiction.cli.result_output import message_printer, open_with_warning
 
-_TESTS = 'Tests, a row each: "load (mN)", "force (mN)" or coefficient; uncertainty, pair, run, slid, wait.'
-Forces = Annotated[Path | None, typer.Argument(metavar="FORCES.csv", help=_TESTS, show_default=False)]
-Pairs = Annotated[list[Path] | None, option("--pair DIR", "What pair wrote of what was tested. Repeatable.", False)]
-BallRadius = Annotated[str | None, option("--ball RADIUS", 'Smooth, on a flat, below yield: "5 mm"; pair ball.', False)]
-Load = Annotated[str | None, option("--load FORCE", 'Of one test without a file: "10 mN", of a pair "10 MPa".', False)]
-Measured = Annotated[str | None, option("--measured NUMBER", 'Its coefficient, "0.25±0.01".', False)]
-Mu0 = Annotated[float | None, option("--mu0 NUMBER", "Where it is known.", False)]
-Tau0 = Annotated[str | None, option("--tau0 PRESSURE", "Where it is known.", False)]
-Sliding = Annotated[str, option("--sliding all|opposing|both", "Which contacts rub.")]
-Common = Annotated[float, option("--common NUMBER", "Relative uncertainty that all tests share: gain, load.")]
-Outliers = Annotated[bool, option("--outliers", "There may be outliers among the tests.")]
-_MATERIALS = ("effective_modulus", "young", "poisson", "upper_material", "lower_material")
-Output = Annotated[Path | None, option("--output -o NAME", "Keep it for --interface, with a picture NAME.png.", False)]
+_TESTS_HELP = (
+    'Friction tests, one per row. Columns: "load (mN)", "force (mN)" or coefficient; optional uncertainty, pair, run, '
+    "slid and wait."
+)
+Forces = Annotated[Path | None, typer.Argument(metavar="FORCES.csv", help=_TESTS_HELP, show_default=False)]
+Pairs = Annotated[
+    list[Path] | None, option("--pair DIR", "Result of `pair` for the tested surfaces. Repeatable.", False)
+]
+BallRadius = Annotated[
+    str | None, option("--ball RADIUS", 'Smooth elastic ball on a flat, "5 mm", called ball in the column pair.', False)
+]
+Load = Annotated[str | None, option("--load FORCE", 'Load of a single test, "10 mN", or for a pair "10 MPa".', False)]
+Measured = Annotated[
+    str | None, option("--measured NUMBER", 'Measured coefficient of a single test, "0.25±0.01".', False)
+]
+Mu0 = Annotated[float | None, option("--mu0 NUMBER", "Known value of mu0; fit only tau0.", False)]
+Tau0 = Annotated[str | None, option("--tau0 PRESSURE", "Known value of tau0; fit only mu0.", False)]
+Sliding = Annotated[str, option("--sliding all|opposing|both", "Contacts at which friction acts.")]
+Common = Annotated[
+    float, option("--common NUMBER", "Relative uncertainty common to all tests, such as sensor gain and load.")
+]
+Outliers = Annotated[bool, option("--outliers", "Allow for outliers among the tests.")]
+_BALL_OPTIONS = ("effective_modulus", "young", "poisson", "upper_material", "lower_material")
+Output = Annotated[
+    Path | None,
+    option("--output -o NAME", "File for the interface, to use with --interface; also writes NAME.png.", False),
+]
 
 
 @command(
@@ -47,29 +61,29 @@ def calibrate(
     sliding: Sliding = "both",
     common: Common = 0.02,
     outliers: Outliers = False,
-    effective_modulus: Annotated[str | None, option_of("effective_modulus")] = None,
-    young: Annotated[str | None, option_of("young")] = None,
-    poisson: Annotated[str | None, option_of("poisson")] = None,
-    upper_material: Annotated[str | None, option_of("upper_material")] = None,
-    lower_material: Annotated[str | None, option_of("lower_material")] = None,
+    effective_modulus: Annotated[str | None, pair_option("effective_modulus")] = None,
+    young: Annotated[str | None, pair_option("young")] = None,
+    poisson: Annotated[str | None, pair_option("poisson")] = None,
+    upper_material: Annotated[str | None, pair_option("upper_material")] = None,
+    lower_material: Annotated[str | None, pair_option("lower_material")] = None,
     output: Output = None,
     as_json: Json = False,
 ) -> None:
-    """Find mu0 and tau0 of an interface from friction tests on surfaces that were pressed, or on a ball.
+    """Fit mu0 and tau0 of an interface to friction tests on rough surfaces or on a smooth ball.
 
-    What tests know is mu0 + tau0 A/F at the true area A under the load F. Both are told apart where A/F differs among
-    tests; elsewhere it says what would tell them apart.
+    A test determines mu0 + tau0 A/F, where A is the true contact area at the load F. Separate values of mu0 and tau0
+    need tests with different A/F. If A/F varies too little, the output suggests a further test.
     """
-    from stiction.studies.calibration import calibrate as fitted
+    from stiction.studies.calibration import calibrate as fit_interface
     from stiction.studies.input_uncertainty import Z_95, parse_input
     from stiction.studies.interfaces import Ball, FrictionTest, write_interface
     from stiction.studies.tests_file import friction_tests
     from stiction.views.calibration import calibration_figure, calibration_record, calibration_text
     from stiction.views.style import save_picture
 
-    bodies: dict[str, Any] = {folder.resolve().name: opened(folder) for folder in pair or ()}
+    bodies: dict[str, Any] = {folder.resolve().name: open_with_warning(folder) for folder in pair or ()}
     if len(bodies) < len(pair or ()):
-        raise ValueError("--pair must be folders of different names: by these the column pair calls them")
+        raise ValueError("--pair must be directories with different names, to be distinguished in the column pair")
     if ball is not None:
         radius = parse_quantity("ball", ball, "length")
         bodies["ball"] = Ball(
@@ -77,58 +91,61 @@ def calibrate(
             lower_material=lower_material,
         )  # fmt: skip
     else:
-        refuse(context, "is for --ball", *_MATERIALS)
+        reject_options(context, "requires --ball", *_BALL_OPTIONS)
     if not bodies:
-        raise ValueError("give what was tested: --pair DIR, or --ball RADIUS")
+        raise ValueError("give the tested surfaces with --pair DIR or --ball RADIUS")
     if forces is not None:
-        refuse(context, "is for one test without a file", "load", "measured")
+        reject_options(context, "cannot be combined with FORCES.csv", "load", "measured")
         tests = friction_tests(forces, bodies)
     elif load is None or measured is None:
-        raise ValueError("give FORCES.csv, or --load and --measured of one test")
+        raise ValueError("give FORCES.csv, or --load and --measured of a single test")
     elif len(bodies) > 1:
-        raise ValueError("--measured is of one test, on one --pair or one --ball")
+        raise ValueError("--measured describes a single test and needs exactly one --pair or --ball")
     else:
         value = parse_input("--measured", measured)
         error = (value.high - value.low) / (2 * Z_95) or None
         tests = (FrictionTest(next(iter(bodies.values())), load, coefficient=value.value, uncertainty=error),)
-    interface = fitted(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
-    tell(calibration_record(interface) if as_json else calibration_text(interface))
+    interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
+    print_output(calibration_record(interface) if as_json else calibration_text(interface))
     if ball is not None and (elasticity := bodies["ball"].elasticity).hardness is not None:
         ratio = min(bodies["ball"].area_per_load(test.load) for test in tests if test.result is bodies["ball"])
-        if 1 / ratio > YIELDS * elasticity.hardness:
-            say(f"under the ball a mean pressure of {1e3 / ratio:.3g} MPa may be beyond yield, where A/F is another")
+        if 1 / ratio > YIELD_PRESSURE_RATIO * elasticity.hardness:
+            print_message(
+                f"the mean pressure under the ball, {1e3 / ratio:.3g} MPa, may exceed the onset of yield; "
+                "A/F is computed for elastic contact"
+            )
     if output is not None:
-        said, picture = said_by(as_json), Path(f"{output}.png")
-        about = {"tests": "one" if forces is None else forces.name, "surfaces": ", ".join(bodies)}
-        write_interface(interface, output, about)
-        save_picture(calibration_figure(interface), picture)
-        said(f"wrote {output}, for stiction pair --interface, and {picture}")
+        print_written, figure = message_printer(as_json), Path(f"{output}.png")
+        description = {"tests": "one" if forces is None else forces.name, "surfaces": ", ".join(bodies)}
+        write_interface(interface, output, description)
+        save_picture(calibration_figure(interface), figure)
+        print_written(f"wrote {output}, for stiction pair --interface, and {figure}")
 
 
-YIELDS = 0.39
-"""Mean pressure over hardness at which a ball begins to yield: 1.1 over 2.84 yield strengths (Johnson 1985, ch. 6)."""
+YIELD_PRESSURE_RATIO = 0.39
+"""Ratio of mean pressure to hardness at which a ball starts to yield: 1.1/2.84 (Johnson 1985, ch. 6)."""
 
 
 InterfaceFolder = Annotated[
-    Path | None, typer.Argument(metavar="FOLDER", help="Where your own are.", show_default=False)
+    Path | None, typer.Argument(metavar="FOLDER", help="Directory of calibrated interfaces.", show_default=False)
 ]
 
 
 @command("interfaces", "stiction interfaces", "stiction interfaces .", "stiction interfaces --json")
 def interfaces(folder: InterfaceFolder = None, as_json: Json = False) -> None:
-    """List strengths of interfaces as --interface of pair takes them: read in a source, or calibrated into a folder.
+    """List interfaces for the option --interface of pair: built-in ones with sources, or calibrated ones in FOLDER.
 
-    Measured ones are of a contact of known area; lumped ones are coefficients of a nominal pressure, which hardly know
-    of roughness. Each is a range at its pressures and conditions.
+    "Measured" values come from contacts of known area. "Lumped" values come from friction at a nominal pressure and do
+    not separate the effect of roughness. Each value is a range for the listed pressures and conditions.
     """
-    from stiction.studies.interfaces import interfaces as known
+    from stiction.studies.interfaces import interfaces as builtin_interfaces
     from stiction.studies.interfaces import read_interfaces
     from stiction.views.calibration import interfaces_text
     from stiction.views.rows import record
 
-    there = known() if folder is None else read_interfaces(folder)
-    if not (there or as_json):
-        tell(f"{folder}: holds no interfaces; stiction calibrate with --output NAME keeps one")
+    values_by_name = builtin_interfaces() if folder is None else read_interfaces(folder)
+    if not (values_by_name or as_json):
+        print_output(f"{folder}: contains no interfaces; stiction calibrate with --output NAME writes one")
         return
-    found = [{**about, "name": name} for name, about in there.items()]
-    tell(record("interfaces", [], interfaces=found) if as_json else interfaces_text(found))
+    listed = [{**values, "name": name} for name, values in values_by_name.items()]
+    print_output(record("interfaces", [], interfaces=listed) if as_json else interfaces_text(listed))

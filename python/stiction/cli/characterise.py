@@ -1,4 +1,4 @@
-"""`stiction characterise`: one measured profile or surface."""
+"""`stiction characterise`: roughness of measured profiles and surfaces."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import typer
 from stiction._arguments import parse_quantity
 from stiction._files import check_replaceable
 from stiction._text import MAX_PATH_LENGTH, printable, printable_path
-from stiction.cli.application import command, option_was_given, say, tell
-from stiction.cli.options import Json, measurement, option
-from stiction.cli.pair_options import given_options, option_of
+from stiction.cli.application import command, option_was_given, print_message, print_output
+from stiction.cli.options import Json, load_measurement, option
+from stiction.cli.pair_options import given_options, pair_option
 from stiction.studies.measured_surfaces import TEXTURES
 from stiction.studies.pair_options import READING
 from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
@@ -24,36 +24,38 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.views.characterisation import Characterisation
 
-Row = Annotated[int | None, option("--row N", "Of a surface, this row alone, from 0 on.", least=0)]
-Column = Annotated[int | None, option("--column N", "Of a surface, this column alone, from 0 on.", least=0)]
+Row = Annotated[int | None, option("--row N", "Characterise only this row of a surface, counted from 0.", minimum=0)]
+Column = Annotated[
+    int | None, option("--column N", "Characterise only this column of a surface, counted from 0.", minimum=0)
+]
 Level = Annotated[str | None, option(
     "--level --form FORM",
-    "Form to subtract: none, mean, line, quadratic, cubic to sextic or circle; of a surface plane instead of line, and "
-    "sphere or cylinder.", "line, plane",
+    "Form to subtract. Profiles: none, mean, line, quadratic, cubic to sextic, or circle. Surfaces: plane instead of "
+    "line, and sphere or cylinder instead of circle.", "line, plane",
 )]  # fmt: skip
 LongCutoff = Annotated[
-    str | None,
-    option("--lc LENGTH", "Cutoff λc of R-parameters, and of S-parameters if given.", "by the setting class"),
+    str | None, option("--lc LENGTH", "Cutoff λc of R-parameters, and of S-parameters if given.", "by setting class")
 ]
 ShortCutoff = Annotated[
     str | None, option("--ls LENGTH", "Cutoff λs of R-parameters, and of S-parameters if given; none for no filter.",
-                       "by the setting class"),
+                       "by setting class"),
 ]  # fmt: skip
-Robust = Annotated[bool, option("--robust", "Take the robust Gaussian regression filter for λc.")]
+Robust = Annotated[bool, option("--robust", "Use the robust Gaussian regression filter for λc.")]
 Band = Annotated[
-    str | None, option("--band SHORTEST,LONGEST", 'Wavelengths to fit the Hurst exponent to, "1 um,100 um".', "found")
+    str | None,
+    option("--band SHORTEST,LONGEST", 'Wavelengths for the fit of the Hurst exponent, "1 um,100 um".', "automatic"),
 ]
 CutOff = Annotated[
-    str | None, option("--cutoff LENGTH", 'Take off waves shorter than this (Gaussian), "0.1 um".', "the scan as it is")
+    str | None, option("--cutoff LENGTH", 'Cutoff wavelength of a Gaussian low-pass filter, "0.1 um".', "no filter")
 ]
-Together = Annotated[bool, option("--together", "Several scans of one surface, alike in all directions: one spectrum.")]
-Repeated = Annotated[bool, option("--repeated", "Two scans of one place: what both have, and the noise of one.")]
-DryRun = Annotated[bool, option("--dry-run", "Show how each file is read, and nothing else.")]
+Together = Annotated[bool, option("--together", "Join several scans of an isotropic surface into one spectrum.")]
+Repeated = Annotated[bool, option("--repeated", "Compare two scans of the same place: common heights, and noise.")]
+DryRun = Annotated[bool, option("--dry-run", "Only show how each file is read.")]
 Output = Annotated[
     Path | None,
     option(
         "--output -o FILE",
-        "What to write, by its ending: of a file its page, or its figure and the page; of several a table.",
+        "File to write. For one scan .html writes a report, .png a figure and a report; for several scans .csv.",
         "./FILE.html and .png, ./characterised.csv, ./joined.csv and .png, ./repeated.npy, ./noise.csv and .png",
     ),
 ]
@@ -74,17 +76,17 @@ def characterise(
     context: typer.Context,
     files: Annotated[list[Path], typer.Argument(metavar="FILE", help="Measured profiles or surfaces.")],
     *,
-    unit: Annotated[str | None, option_of("unit", repeatable=False)] = None,
-    spacing: Annotated[str | None, option_of("spacing", repeatable=False)] = None,
-    missing: Annotated[str | None, option_of("missing")] = None,
-    missing_value: Annotated[str | None, option_of("missing_value", repeatable=False)] = None,
-    outliers: Annotated[str | None, option_of("outliers")] = None,
-    crop: Annotated[str | None, option_of("crop", repeatable=False)] = None,
-    channel: Annotated[str | None, option_of("channel", repeatable=False)] = None,
-    columns: Annotated[str | None, option_of("columns", repeatable=False)] = None,
-    accept: Annotated[str | None, option_of("accept", repeatable=False)] = None,
-    texture: Annotated[str | None, option_of("texture", repeatable=False)] = None,
-    tip: Annotated[str | None, option_of("tip", repeatable=False)] = None,
+    unit: Annotated[str | None, pair_option("unit", repeatable=False)] = None,
+    spacing: Annotated[str | None, pair_option("spacing", repeatable=False)] = None,
+    missing: Annotated[str | None, pair_option("missing")] = None,
+    missing_value: Annotated[str | None, pair_option("missing_value", repeatable=False)] = None,
+    outliers: Annotated[str | None, pair_option("outliers")] = None,
+    crop: Annotated[str | None, pair_option("crop", repeatable=False)] = None,
+    channel: Annotated[str | None, pair_option("channel", repeatable=False)] = None,
+    columns: Annotated[str | None, pair_option("columns", repeatable=False)] = None,
+    accept: Annotated[str | None, pair_option("accept", repeatable=False)] = None,
+    texture: Annotated[str | None, pair_option("texture", repeatable=False)] = None,
+    tip: Annotated[str | None, pair_option("tip", repeatable=False)] = None,
     row: Row = None,
     column: Column = None,
     level: Level = None,
@@ -99,11 +101,12 @@ def characterise(
     output: Output = None,
     as_json: Json = False,
 ) -> None:
-    """Show what a measured profile or surface is like: parameters, spectrum, Hurst exponent.
+    """Compute roughness parameters, spectrum and Hurst exponent of measured profiles or surfaces.
 
-    Of one file it prints a table, makes a page for any browser and draws a figure; of several it writes one CSV file, a
-    row for each. With --json it writes only what --output says.
+    For one file, print a table, and write an HTML report and a figure. For several files, write one CSV file with a row
+    for each. With --json, write only the file of --output.
     """
+    from stiction.cli.result_output import message_printer
     from stiction.surfaces.cut_off import cut_off
     from stiction.views import characterisation as views
     from stiction.views.files import new_text
@@ -114,64 +117,68 @@ def characterise(
     outputs = (
         [] if dry_run or (as_json and output is None) else _outputs(files, output, together=together, repeated=repeated)
     )
-    fitted = _band(band)
-    shortest = None if cutoff is None else parse_quantity("cutoff", cutoff, "length")
-    filters = _filters(lc, ls, robust=robust, joined=together or repeated)
+    hurst_band = _parse_band(band)
+    cutoff_wavelength = None if cutoff is None else parse_quantity("cutoff", cutoff, "length")
+    filters = _parse_filters(lc, ls, robust=robust, joined=together or repeated)
     if texture is not None and texture not in TEXTURES:
         raise ValueError(f"--texture must be {', '.join(TEXTURES)}, got {texture!r}")
     radius = None if tip is None else parse_quantity("tip", tip, "length")
-    found, readings = [], []
+    characterisations, readings = [], []
     for file in files:
-        read = measurement(file, reading)
-        readings.append(read)
+        scan = load_measurement(file, reading)
+        readings.append(scan)
         if not as_json:
-            tell(f"{printable(file.name)}: {read}")
-            for caveat in read.caveats:
-                say(f"{printable_path(file)}: {caveat}")
+            print_output(f"{printable(file.name)}: {scan}")
+            for caveat in scan.caveats:
+                print_message(f"{printable_path(file)}: {caveat}")
         if dry_run:
             continue
-        body = _levelled(_line(read.body, row, column), level)
-        body = body if shortest is None else cut_off(body, shortest)
-        found.append(
-            views.Characterisation(body, band=fitted, tip_radius=radius, textured=texture is not None, **filters)
+        body = _level_body(_select_line(scan.body, row, column), level)
+        body = body if cutoff_wavelength is None else cut_off(body, cutoff_wavelength)
+        characterisations.append(
+            views.Characterisation(body, band=hurst_band, tip_radius=radius, textured=texture is not None, **filters)
         )
     if dry_run:
         if as_json:
-            tell(record("characterise", [], kind="files", files=[each.record() for each in readings]))
+            print_output(record("characterise", [], kind="files", files=[scan.record() for scan in readings]))
         return
     if together or repeated:
-        (_together if together else _repeated)(files, found, outputs, as_json=as_json)
+        (_join_scans if together else _compare_scans)(files, characterisations, outputs, as_json=as_json)
         return
-    told = [(printable(str(file), MAX_PATH_LENGTH), each) for file, each in zip(files, found, strict=True)]
+    named = [
+        (printable(str(file), MAX_PATH_LENGTH), result) for file, result in zip(files, characterisations, strict=True)
+    ]
     if as_json:
-        tell(views.characterisation_record(told, readings=[each.record() for each in readings]))
+        print_output(views.characterisation_record(named, readings=[scan.record() for scan in readings]))
     elif len(files) == 1:
-        tell(views.characterisation_text(found[0]))
+        print_output(views.characterisation_text(characterisations[0]))
     for path in outputs:
-        what = ""
+        remark = ""
         if len(files) > 1:
-            what = f", {len(files)} files"
-            new_text(path, views.characterisation_csv(told))
+            remark = f", {len(files)} files"
+            new_text(path, views.characterisation_csv(named))
         elif path.suffix.lower() == ".html":
             from stiction.views.report.reading import reading_table
             from stiction.views.report.surface import surface_page
 
-            what = ", the page alone" if len(outputs) == 1 else ""
-            same = ["stiction", "characterise", files[0].name]  # without the folders of the file and of the output
-            for each in context.command.params:
-                if each.name not in ("files", "output", "as_json") and option_was_given(context, each.name):
-                    same += [each.opts[0], str(context.params[each.name])]
+            remark = ", without a figure" if len(outputs) == 1 else ""
+            arguments = ["stiction", "characterise", files[0].name]  # without directories and the output
+            for parameter in context.command.params:
+                if parameter.name not in ("files", "output", "as_json") and option_was_given(context, parameter.name):
+                    arguments += [parameter.opts[0], str(context.params[parameter.name])]
             table = reading_table(readings[0], reading)
             name = printable(files[0].name)
-            surface_page(found[0], name=name, command=shlex.join(same), reading=table).save(path)
+            surface_page(characterisations[0], name=name, command=shlex.join(arguments), reading=table).save(path)
         else:
             from stiction.views.figures.roughness import characterisation_figure
 
-            save_picture(characterisation_figure(found[0]), path)
-        (say if as_json else tell)(f"wrote {printable_path(path)}{what}")
+            save_picture(characterisation_figure(characterisations[0]), path)
+        message_printer(as_json)(f"wrote {printable_path(path)}{remark}")
 
 
-def _together(files: list[Path], found: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
+def _join_scans(files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
+    """Print and write the joined spectrum of several scans."""
+    from stiction.cli.result_output import message_printer
     from stiction.surfaces.joined_spectrum import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
     from stiction.views.rows import record
@@ -180,17 +187,19 @@ def _together(files: list[Path], found: list[Characterisation], outputs: list[Pa
 
     names = [file.name for file in files]
     names = names if len(set(names)) == len(names) else list(map(str, files))
-    joined = joined_spectrum([each.body for each in found], tip_radii=[each.tip_radius for each in found], names=names)
-    tell(record("characterise", [], kind="joined", **joined_record(joined)) if as_json else joined_text(joined))
+    joined = joined_spectrum([scan.body for scan in scans], tip_radii=[scan.tip_radius for scan in scans], names=names)
+    print_output(record("characterise", [], kind="joined", **joined_record(joined)) if as_json else joined_text(joined))
     for path in outputs:
         if path.suffix.lower() == ".csv":
             write_spectrum(joined, path)
         else:
             save_picture(joined_figure(joined), path)
-        (say if as_json else tell)(f"wrote {printable_path(path)}, {len(files)} scans")
+        message_printer(as_json)(f"wrote {printable_path(path)}, {len(files)} scans")
 
 
-def _repeated(files: list[Path], found: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
+def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
+    """Print and write the comparison of two scans of the same place."""
+    from stiction.cli.result_output import message_printer
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.repeated_scans import compare_repeated_scans
     from stiction.views.files import new_text
@@ -198,19 +207,23 @@ def _repeated(files: list[Path], found: list[Characterisation], outputs: list[Pa
     from stiction.views.scans import octaves_csv, repeated_figure, repeated_record, repeated_text
     from stiction.views.style import save_picture
 
-    twice = compare_repeated_scans(found[0].body, found[1].body)
-    tell(record("characterise", [], kind="repeated", **repeated_record(twice)) if as_json else repeated_text(twice))
+    comparison = compare_repeated_scans(scans[0].body, scans[1].body)
+    print_output(
+        record("characterise", [], kind="repeated", **repeated_record(comparison))
+        if as_json
+        else repeated_text(comparison)
+    )
     for path in outputs:
         if path.suffix.lower() == ".npy":
-            if isinstance(twice.scan, Profile):
-                write_profile(twice.scan, path)
+            if isinstance(comparison.scan, Profile):
+                write_profile(comparison.scan, path)
             else:
-                write_surface(twice.scan, path)
+                write_surface(comparison.scan, path)
         elif path.suffix.lower() == ".csv":
-            new_text(path, octaves_csv(twice))
+            new_text(path, octaves_csv(comparison))
         else:
-            save_picture(repeated_figure(twice), path)
-        (say if as_json else tell)(f"wrote {printable_path(path)}, {' and '.join(file.name for file in files)}")
+            save_picture(repeated_figure(comparison), path)
+        message_printer(as_json)(f"wrote {printable_path(path)}, {' and '.join(file.name for file in files)}")
 
 
 def _outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
@@ -230,12 +243,14 @@ def _outputs(files: list[Path], output: Path | None, *, together: bool, repeated
 
 def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     if repeated and (len(files) != 2 or together):
-        raise ValueError(f"--repeated is for two scans of one place, without --together, got {len(files)}")
+        raise ValueError(
+            f"--repeated needs two scans of the same place and excludes --together, got {len(files)} scans"
+        )
     if together and len(files) < 2:
-        raise ValueError("--together is for several scans of one surface, got 1")
-    pictures = [".png", ".pdf", ".svg"]
-    endings = [".csv", *pictures] if together else [".csv"] if len(files) > 1 else [".html", *pictures]
-    endings = [".npy", ".csv", *pictures] if repeated else endings
+        raise ValueError("--together needs at least 2 scans of one surface, got 1")
+    images = [".png", ".pdf", ".svg"]
+    endings = [".csv", *images] if together else [".csv"] if len(files) > 1 else [".html", *images]
+    endings = [".npy", ".csv", *images] if repeated else endings
     if output is None and repeated:
         return [Path("repeated.npy"), Path("noise.csv"), Path("noise.png")]
     if output is None:
@@ -243,17 +258,20 @@ def _paths(files: list[Path], output: Path | None, *, together: bool, repeated: 
         return [Path(f"{stem}{ending}") for ending in endings[:count]]
     if output.suffix.lower() not in endings:
         allowed = " or ".join([", ".join(endings[:-1]), endings[-1]] if len(endings) > 1 else endings)
-        raise ValueError(f"{printable_path(output)}: cannot be written: its name must end in {allowed}")
-    several = together or len(files) > 1
-    return [output] if several or output.suffix.lower() == ".html" else [output.with_suffix(".html"), output]
+        raise ValueError(f"--output must end in {allowed}, got {printable_path(output)}")
+    has_several = together or len(files) > 1
+    return [output] if has_several or output.suffix.lower() == ".html" else [output.with_suffix(".html"), output]
 
 
-def _line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
+def _select_line(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
+    """Return a row or column of a surface, or the unchanged body if no index is given."""
     for name, index, other in (("row", row, column), ("column", column, row)):
         if index is None:
             continue
         if isinstance(body, Profile) or other is not None:
-            raise ValueError(f"--{name} is " + ("for surfaces" if other is None else "not for use with --column"))
+            raise ValueError(
+                f"--{name} " + ("is for surfaces" if other is None else "cannot be combined with --column")
+            )
         count = body.heights.shape[name == "column"]
         if index >= count:
             raise ValueError(f"--{name} must be at most {count - 1}, got {index}")
@@ -261,33 +279,35 @@ def _line(body: Profile | Surface, row: int | None, column: int | None) -> Profi
     return body
 
 
-def _levelled(body: Profile | Surface, level: Any) -> Profile | Surface:
+def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
+    """Subtract a form; the default is a line from a profile and a plane from a surface."""
     if level == "none":
         return body
-    is_line = isinstance(body, Profile)
-    level = ("line" if is_line else "plane") if level is None else level
-    allowed = "none", *get_args(ProfileForm if is_line else SurfaceForm)
+    is_profile = isinstance(body, Profile)
+    level = ("line" if is_profile else "plane") if level is None else level
+    allowed = "none", *get_args(ProfileForm if is_profile else SurfaceForm)
     if level not in allowed:
         raise ValueError(f"--level must be one of {', '.join(map(repr, allowed))}, got {level!r}")
     return levelled(body, level)
 
 
-def _filters(lc: str | None, ls: str | None, *, robust: bool, joined: bool) -> dict[str, Any]:
+def _parse_filters(lc: str | None, ls: str | None, *, robust: bool, joined: bool) -> dict[str, Any]:
     """Parse the cutoffs of roughness parameters."""
     if joined and (lc is not None or ls is not None or robust):
-        raise ValueError("--lc, --ls and --robust are not for use with --together or --repeated")
-    long = None if lc is None else parse_quantity("lc", lc, "length")
-    short = 0.0 if ls == "none" else None if ls is None else parse_quantity("ls", ls, "length")
-    return {"lc": long, "ls": short, "robust": robust}
+        raise ValueError("--lc, --ls and --robust cannot be combined with --together or --repeated")
+    long_cutoff = None if lc is None else parse_quantity("lc", lc, "length")
+    short_cutoff = 0.0 if ls == "none" else None if ls is None else parse_quantity("ls", ls, "length")
+    return {"lc": long_cutoff, "ls": short_cutoff, "robust": robust}
 
 
-def _band(text: str | None) -> tuple[float, float] | None:
+def _parse_band(text: str | None) -> tuple[float, float] | None:
+    """Parse the shortest and the longest wavelength of a fit (µm)."""
     if text is None:
         return None
     parts = text.split(",")
     if len(parts) != 2:
-        raise ValueError(f'--band needs two wavelengths, as in "1 um,100 um", got {text!r}')
+        raise ValueError(f'--band must be two wavelengths, such as "1 um,100 um", got {text!r}')
     shortest, longest = (parse_quantity("band", part.strip(), "length") for part in parts)
     if not shortest < longest:
-        raise ValueError(f"--band must be the shortest and then the longest wavelength, got {text!r}")
+        raise ValueError(f"--band must give the shortest wavelength before the longest, got {text!r}")
     return shortest, longest

@@ -1,4 +1,4 @@
-"""How commands compute what is missing of a study: in which folder, by which workers, with which messages."""
+"""Computation of the missing parts of a study for a command: its directory, workers and messages."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from stiction._text import printable_path
 from stiction._units import short_repr
-from stiction.cli.application import announce, interrupted, say, tell
+from stiction.cli.application import interruption, print_message, print_output, show_status
 from stiction.cli.options import option
 from stiction.studies.executors import threads
 from stiction.studies.pipeline import complete
@@ -21,76 +21,85 @@ from stiction.studies.study import Study
 from stiction.studies.values import StudyError
 
 Workers = Annotated[
-    int | None, option("--workers -w N", "Threads that compute.", "one for each core", least=1, panel="Computing")
+    int | None, option("--workers -w N", "Number of threads.", "one per core", minimum=1, panel="Computing")
 ]
 
 Scheduler = Annotated[str | None, option(
     "--scheduler ADDRESS",
-    "Compute on the workers of a Dask scheduler, as in tcp://host:8786.", False, panel="Computing",
+    "Compute on the workers of a Dask scheduler, such as tcp://host:8786.", False, panel="Computing",
 )]  # fmt: skip
 
 Part = Annotated[
-    str | None, option("--part I/N", "Only the I-th of N parts, as in 3/16, beside others.", False, panel="Computing")
+    str | None, option("--part I/N", "Compute only the I-th of N parts, such as 3/16.", False, panel="Computing")
 ]
 
-_FILES = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json", ".xlsx", ".zip", ".toml")
+_FILE_ENDINGS = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json", ".xlsx", ".zip", ".toml")
 
 
-def executor_of(workers: int | None, scheduler: str | None) -> contextlib.AbstractContextManager[Executor]:
-    """What computes: threads, or the workers of a scheduler."""
+def open_executor(workers: int | None, scheduler: str | None) -> contextlib.AbstractContextManager[Executor]:
+    """Return an executor with a number of threads, or with the workers of a Dask scheduler."""
     if scheduler is None:
         return threads(workers)
     if workers is not None:
-        raise StudyError("--workers and --scheduler exclude each other")
+        raise StudyError("--workers cannot be combined with --scheduler")
     from stiction.studies.executors import connected
 
     return connected(scheduler)
 
 
-def part_of(text: str | None) -> tuple[int, int] | None:
-    """Which of how many parts, of the option `--part`."""
+def parse_part(text: str | None) -> tuple[int, int] | None:
+    """Parse the option `--part`: the number of the part and the number of parts."""
     if text is None:
         return None
     match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)
     if not match or int(match[1]) > int(match[2]):
-        raise StudyError(f"--part must be K/N with K from 1 to N, as in 3/16, got {short_repr(text)}")
+        raise StudyError(f"--part must be I/N with I from 1 to N, such as 3/16, got {short_repr(text)}")
     return int(match[1]), int(match[2])
 
 
-def check_folder(directory: Path) -> None:
-    """Refuse a folder for results that is, or is named as, a file."""
+def check_output_directory(directory: Path) -> None:
+    """Raise `StudyError` if the output directory is a file or has the name of a file."""
     if directory.is_file():
-        raise StudyError(f"{printable_path(directory)} is a file; say where the results shall go with --output DIR")
-    if directory.suffix.lower() in _FILES and not directory.exists():
-        raise StudyError(f"--output {printable_path(directory)}: is the name of a file; results go into a directory")
+        raise StudyError(f"{printable_path(directory)} is a file; use --output DIR to choose a directory")
+    if directory.suffix.lower() in _FILE_ENDINGS and not directory.exists():
+        raise StudyError(f"--output must be a directory, got the file name {printable_path(directory)}")
 
 
-def _advice(error: OtherStudyError, study: Study, *, replaceable: bool) -> str:
-    """Return which options and commands get around a folder that has another study."""
-    ways = ["--output DIR takes another folder"]
+def _conflict_advice(error: OtherStudyError, study: Study, *, replaceable: bool) -> str:
+    """Return the options and commands that help if the output directory contains another study."""
+    remedies = ["choose another directory with --output DIR"]
     if replaceable:
-        ways.append("--replace writes over the stored result")
+        remedies.append("overwrite the stored result with --replace")
     steps, loads = error.stored.contact.steps(), [float(load) for load in study.friction.load]
     only_loads = all(key == "contact.load" for key, *_ in error.differ)
     if only_loads and loads and steps[0] <= min(loads) and max(loads) <= steps[-1]:
         options = " ".join(f"--load '{load.text}'" for load in study.friction.load)
-        ways.append(f"stiction at {printable_path(error.path)} {options} reads these loads off it, and presses nothing")
-    return "; ".join(ways)
+        remedies.append(
+            f"evaluate the stored result at these loads: stiction at {printable_path(error.path)} {options}"
+        )
+    return "; or ".join(remedies)
 
 
-def fill_folder(
-    study: Study, directory: Path, executor: Executor, *, said: Callable[[str], None] = tell, **asked: Any
-) -> Result:
-    """`complete` with messages for a person at a terminal, `said` those of what was written; it may be interrupted."""
-    check_folder(directory)
+def compute_in_folder(
+    study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
+    **options: Any,
+) -> Result:  # fmt: skip
+    """Call `complete` with messages for a terminal and report how to resume after Ctrl-C.
+
+    `print_written` prints the names of written files.
+    """
+    check_output_directory(directory)
     try:
-        return complete(study, directory, executor, progress=True, said=said, say=say, announce=announce, **asked)
+        return complete(
+            study, directory, executor, progress=True, said=print_written, say=print_message, announce=show_status,
+            **options,
+        )  # fmt: skip
     except OtherStudyError as error:
-        raise error.with_advice(_advice(error, study, replaceable="replace" in asked)) from None
+        raise error.with_advice(_conflict_advice(error, study, replaceable="replace" in options)) from None
     except KeyboardInterrupt:
-        words = ""
-        with contextlib.suppress(StoreError):  # nothing is there yet
+        detail = ""
+        with contextlib.suppress(StoreError):  # no result is stored yet
             stored = open_stored(directory)
-            kept = f"{stored.count} of {stored.study.ensemble.repetitions} repetitions are finished and kept"
-            words = f"; {kept}: the same command goes on from there"
-        raise interrupted(words) from None
+            progress = f"{stored.count} of {stored.study.ensemble.repetitions} repetitions are finished and stored"
+            detail = f"; {progress}: run the same command again to resume"
+        raise interruption(detail) from None

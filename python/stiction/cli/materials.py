@@ -1,4 +1,4 @@
-"""`stiction materials`: what is known of materials, as ranges with their sources."""
+"""`stiction materials`: ranges of material properties with sources."""
 
 from __future__ import annotations
 
@@ -6,25 +6,25 @@ from typing import Annotated, Any
 
 import typer
 
-from stiction.cli.application import command, tell
+from stiction.cli.application import command, print_output
 from stiction.cli.options import Json
 
 
 @command("materials", "stiction materials", "stiction materials steel brass", "stiction materials --json")
 def materials(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="NAME", help="Materials; all by default.", show_default=False)
+        list[str] | None, typer.Argument(metavar="NAME", help="Materials (default: all).", show_default=False)
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """List Young's modulus, Poisson's ratio and hardness of materials, as --upper and --lower of pair take them.
+    """List the materials for --upper and --lower of pair: Young's modulus, Poisson's ratio and hardness.
 
-    Each is a range with a source: a hardness depends on treatment and on the size of the indentation. Where a pair
-    needs one number, it is the geometric mean of both ends; --hardness says what was measured.
+    Each value is a range with a source, because hardness depends on treatment and on indentation size. The central
+    value is the geometric mean of both ends. Use --hardness of pair for a measured hardness.
     """
     from stiction.mechanics.materials import material
-    from stiction.mechanics.materials import materials as known
+    from stiction.mechanics.materials import materials as all_materials
     from stiction.views.materials import materials_record, materials_text
 
-    chosen: Any = tuple(material(name) for name in names) if names else known()
-    tell(materials_record(chosen) if as_json else materials_text(chosen))
+    chosen: Any = tuple(material(name) for name in names) if names else all_materials()
+    print_output(materials_record(chosen) if as_json else materials_text(chosen))

@@ -1,4 +1,4 @@
-"""Options that several commands take, each declared once, and what their texts mean."""
+"""Options shared by several commands, and the loading of files with reading options."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from stiction._text import printable_path
-from stiction.cli.application import announce, option_was_given
+from stiction.cli.application import option_was_given, show_status
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -20,51 +20,53 @@ if TYPE_CHECKING:
 
 
 def option(
-    flags: str, means: str, usually: str | bool = True, *, panel: str | None = None, least: int | None = None
+    flags: str, description: str, default: str | bool = True, *, panel: str | None = None, minimum: int | None = None
 ) -> Any:
-    """An option of a command, as its help shows it.
+    """Return a typer option.
 
-    It is called by its flags, "--output -o DIR", behind which stands what it takes, in capitals, and nothing behind a
-    switch. Its default is `usually` so in words, or it is said whether the default is shown. The panel is the section
-    of help that it is in.
+    `flags` are the names of the option, followed by a placeholder for its value unless it is a switch:
+    "--output -o DIR". `default` is the text shown as default value, or whether to show the actual default. `panel` is
+    the section of the help.
     """
     names = [word for word in flags.split() if word.startswith("-")]
-    takes = " ".join(flags.split()[len(names) :]) or None
-    return typer.Option(*names, metavar=takes, help=means, show_default=usually, rich_help_panel=panel, min=least)
+    placeholder = " ".join(flags.split()[len(names) :]) or None
+    return typer.Option(
+        *names, metavar=placeholder, help=description, show_default=default, rich_help_panel=panel, min=minimum
+    )
 
 
 _output = partial(option, panel="Output")
-Json = Annotated[bool, _output("--json", "Print JSON alone on standard output; messages go elsewhere.")]
+Json = Annotated[bool, _output("--json", "Print JSON on standard output, and messages on standard error.")]
 Verbose = Annotated[bool, _output("--verbose -v", "Show all: inputs, directions, cut-offs, onset, quantities.")]
 
 
-def measurement(file: Path, asked: Mapping[str, str | None]) -> Reading[Profile | Surface]:
-    """Return the profile or surface in a file, and what was understood of it, by options that are texts."""
+def load_measurement(file: Path, options: Mapping[str, str | None]) -> Reading[Profile | Surface]:
+    """Load a profile or surface from a file with the reading options of a command line."""
     from stiction.studies.pair_options import split_list
     from stiction.surfaces.measured.reading import load_reading
     from stiction.surfaces.measured.spectrum_file import is_spectrum
 
     if is_spectrum(file):
         raise ValueError(
-            f"{printable_path(file)}: is the spectrum of several scans, which stiction pair takes in place of one"
+            f"{printable_path(file)}: is a spectrum of several scans; only stiction pair accepts it instead of a scan"
         )
-    announce_reader(file)
-    given: dict[str, Any] = {name: split_list(name, text) for name, text in asked.items() if text is not None}
-    return load_reading(file, **given)
+    show_reader_import(file)
+    values: dict[str, Any] = {name: split_list(name, text) for name, text in options.items() if text is not None}
+    return load_reading(file, **values)
 
 
-def announce_reader(file: Path) -> None:
-    """Tell whoever watches that what reads a file of an instrument takes longer to load than the file to be read."""
+def show_reader_import(file: Path) -> None:
+    """Show on a terminal that the reader of an instrument file is being imported, which takes some seconds."""
     from stiction.surfaces.measured.reading import READERS
 
     if file.suffix.lower() not in READERS and file.is_file() and "SurfaceTopography" not in sys.modules:
-        announce(f"loading SurfaceTopography, which takes some seconds, to read {printable_path(file.name)}")
+        show_status(f"loading SurfaceTopography, which takes some seconds, to read {printable_path(file.name)}")
 
 
-def refuse(context: typer.Context, why: str, *names: str) -> None:
-    """Options that are given where they do not apply."""
+def reject_options(context: typer.Context, reason: str, *names: str) -> None:
+    """Raise `ValueError` if the command line contains one of the options, which do not apply."""
     for name in names:
         if option_was_given(context, name):
             option = f"--{name.replace('_', '-')}"
             value = context.params[name]
-            raise ValueError(f"{option} {why}, got {option}" + (f" {value}" if value is not True else ""))
+            raise ValueError(f"{option} {reason}, got {option}" + (f" {value}" if value is not True else ""))

@@ -1,4 +1,4 @@
-"""`stiction pair`: two measured profiles or surfaces as a study, which is computed and shown as every study is."""
+"""`stiction pair`: static friction of two measured profiles or surfaces."""
 
 from __future__ import annotations
 
@@ -7,26 +7,34 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from stiction._text import printable
-from stiction.cli.application import command, is_watched, say, tell
-from stiction.cli.execution import Part, Scheduler, Workers, check_folder, executor_of, fill_folder, part_of
-from stiction.cli.options import Json, Verbose, announce_reader, option
-from stiction.cli.pair_options import COMMON, HelpAll, argument_of, given_options, option_of
+from stiction.cli.application import command, has_terminal, print_message, print_output
+from stiction.cli.execution import (
+    Part,
+    Scheduler,
+    Workers,
+    check_output_directory,
+    compute_in_folder,
+    open_executor,
+    parse_part,
+)
+from stiction.cli.options import Json, Verbose, option, show_reader_import
+from stiction.cli.pair_options import COMMON_PARAMETERS, HelpAll, given_options, pair_argument, pair_option
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import read_options
 from stiction.studies.result import Result
 from stiction.studies.store import STUDY
 from stiction.studies.study import Study
 
-UpperFile = Annotated[str | None, argument_of("upper")]
-LowerFile = Annotated[str | None, argument_of("lower")]
+UpperFile = Annotated[str | None, pair_argument("upper")]
+LowerFile = Annotated[str | None, pair_argument("lower")]
 _output = partial(option, panel="Output")
-Folder = Annotated[Path, _output("--output -o DIR", "Where the results go.")]
-Replace = Annotated[bool, _output("--replace", "Write over the results of another pair.")]
+OutputDirectory = Annotated[Path, _output("--output -o DIR", "Directory for the results.")]
+Replace = Annotated[bool, _output("--replace", "Overwrite the results of another pair.")]
 
 
 @command(
@@ -38,149 +46,154 @@ Replace = Annotated[bool, _output("--replace", "Write over the results of anothe
     "stiction pair scan.csv scan.csv --surrogates both \\",
     "    --effective-modulus '10 GPa' --mu0 0.3 --load '1 mN' --json",
     "stiction run pair --set ensemble.repetitions=200   # more positions",
-    common=COMMON,
+    common=COMMON_PARAMETERS,
 )
 def pair(
     context: typer.Context,
     upper: UpperFile = None,
     lower: LowerFile = None,
     *,
-    load: Annotated[list[str], option_of("load")],
-    width: Annotated[str | None, option_of("width")] = None,
-    mu0: Annotated[str | None, option_of("mu0")] = None,
-    tau0: Annotated[str | None, option_of("tau0")] = None,
-    interface: Annotated[str | None, option_of("interface")] = None,
-    direction: Annotated[str | None, option_of("direction")] = None,
-    upper_material: Annotated[str | None, option_of("upper_material")] = None,
-    lower_material: Annotated[str | None, option_of("lower_material")] = None,
-    effective_modulus: Annotated[str | None, option_of("effective_modulus")] = None,
-    young: Annotated[str | None, option_of("young")] = None,
-    poisson: Annotated[str | None, option_of("poisson")] = None,
-    hardness: Annotated[str | None, option_of("hardness")] = None,
-    yield_strength: Annotated[str | None, option_of("yield_strength")] = None,
-    junction_growth: Annotated[str | None, option_of("junction_growth")] = None,
-    wait: Annotated[str | None, option_of("wait")] = None,
-    creep: Annotated[str | None, option_of("creep")] = None,
-    work_of_adhesion: Annotated[str | None, option_of("work_of_adhesion")] = None,
-    adhesion_range: Annotated[str | None, option_of("adhesion_range")] = None,
-    check: Annotated[bool, option_of("check")] = False,
-    mechanics: Annotated[str | None, option_of("mechanics")] = None,
-    tilt: Annotated[str | None, option_of("tilt")] = None,
-    law: Annotated[str | None, option_of("law")] = None,
-    detection: Annotated[str | None, option_of("detection")] = None,
-    curvature: Annotated[str | None, option_of("curvature")] = None,
-    gap: Annotated[str | None, option_of("gap")] = None,
-    lay: Annotated[str | None, option_of("lay")] = None,
-    lines: Annotated[str | None, option_of("lines")] = None,
-    along: Annotated[str | None, option_of("along")] = None,
-    level: Annotated[str | None, option_of("level")] = None,
-    cutoff: Annotated[str | None, option_of("cutoff")] = None,
-    rotate: Annotated[str | None, option_of("rotate")] = None,
-    shifts: Annotated[str | None, option_of("shifts")] = None,
-    offsets: Annotated[str | None, option_of("offsets")] = None,
-    travel: Annotated[str | None, option_of("travel")] = None,
-    surrogates: Annotated[str | None, option_of("surrogates")] = None,
-    seed: Annotated[str | None, option_of("seed")] = None,
-    unit: Annotated[list[str] | None, option_of("unit")] = None,
-    spacing: Annotated[list[str] | None, option_of("spacing")] = None,
-    missing: Annotated[str | None, option_of("missing")] = None,
-    missing_value: Annotated[list[str] | None, option_of("missing_value")] = None,
-    outliers: Annotated[str | None, option_of("outliers")] = None,
-    crop: Annotated[list[str] | None, option_of("crop")] = None,
-    channel: Annotated[list[str] | None, option_of("channel")] = None,
-    columns: Annotated[list[str] | None, option_of("columns")] = None,
-    accept: Annotated[list[str] | None, option_of("accept")] = None,
-    texture: Annotated[list[str] | None, option_of("texture")] = None,
-    tip: Annotated[list[str] | None, option_of("tip")] = None,
-    onset: Annotated[str | None, option_of("onset")] = None,
+    load: Annotated[list[str], pair_option("load")],
+    width: Annotated[str | None, pair_option("width")] = None,
+    mu0: Annotated[str | None, pair_option("mu0")] = None,
+    tau0: Annotated[str | None, pair_option("tau0")] = None,
+    interface: Annotated[str | None, pair_option("interface")] = None,
+    direction: Annotated[str | None, pair_option("direction")] = None,
+    upper_material: Annotated[str | None, pair_option("upper_material")] = None,
+    lower_material: Annotated[str | None, pair_option("lower_material")] = None,
+    effective_modulus: Annotated[str | None, pair_option("effective_modulus")] = None,
+    young: Annotated[str | None, pair_option("young")] = None,
+    poisson: Annotated[str | None, pair_option("poisson")] = None,
+    hardness: Annotated[str | None, pair_option("hardness")] = None,
+    yield_strength: Annotated[str | None, pair_option("yield_strength")] = None,
+    junction_growth: Annotated[str | None, pair_option("junction_growth")] = None,
+    wait: Annotated[str | None, pair_option("wait")] = None,
+    creep: Annotated[str | None, pair_option("creep")] = None,
+    work_of_adhesion: Annotated[str | None, pair_option("work_of_adhesion")] = None,
+    adhesion_range: Annotated[str | None, pair_option("adhesion_range")] = None,
+    check: Annotated[bool, pair_option("check")] = False,
+    mechanics: Annotated[str | None, pair_option("mechanics")] = None,
+    tilt: Annotated[str | None, pair_option("tilt")] = None,
+    law: Annotated[str | None, pair_option("law")] = None,
+    detection: Annotated[str | None, pair_option("detection")] = None,
+    curvature: Annotated[str | None, pair_option("curvature")] = None,
+    gap: Annotated[str | None, pair_option("gap")] = None,
+    lay: Annotated[str | None, pair_option("lay")] = None,
+    lines: Annotated[str | None, pair_option("lines")] = None,
+    along: Annotated[str | None, pair_option("along")] = None,
+    level: Annotated[str | None, pair_option("level")] = None,
+    cutoff: Annotated[str | None, pair_option("cutoff")] = None,
+    rotate: Annotated[str | None, pair_option("rotate")] = None,
+    shifts: Annotated[str | None, pair_option("shifts")] = None,
+    offsets: Annotated[str | None, pair_option("offsets")] = None,
+    travel: Annotated[str | None, pair_option("travel")] = None,
+    surrogates: Annotated[str | None, pair_option("surrogates")] = None,
+    seed: Annotated[str | None, pair_option("seed")] = None,
+    unit: Annotated[list[str] | None, pair_option("unit")] = None,
+    spacing: Annotated[list[str] | None, pair_option("spacing")] = None,
+    missing: Annotated[str | None, pair_option("missing")] = None,
+    missing_value: Annotated[list[str] | None, pair_option("missing_value")] = None,
+    outliers: Annotated[str | None, pair_option("outliers")] = None,
+    crop: Annotated[list[str] | None, pair_option("crop")] = None,
+    channel: Annotated[list[str] | None, pair_option("channel")] = None,
+    columns: Annotated[list[str] | None, pair_option("columns")] = None,
+    accept: Annotated[list[str] | None, pair_option("accept")] = None,
+    texture: Annotated[list[str] | None, pair_option("texture")] = None,
+    tip: Annotated[list[str] | None, pair_option("tip")] = None,
+    onset: Annotated[str | None, pair_option("onset")] = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
     part: Part = None,
-    output: Folder = Path("pair"),
+    output: OutputDirectory = Path("pair"),
     replace: Replace = False,
     verbose: Verbose = False,
     as_json: Json = False,
     help_all: HelpAll = False,
 ) -> None:
-    """Static friction of two measured profiles or surfaces at given loads, with intervals.
+    """Compute the static friction of two measured profiles or surfaces at given loads, with intervals.
 
-    Heights of both files point out of the material. Of two profiles the upper one is carried along the lower; maps are
-    pressed as areas, or as pairs of lines with --lines. Options that describe a file apply to both; give them twice to
-    set UPPER and LOWER separately. The result is a study in DIR, which run, at, plot, report, info and export take.
+    Heights increase outward from the material in both files. UPPER is the slider and LOWER the counterface. Height maps
+    are pressed as areal contacts, or as pairs of profiles with --lines. Options that describe a file apply to both
+    files; repeat an option to set UPPER and LOWER separately. The result is a study in DIR that run, at, plot, report,
+    info and export accept.
     """
-    from stiction.cli.result_output import said_by, show_answer, show_result, write_views
+    from stiction.cli.result_output import message_printer, print_result, print_values, write_pair_files
     from stiction.studies.members import about
     from stiction.views.files import VIEWS, check_files
     from stiction.views.rows import record_text
 
-    chosen, said = part_of(part), said_by(as_json)
-    check_folder(output)
+    part_number, print_written = parse_part(part), message_printer(as_json)
+    check_output_directory(output)
     check_files(output, VIEWS)
     bodies = Pair(read_options(given_options(context)))
     for file in bodies.files:
-        announce_reader(Path(file.file))
+        show_reader_import(Path(file.file))
     studies = bodies.studies
-    about(studies[0])  # refuses what cannot be pressed, before anything is written
-    for remark in bodies.remarks[0 if verbose else bool(bodies.elasticity.source) :]:  # of materials the answer has it
-        say(remark)
+    about(studies[0])  # rejects surfaces that cannot be pressed, before any file is written
+    first_remark = 0 if verbose else bool(bodies.elasticity.source)  # the result shows the source of the elasticity
+    for remark in bodies.remarks[first_remark:]:
+        print_message(remark)
     if verbose and not as_json:
         for file in bodies.files:
             for scan in file.scans:
                 if scan.reading is not None:
-                    tell(f"{printable(scan.name)}: {scan.reading}")
-    rests: list[Callable[[], None]] = []
+                    print_output(f"{printable(scan.name)}: {scan.reading}")
+    remainder_printers: list[Callable[[], None]] = []
 
-    def answered(result: Result) -> None:
+    def print_finished(result: Result) -> None:
         if as_json:
             return
-        if rests:
-            tell(f"\nBy {result.study.contact.mechanics}:\n")
-        rests.append(show_answer(result, command="pair", verbose=verbose))
+        if remainder_printers:
+            print_output(f"\nBy {result.study.contact.mechanics}:\n")
+        remainder_printers.append(print_values(result, command="pair", verbose=verbose))
 
-    with executor_of(workers, scheduler) as executor:
+    with open_executor(workers, scheduler) as executor:
         results: list[Result] = []
         if replace or not (output / STUDY).exists():
-            announce_first(bodies.first_study, executor)
+            submit_preview(bodies.first_study, executor)
         for study in studies:
             folder = output / study.contact.mechanics if results else output
-            result = fill_folder(
+            result = compute_in_folder(
                 study,
                 folder,
                 executor,
-                said=said,
-                part=chosen,
+                print_written=print_written,
+                part=part_number,
                 replace=replace,
                 onset=bodies.options.onset,
-                answered=answered,
+                answered=print_finished,
             )
-            for rest in rests[len(results) :]:
-                rest()
+            for print_remainder in remainder_printers[len(results) :]:
+                print_remainder()
             results.append(result)
-    if chosen is not None:
+    if part_number is not None:
         return
     if as_json:
-        checks = [json.loads(record_text("pair", each.summary())) for each in results[1:]]
+        checks = [json.loads(record_text("pair", result.summary())) for result in results[1:]]
         readings = [scan.reading for file in bodies.files for scan in file.scans]
-        about_files = {"files": [each.record() for each in readings if each is not None]}
-        show_result(results[0], command="pair", as_json=True, about=about_files | ({"check": checks} if checks else {}))
+        fields: dict[str, Any] = {"files": [reading.record() for reading in readings if reading is not None]}
+        print_result(results[0], command="pair", as_json=True, fields=fields | ({"check": checks} if checks else {}))
     for result in results:
-        write_views(result, said=said)
+        write_pair_files(result, print_written=print_written)
 
 
-def first_line(study: Study) -> str:
-    """Return the coefficient of the first members of a study of asperities; a `ValueError` if nothing touches."""
+def preview_line(study: Study) -> str:
+    """Return a preview of the friction from the first members of a study.
+
+    Raises `ValueError` if the surfaces do not touch.
+    """
     from stiction.studies.runner import first_result
     from stiction.views.text import first_text
 
     return first_text(first_result(study).summary())
 
 
-def announce_first(study: Study | None, executor: Executor) -> None:
-    """Have a worker tell whoever watches a terminal what asperities say, while the others solve the half-space."""
+def submit_preview(study: Study | None, executor: Executor) -> None:
+    """Compute a preview with the asperity model in one worker, and print it if messages go to a terminal."""
 
-    def told(done: Future[str]) -> None:
-        if not done.cancelled() and done.exception() is None:  # where nothing touches there is nothing to say
-            say(done.result())
+    def print_preview(future: Future[str]) -> None:
+        if not future.cancelled() and future.exception() is None:  # an error means that the surfaces do not touch
+            print_message(future.result())
 
-    if study is not None and is_watched():
-        executor.submit(first_line, study).add_done_callback(told)
+    if study is not None and has_terminal():
+        executor.submit(preview_line, study).add_done_callback(print_preview)

@@ -1,4 +1,4 @@
-"""What every command does with a result: open it, say what may be quoted of it, write its table, draw it."""
+"""Output of results shared by all commands: printed values and assessment, tables, figures and reports."""
 
 from __future__ import annotations
 
@@ -7,71 +7,74 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stiction.cli.application import announce, say, show_warning, tell
+from stiction.cli.application import print_message, print_output, print_warning, show_status
 
 if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 
-DOUBTS = 5  # lines of them that `pair` says, so that number and verdict stay on a terminal of 24 lines
+MAX_CAVEAT_LINES = 5  # printed by `pair`, so that the values and the assessment fit on a terminal of 24 lines
 
 
-def opened(directory: Path) -> Result:
-    """The result in a directory, and a warning if it is not finished."""
+def open_with_warning(directory: Path) -> Result:
+    """Open the result in a directory and print a warning if it is not finished."""
     from stiction.studies.result import Result
     from stiction.studies.store import StoreError, open_stored
 
     stored = open_stored(directory)
     total = stored.study.ensemble.repetitions
     if not stored.count:
-        raise StoreError(f"{directory}: none of its {total} repetitions is finished yet")
+        raise StoreError(f"{directory}: none of the {total} repetitions is finished yet")
     if stored.count < total:
-        show_warning(f"{directory}: {stored.count} of {total} repetitions are finished; the result has only those")
+        print_warning(f"{directory}: only {stored.count} of {total} repetitions are finished")
     return Result(stored)
 
 
-def show_result(result: Result, **asked: Any) -> None:
-    """Print what a result says at the loads of its study: all of `show_answer`."""
-    show_answer(result, **asked)()
+def print_result(result: Result, **options: Any) -> None:
+    """Print a result at the loads of its study, with the options of `print_values`."""
+    print_values(result, **options)()
 
 
-def show_answer(
-    result: Result, *, command: str, as_json: bool = False, verbose: bool = False, about: dict[str, Any] | None = None
-) -> Callable[[], None]:
-    """Print text, or JSON, but for what lies beside a result, which what is returned prints; JSON is one."""
+def print_values(
+    result: Result, *, command: str, as_json: bool = False, verbose: bool = False,
+    fields: dict[str, Any] | None = None,
+) -> Callable[[], None]:  # fmt: skip
+    """Print the values of a result, and return a function that prints the cutoff study and the onset of sliding.
+
+    With `as_json`, the returned function prints one JSON record with the additional `fields`.
+    """
     from stiction.studies.store import StoreError
     from stiction.views import rows, text
 
     study = result.study
     try:
-        with warnings.catch_warnings(action="ignore"):  # of tau0, which was told when the study was made
+        with warnings.catch_warnings(action="ignore"):  # about tau0, already printed when the study was created
             summary = result.summary()
     except StoreError:
         raise
-    except ValueError as error:  # nothing touches
+    except ValueError as error:  # the surfaces do not touch
         if as_json:
-            tell(rows.record(command, [], **(about or {}), remark=str(error)))
+            print_output(rows.record(command, [], **(fields or {}), remark=str(error)))
         else:
-            tell(f"μ_s  none: {error}")
+            print_output(f"μ_s  none: {error}")
         return lambda: None
     if not as_json:
-        measured = study.is_measured
-        most = DOUBTS if command == "pair" else None
-        said = text.answer_text(summary, verbose=verbose, most=most) if measured else ""
-        tell(said or text.overview_text(summary))
+        max_lines = MAX_CAVEAT_LINES if command == "pair" else None
+        answer = text.answer_text(summary, verbose=verbose, most=max_lines) if study.is_measured else ""
+        print_output(answer or text.overview_text(summary))
 
-    def rest() -> None:
-        whole = result.summary()  # with what was computed in the meantime
+    def print_remainder() -> None:
+        complete_summary = result.summary()  # with the studies that were computed in the meantime
         if as_json:
-            tell(rows.record_text(command, whole, **(about or {})))
-        elif study.is_measured and (more := text.beside_text(whole, verbose=verbose)):
-            tell(more)
+            print_output(rows.record_text(command, complete_summary, **(fields or {})))
+        elif study.is_measured and (remainder := text.beside_text(complete_summary, verbose=verbose)):
+            print_output(remainder)
 
-    return rest
+    return print_remainder
 
 
-def write_views(result: Result, *, said: Callable[[str], None]) -> None:
-    """Write the page, the table and a figure of a measured pair into its folder, and say so in two lines."""
+def write_pair_files(result: Result, *, print_written: Callable[[str], None]) -> None:
+    """Write the report, the table and a figure of a measured pair into its directory, and print their names."""
     from stiction.views.figures import drawn
     from stiction.views.files import TABLE, VIEWS, replace_text, result_csv
     from stiction.views.report import save_report
@@ -79,22 +82,22 @@ def write_views(result: Result, *, said: Callable[[str], None]) -> None:
     folder = result.path
     assert folder is not None, "the result of the command is stored"
     replace_text(folder / TABLE, result_csv(result), VIEWS[TABLE])
-    announce("drawing")
+    show_status("drawing")
     drawings = drawn(result, folder, first=True)
-    page = folder / "report.html"
-    save_report(result, page, name=folder.resolve().name)
-    said(f"wrote {page} (open it), {' and '.join([TABLE, *(drawing.name for drawing in drawings)])}")
+    report = folder / "report.html"
+    save_report(result, report, name=folder.resolve().name)
+    print_written(f"wrote {report} (open it), {' and '.join([TABLE, *(drawing.name for drawing in drawings)])}")
 
 
-def draw_result(result: Result, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
-    """Draw the figures of a result into a directory, and say which."""
+def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
+    """Draw the figures of a result into a directory and print their names."""
     from stiction.views.figures import drawn
 
-    announce("drawing")
+    show_status("drawing")
     for path in drawn(result, directory, formats=formats):
-        tell(f"wrote {path}")
+        print_output(f"wrote {path}")
 
 
-def said_by(as_json: bool) -> Callable[[str], None]:
-    """Where messages go: beside JSON, which is alone on standard output, to standard error."""
-    return say if as_json else tell
+def message_printer(as_json: bool) -> Callable[[str], None]:
+    """Return the function that prints messages: to standard error if standard output is reserved for JSON."""
+    return print_message if as_json else print_output

@@ -1,4 +1,4 @@
-"""Commands on results of every kind, generated or measured: info, plot, report, export."""
+"""Commands on results of pairs and studies: info, plot, report and export."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import typer
 
 from stiction._arguments import split_values
 from stiction._text import printable_path
-from stiction.cli.application import command, tell
+from stiction.cli.application import command, print_output
 from stiction.cli.options import Json, Verbose, option
-from stiction.cli.result_output import draw_result, opened, show_result
+from stiction.cli.result_output import open_with_warning, print_result, write_figures
 
-Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Where a study or a pair was written.")]
+Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")]
 
 
 @command("info", "stiction info figure6", "stiction info pair --verbose", "stiction info figure6 --json")
 def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) -> None:
-    """Show what a result is, how far it has come, its friction at a few loads and how far to trust it."""
+    """Show the inputs and the progress of a result, its friction at a few loads, and its reliability."""
     from stiction.studies.result import Result
     from stiction.studies.store import open_stored
     from stiction.studies.study import Study, differences
@@ -27,56 +27,56 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
     stored = open_stored(directory)
     study, finished = stored.study, stored.count
     if as_json:
-        about = {
+        fields = {
             "study": study.to_toml(), "finished": finished, "repetitions": study.ensemble.repetitions,
             "bytes": stored.size, "versions": {"stiction": stored.version},
         }  # fmt: skip
-        show_result(Result(stored), command="info", as_json=True, about=about)
+        print_result(Result(stored), command="info", as_json=True, fields=fields)
         return
     if not study.is_measured:
         changes = [f"{key} = {value}" for key, _, value in differences(Study(), study)]
-        words = ["the defaults, but", *changes] if changes else ["the defaults"]
-        for index, each in enumerate(words):
-            tell(fitted(f"{'' if index else 'study':<13}{each}", hang=" " * 15))
+        lines = ["default values except", *changes] if changes else ["default values"]
+        for index, line in enumerate(lines):
+            print_output(fitted(f"{'' if index else 'study':<13}{line}", hang=" " * 15))
     elif verbose:
-        tell(study.to_toml())
-    tell(f"repetitions  {finished} of {study.ensemble.repetitions} finished")
-    tell(f"size         {stored.size / 2**20:.1f} MiB, by stiction {stored.version}")
+        print_output(study.to_toml())
+    print_output(f"repetitions  {finished} of {study.ensemble.repetitions} finished")
+    print_output(f"size         {stored.size / 2**20:.1f} MiB, computed by stiction {stored.version}")
     if finished:
-        tell("")
-        show_result(Result(stored), command="info", verbose=verbose)
+        print_output("")
+        print_result(Result(stored), command="info", verbose=verbose)
 
 
 @command("plot", "stiction plot figure6", "stiction plot pair --format pdf,svg --output figures")
 def plot(
     directory: Directory,
-    output: Annotated[Path | None, option("--output -o DIR", "Where the figures go.", "DIR")] = None,
-    formats: Annotated[str, option("--format FORMATS", 'Of the figures, some of "png,pdf,svg".')] = "png",
+    output: Annotated[Path | None, option("--output -o DIR", "Directory for the figures.", "DIR")] = None,
+    formats: Annotated[str, option("--format FORMATS", 'Formats of the figures, from "png,pdf,svg".')] = "png",
 ) -> None:
-    """Draw the figures of a result again, or of what is finished of it."""
+    """Draw the figures of a result again. The result may be unfinished."""
     from stiction.views.style import checked_formats
 
-    wanted = checked_formats(split_values(formats))
-    result = opened(directory)
-    where = directory if output is None else output
+    chosen_formats = checked_formats(split_values(formats))
+    result = open_with_warning(directory)
+    target = directory if output is None else output
     try:
-        where.mkdir(parents=True, exist_ok=True)
+        target.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ValueError(f"{printable_path(where)}: cannot be written: {error.strerror or error}") from None
-    draw_result(result, where, formats=wanted)
+        raise ValueError(f"{printable_path(target)}: cannot be written: {error.strerror or error}") from None
+    write_figures(result, target, formats=chosen_formats)
 
 
 @command("report", "stiction report figure6", "stiction report pair -o mine.html")
 def report(
     directory: Directory,
-    output: Annotated[Path | None, option("--output -o FILE.html", "The page to write.", "DIR/report.html")] = None,
+    output: Annotated[Path | None, option("--output -o FILE.html", "File to write.", "DIR/report.html")] = None,
 ) -> None:
-    """Make one interactive page, for any browser, of a result, or of what is finished of it."""
+    """Write an interactive HTML report on a result. The result may be unfinished."""
     from stiction.views.report import save_report
 
     path = output if output is not None else directory / "report.html"
-    save_report(opened(directory), path, name=directory.resolve().name)
-    tell(f"wrote {path}")
+    save_report(open_with_warning(directory), path, name=directory.resolve().name)
+    print_output(f"wrote {path}")
 
 
 @command(
@@ -84,12 +84,10 @@ def report(
 )
 def export(
     directory: Directory,
-    file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="The file to write, .nc, .csv or .tex; it must not exist yet.")
-    ],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write: .nc, .csv or .tex. It must not exist.")],
 ) -> None:
-    """Write a result, or its finished part, to one netCDF file, or its values at the loads of `info` to a table."""
+    """Write the finished repetitions to one netCDF file, or the values at the loads of `info` to a table."""
     from stiction.views.files import write_result
 
-    write_result(opened(directory), file)
-    tell(f"wrote {file}")
+    write_result(open_with_warning(directory), file)
+    print_output(f"wrote {file}")

@@ -1,4 +1,4 @@
-"""`stiction table`: friction, true area and stiffness for the contact law of another code."""
+"""`stiction table`: tables of friction, contact area and stiffness for another simulation code."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from stiction._arguments import (
     parse_quantity,
     split_values,
 )
-from stiction.cli.application import command, tell
+from stiction.cli.application import command, print_output
 from stiction.cli.execution import Scheduler, Workers
 from stiction.cli.options import option
-from stiction.cli.pair_options import option_of
+from stiction.cli.pair_options import pair_option
 from stiction.studies.store import SEAL
 
 TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
 MARKS = {TABLE: SEAL, NUMBERS: b"stiffness over area (GPa/um)", LAWS: b"b of k/A0 = b p^c"}
-"""What a file of an earlier table contains; no other file is replaced."""
+"""Marks by which files of an earlier table are recognised. Other files are not overwritten."""
 
 
 @command(
@@ -32,32 +32,32 @@ MARKS = {TABLE: SEAL, NUMBERS: b"stiffness over area (GPa/um)", LAWS: b"b of k/A
 def table_command(
     *,
     hurst: Annotated[str, option("--hurst NUMBERS", "Hurst exponents of the surfaces.")] = ("0.5,0.7,0.9"),
-    rms: Annotated[str, option("--rms LENGTHS", "Their root-mean-square heights Sq.")] = ("10 nm,30 nm,100 nm"),
+    rms: Annotated[str, option("--rms LENGTHS", "Root-mean-square heights Sq.")] = ("10 nm,30 nm,100 nm"),
     load: Annotated[
-        str, option("--load PRESSURES", "Normal loads over the nominal area, 3 for a stiffness.")
+        str, option("--load PRESSURES", "Nominal pressures. The stiffness needs at least 3.")
     ] = "1 MPa,3 MPa,10 MPa,30 MPa,100 MPa",
     mu0: Annotated[str, option("--mu0 NUMBERS", "Molecular friction coefficients.")] = ("0.2,0.4,0.6"),
     tau0: Annotated[str, option("--tau0 PRESSURES", "Adhesive shear strengths.")] = "0 MPa",
-    extent: Annotated[str, option("--extent LENGTH", "Side of the square that is pressed, and its period.")] = "10 um",
+    extent: Annotated[str, option("--extent LENGTH", "Side length and period of the square surfaces.")] = "10 um",
     wavelengths: Annotated[
-        str, option("--wavelengths SHORTEST,LONGEST", "Cut-off and roll-off of the surfaces.")
+        str, option("--wavelengths SHORTEST,LONGEST", "Shortest (cutoff) and longest (roll-off) wavelength.")
     ] = "0.3125 um,2.5 um",
-    points: Annotated[int, option("--points N", "Along each side.", least=16)] = 256,
-    repetitions: Annotated[int, option("--repetitions N", "Pairs of surfaces.", least=1)] = 12,
-    seed: Annotated[int, option("--seed N", "Of the surfaces.")] = 2016,
+    points: Annotated[int, option("--points N", "Grid points along each side.", minimum=16)] = 256,
+    repetitions: Annotated[int, option("--repetitions N", "Number of pairs of surfaces.", minimum=1)] = 12,
+    seed: Annotated[int, option("--seed N", "Seed of the generated surfaces.")] = 2016,
     workers: Workers = None,
     scheduler: Scheduler = None,
-    output: Annotated[Path, option("--output -o DIR", "Where the results go.")] = Path("table"),
-    effective_modulus: Annotated[str | None, option_of("effective_modulus")] = None,
-    young: Annotated[str | None, option_of("young")] = None,
-    poisson: Annotated[str | None, option_of("poisson")] = None,
+    output: Annotated[Path, option("--output -o DIR", "Directory for the results.")] = Path("table"),
+    effective_modulus: Annotated[str | None, pair_option("effective_modulus")] = None,
+    young: Annotated[str | None, pair_option("young")] = None,
+    poisson: Annotated[str | None, pair_option("poisson")] = None,
 ) -> None:
-    """Friction, true area and stiffness of self-affine surfaces for the contact law of another code.
+    """Tabulate friction, true contact area and stiffness of self-affine surfaces for another simulation code.
 
-    Pairs of surfaces are pressed as elastic half-spaces. An interrupted table goes on where it stopped, and further mu0
-    and tau0 cost nothing.
+    Pairs of generated surfaces are pressed as elastic half-spaces. The same command resumes an interrupted table. More
+    values of mu0 and tau0 need no new contact computation.
     """
-    from stiction.cli.execution import executor_of, fill_folder
+    from stiction.cli.execution import compute_in_folder, open_executor
     from stiction.studies.elasticity import elasticity_of
     from stiction.studies.friction_table import friction_table, table_study
     from stiction.studies.store import export
@@ -67,32 +67,32 @@ def table_command(
     modulus = elasticity_of(effective_modulus, young, poisson).effective_modulus
     lengths = parse_quantities("wavelengths", wavelengths, "length")
     if len(lengths) != 2:
-        raise ValueError(f'--wavelengths needs two lengths, as in "0.3 um,2.5 um", got {wavelengths!r}')
+        raise ValueError(f'--wavelengths must be two lengths, such as "0.3 um,2.5 um", got {wavelengths!r}')
     shortest, longest = map(float, lengths)
-    materials: dict[str, Any] = {
+    friction_parameters: dict[str, Any] = {
         "mu0": parse_coefficients("mu0", mu0),
         "tau0": parse_quantities("tau0", tau0, "pressure"),
     }
     study = table_study(
         hurst_exponents=parse_numbers("hurst", hurst), rms=parse_quantities("rms", rms, "length"),
-        pressures=[_pressure(each) for each in split_values(load)], effective_modulus=modulus,
+        pressures=[_parse_pressure(value) for value in split_values(load)], effective_modulus=modulus,
         extent=float(parse_quantity("extent", extent, "length")), points=points, longest_wavelength=longest,
         shortest_wavelength=shortest, repetitions=repetitions, seed=seed,
     )  # fmt: skip
     check_files(output, MARKS)
-    with executor_of(workers, scheduler) as executor:
-        result = fill_folder(study, output, executor)
-    table = friction_table(result, **materials)
-    tell(friction_table_text(table))
+    with open_executor(workers, scheduler) as executor:
+        result = compute_in_folder(study, output, executor)
+    table = friction_table(result, **friction_parameters)
+    print_output(friction_table_text(table))
     export(table, output / TABLE, replace=(output / TABLE).exists())
     for name, text in ((NUMBERS, friction_table_csv(table)), (LAWS, laws_csv(table))):
         replace_text(output / name, text, MARKS[name])
     for name in (TABLE, NUMBERS, LAWS):
-        tell(f"wrote {output / name}")
+        print_output(f"wrote {output / name}")
 
 
-def _pressure(text: str) -> float:
+def _parse_pressure(text: str) -> float:
     amount, per_area = parse_load("load", text)
     if not per_area:
-        raise ValueError(f'--load of a table is a pressure, as in "10 MPa", got {text!r}')
+        raise ValueError(f'--load must be a pressure, such as "10 MPa", got {text!r}')
     return float(amount)
