@@ -46,9 +46,9 @@ def test_commands_report_full_disk_and_replace_unencodable_letters(tmp_path):
 @pytest.mark.parametrize(
     ("error", "words"),
     [
-        (MemoryError(), "stiction: there is not enough memory for this"),
-        (RecursionError(), "stiction: something in the input is too deep"),
-        (SystemError("error return without exception set"), "stiction: error return without exception set; perhaps"),
+        (MemoryError(), "stiction: not enough memory for this computation"),
+        (RecursionError(), "stiction: the input is nested too deeply"),
+        (SystemError("error return without exception set"), "stiction: error return without exception set; a limit"),
         (ImportError("failed to map segment"), "stiction: failed to map segment"),
         (OSError(23, "Too many open files in system", "a\nb"), "stiction: a\\nb: Too many open files in system"),
     ],

@@ -198,4 +198,4 @@ def test_interfaces_lists_directory_of_stored_interfaces(tmp_path):
     assert "notes" not in completed.stdout
     assert_rejected(call_stiction("interfaces", "nowhere", cwd=tmp_path), "nowhere", "cannot be listed")
     (tmp_path / "empty").mkdir()
-    assert "empty: holds no interfaces" in call_stiction("interfaces", "empty", cwd=tmp_path).stdout
+    assert "empty: contains no interfaces" in call_stiction("interfaces", "empty", cwd=tmp_path).stdout

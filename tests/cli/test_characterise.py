@@ -153,7 +153,7 @@ def test_characterise_report_has_command_without_directories(folder):
     completed = call_stiction(
         "characterise", "scan.csv", "--json", "-o", "alone.html", cwd=folder, without_figures=True
     )
-    assert completed.stderr == "stiction: wrote alone.html, the page alone\n"
+    assert completed.stderr == "stiction: wrote alone.html, without a figure\n"
     (folder / "alone.html").write_text("<p>of somebody else</p>", encoding="utf-8")
     completed = call_stiction("characterise", "scan.csv", "-o", "alone.html", cwd=folder)
     assert_rejected(completed, "alone.html: exists already")
@@ -200,21 +200,21 @@ def test_characterise_of_several_files_prints_one_table(folder):
         (["heights.npy", "--spacing", "1 um"], "does not contain the unit of its heights; give the unit"),
         (["scan.csv", "--missing", "zero"], "missing must be one of 'error', 'interpolate', 'mask', got 'zero'"),
         (["scan.csv", "--level", "plane"], "--level must be one of 'none', 'mean', 'line',"),
-        (["scan.csv", "--lc", "1 um", "--repeated"], "--repeated is for two scans"),
-        (["scan.csv", "scan.csv", "--lc", "1 um", "--together"], "--lc, --ls and --robust are not for use with"),
+        (["scan.csv", "--lc", "1 um", "--repeated"], "--repeated needs two scans"),
+        (["scan.csv", "scan.csv", "--lc", "1 um", "--together"], "--lc, --ls and --robust cannot be combined with"),
         (["scan.csv", "--lc", "1 m"], "one section length is"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"], "lc must be from two points"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--form", "circle"], "'sphere', 'cylinder', got 'circle'"),
         (["scan.csv", "--row", "3"], "--row is for surfaces"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--level", "line"], "one of 'none', 'mean', 'plane'"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "60"], "--row must be at most 59, got 60"),
-        (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "6", "--column", "6"], "not for use with --column"),
-        (["scan.csv", "--band", "1 um"], "--band needs two wavelengths"),
+        (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "6", "--column", "6"], "cannot be combined with --column"),
+        (["scan.csv", "--band", "1 um"], "--band must be two wavelengths"),
         (["scan.csv", "--band", "2 um,1 um"], "--band must be the shortest and then the longest"),
         (["scan.csv", "--band", "1 um,1.01 um"], "band must hold at minimum 8 harmonics"),
         (
             ["scan.csv", "--output", "figure.bmp"],
-            "figure.bmp: cannot be written: its name must end in .html, .png, .pdf or .svg",
+            "--output must end in .html, .png, .pdf or .svg, got figure.bmp",
         ),
         (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),
     ],

@@ -150,8 +150,8 @@ def test_table_command_equals_library(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        (["--load", "1 mN"], "--load of a table is a pressure"),
-        (["--wavelengths", "1 um"], "--wavelengths needs two lengths"),
+        (["--load", "1 mN"], "--load must be a pressure"),
+        (["--wavelengths", "1 um"], "--wavelengths must be two lengths"),
         (["--hurst", "rough"], "--hurst must be a number or several"),
     ],
 )

@@ -678,5 +678,5 @@ def test_interrupt_ends_run_soon_and_preserves_blocks(tmp_path):
 
 def test_result_without_finished_members_is_a_store_error(tmp_path):
     store.begin(tmp_path, TINY)
-    with pytest.raises(StoreError, match="none of its 22 repetitions is finished"):
+    with pytest.raises(StoreError, match="none of the 22 repetitions is finished"):
         Result(store.open_stored(tmp_path)).at_study_loads  # noqa: B018

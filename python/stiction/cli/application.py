@@ -100,7 +100,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "characterise": ("characterise", "Roughness, spectrum and Hurst exponent of a measured surface."),
         "calibrate": ("calibrate", "Fit mu0 and tau0 to measured friction."),
         "interfaces": ("calibrate", "List measured shear strengths of interfaces, with sources."),
-        "materials": ("materials", "List elastic constants and hardness of materials, with sources."),
+        "materials": ("materials", "List elastic constants and hardness of materials."),
         "app": ("app", "Open the browser app: drop in two scans."),
     },
     "Studies": {
@@ -108,13 +108,13 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "studies": ("studies", "List the built-in studies, or print one as a study file."),
     },
     "Results of pairs and studies": {
-        "at": ("at", "Friction, contact area and stiffness at other loads, mu0 and tau0."),
-        "info": ("results", "Show the inputs, progress, friction and reliability of a result."),
+        "at": ("at", "Friction, area and stiffness at other loads, mu0 and tau0."),
+        "info": ("results", "Show inputs, progress, friction and reliability of a result."),
         "plot": ("results", "Draw the figures of a result again."),
         "report": ("results", "Write an interactive HTML report."),
         "export": ("results", "Write a result to netCDF, or its table to CSV or LaTeX."),
     },
-    "Contact laws": {"table": ("table", "Tabulate friction, contact area and stiffness for another simulation code.")},
+    "Contact laws": {"table": ("table", "Tabulate friction, area and stiffness for another code.")},
 }
 """Commands by group, each with its module and a line of help, which is printed without importing the module."""
 

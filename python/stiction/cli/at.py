@@ -109,9 +109,9 @@ def at(
     if tau0 is not None:
         tau0_values = reject_negative("tau0", parse_quantities("tau0", tau0, "pressure"), tau0)
     if scale_heights is None:
-        reject_options(context, "is for --scale-heights", "scaled", "compute", "workers")
+        reject_options(context, "requires --scale-heights", "scaled", "compute", "workers")
     else:
-        reject_options(context, "does not apply to --scale-heights", "d", "hurst", "amplitude", "direction")
+        reject_options(context, "cannot be combined with --scale-heights", "d", "hurst", "amplitude", "direction")
         loads = _parse_loads(result, load, width)
         assert result.stored is not None, "the result was opened from a directory"
         _print_scaled_heights(
