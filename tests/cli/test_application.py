@@ -155,7 +155,7 @@ def test_command_with_closed_streams_computes_and_writes(tmp_path, closed):
 @pytest.mark.parametrize("limit", [150_000, 450_000, 1_040_000])
 def test_low_address_space_is_reported_in_one_message(tmp_path, limit):
     completed = shell(f'ulimit -v {limit}; "$@"', "run", "quick", *TINY, cwd=tmp_path)
-    assert_rejected(completed, "memory is limited to", "at minimum 1073 MB")
+    assert_rejected(completed, "memory is limited to", "at least 1073 MB")
 
 
 EMPTY = [

@@ -128,8 +128,8 @@ def test_at_accepts_lists_as_pair_does(folder):
     ("arguments", "words"),
     [
         (("study", "--load", "-1 mN", "--mu0", "0.3"), ["--load must be above 0"]),
-        (("study", "--load", "1 mN", "--mu0", "-0.3"), ["--mu0 must be at minimum 0"]),
-        (("study", "--load", "1 mN", "--tau0", "-1 MPa"), ["--tau0 must be at minimum 0"]),
+        (("study", "--load", "1 mN", "--mu0", "-0.3"), ["--mu0 must be at least 0"]),
+        (("study", "--load", "1 mN", "--tau0", "-1 MPa"), ["--tau0 must be at least 0"]),
         (("study", "--load", "1 um"), ["--load"]),
         (("study", "--load", "1 MPa"), ["--load of a study must be a force"]),
         (("study",), ["give --load: the study has no loads"]),
@@ -140,7 +140,7 @@ def test_at_accepts_lists_as_pair_does(folder):
         (("lines", "--load", "1 mN", "--d", "1.3"), ["--d is for studies"]),
         (("study", "--load", "1 mN", "--d", "flat"), ["--d must be a number or several"]),
         (("maps", "--load", "1 mN", "--amplitude", "1 um"), ["--amplitude is for studies"]),
-        (("maps", "--load", "1 mN", "--direction", "31"), ["--direction must be one of"]),
+        (("maps", "--load", "1 mN", "--direction", "31"), ["--direction must be a direction of"]),
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
     ],
 )
@@ -208,7 +208,7 @@ def test_scale_heights_computes_on_request_and_prints_table_or_json(folder, tmp_
         ("maps", ("--scale-heights", "4..0.25"), "--scale-heights must be factors"),
         ("maps", ("--scale-heights", "x"), "--scale-heights must be"),
         ("maps", ("--scale-heights", "2", "--scaled", "left"), "scaled must be one of"),
-        ("maps", ("--scale-heights", "2", "--direction", "0"), "--direction does not apply to --scale-heights"),
+        ("maps", ("--scale-heights", "2", "--direction", "0"), "--direction cannot be combined with --scale-heights"),
         ("maps", ("--scaled", "upper"), "--scaled requires --scale-heights"),
         ("maps", ("--compute",), "--compute requires --scale-heights"),
         ("study", ("--scale-heights", "2", "--load", "1 uN"), "--scale-heights needs two measured surfaces"),

@@ -75,7 +75,7 @@ def test_calibrate_separates_parameters_with_two_finishes_only(pressed):
 def test_calibrate_warns_about_ball_beyond_yield(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
     completed = check_stiction("calibrate", *options, cwd=tmp_path)
-    assert "may be beyond yield" in completed.stderr
+    assert "may exceed the onset of yield" in completed.stderr
 
 
 @pytest.mark.parametrize(
@@ -110,12 +110,12 @@ def test_calibrate_rejects_contradictory_table(tmp_path, head, row, words):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("forces.csv",), "--pair DIR, or --ball"),
+        (("forces.csv",), "--pair DIR or --ball"),
         (BALL, "FORCES.csv, or --load and --measured"),
         ((*BALL, "--load", "1 mN"), "--load and --measured"),
         ((*BALL, "--load", "1 mN", "--measured", "0.25"), "uncertainty is needed"),
         ((*BALL, "--load", "1 mN", "--measured", "red"), "--measured must be a number"),
-        (("forces.csv", *BALL, "--load", "1 mN"), "one test without a file"),
+        (("forces.csv", *BALL, "--load", "1 mN"), "cannot be combined with FORCES.csv"),
         (("forces.csv", "--ball", "5 mm"), "--effective-modulus"),
         (("forces.csv", *BALL, "--sliding", "none"), "sliding"),
         (("none.csv", *BALL), "none.csv"),

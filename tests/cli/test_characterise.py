@@ -208,14 +208,14 @@ def test_characterise_of_several_files_prints_one_table(folder):
         (["scan.csv", "--row", "3"], "--row is for surfaces"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--level", "line"], "one of 'none', 'mean', 'plane'"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "60"], "--row must be at most 59, got 60"),
-        (["map.npy", "--unit", "um", "--spacing", "1um", "--row", "6", "--column", "6"], "cannot be combined with --column"),
-        (["scan.csv", "--band", "1 um"], "--band must be two wavelengths"),
-        (["scan.csv", "--band", "2 um,1 um"], "--band must be the shortest and then the longest"),
-        (["scan.csv", "--band", "1 um,1.01 um"], "band must hold at minimum 8 harmonics"),
         (
-            ["scan.csv", "--output", "figure.bmp"],
-            "--output must end in .html, .png, .pdf or .svg, got figure.bmp",
+            ["map.npy", "--unit", "um", "--spacing", "1um", "--row", "6", "--column", "6"],
+            "cannot be combined with --column",
         ),
+        (["scan.csv", "--band", "1 um"], "--band must be two wavelengths"),
+        (["scan.csv", "--band", "2 um,1 um"], "--band must give the shortest wavelength before"),
+        (["scan.csv", "--band", "1 um,1.01 um"], "band must hold at least 8 harmonics"),
+        (["scan.csv", "--output", "figure.bmp"], "--output must end in .html, .png, .pdf or .svg, got figure.bmp"),
         (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),
     ],
 )
@@ -301,7 +301,7 @@ def test_characterise_repeated_gives_mean_and_noise(tmp_path):
     assert f"starts at x = {1000 * found.shift[0]:.3g} nm of the first one." in " ".join(completed.stdout.split())
     assert np.array_equal(read_profile(tmp_path / "repeated.npy").heights, found.scan.heights)
     assert f"--cutoff '{1000 * found.limit:g} nm'" in " ".join(completed.stdout.split())
-    for more, why in (([], "repeated.npy: exists already"), (["--together"], "without --together")):
+    for more, why in (([], "repeated.npy: exists already"), (["--together"], "excludes --together")):
         assert_rejected(call_stiction("characterise", "a.csv", "b.csv", "--repeated", *more, cwd=tmp_path), why)
     reported = call_stiction("characterise", "a.csv", "b.csv", "--repeated", "--json", cwd=tmp_path)
     assert json.loads(reported.stdout)["limit_um"] == found.limit

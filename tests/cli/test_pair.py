@@ -280,7 +280,7 @@ def test_smallest_load_has_no_lower_steps(where):
         ),
         ([*PROFILES, "--effective-modulus", "10 mN"], ["--effective-modulus"]),
         ([*PROFILES, "--load", "10 nm"], ["--load must be a force or a pressure", "mN", "MPa"]),
-        ([*PROFILES, "--mu0", "-1"], ["--mu0 must be at minimum 0"]),
+        ([*PROFILES, "--mu0", "-1"], ["--mu0 must be at least 0"]),
         ([*MAPS, "--hardness", "150 HB"], ["--hardness", "'HB'"]),
         ([*MAPS, "--load", "1 GPa", "--hardness", "0.5 GPa"], ["--load must be below the hardness, 0.5 GPa"]),
         (

@@ -23,7 +23,7 @@ def main() -> None:
     if (limit := _address_space_limit()) < MIN_ADDRESS_SPACE:
         minimum = MIN_ADDRESS_SPACE // 10**6
         print(
-            f"stiction: memory is limited to {limit // 10**6} MB (ulimit -v); at minimum {minimum} MB are needed",
+            f"stiction: memory is limited to {limit // 10**6} MB (ulimit -v); at least {minimum} MB are needed",
             file=sys.stderr,
         )
         sys.exit(BAD_INPUT)
