@@ -113,6 +113,14 @@ def test_interval_is_open_if_many_samples_seize(tau0, has_end):
     assert (result.at()["status"] == "ok").all()
 
 
+def test_budget_counts_growth_that_seizes_at_one_of_its_values():
+    result = pair(*bodies(), **PLASTIC | STRENGTH | {"hardness": "0.23..1.7 GPa"}, junction_growth="0..27")
+    assert 0 < result.at()["fraction_seizing"].sel(sliding="all").item() < 0.025
+    assert np.isfinite(result.interval[1])
+    budget = result.budget.set_index("input")
+    assert 0.01 < budget.loc["the junction growth α", "share"] < budget.loc["the hardness", "share"] < 1
+
+
 def test_growth_after_dwell_uses_reduced_hardness():
     inputs = PLASTIC | STRENGTH | {"wait": "100 s", "creep": 0.05}
     waited = pair(*bodies(), **inputs, junction_growth=27).summary().points[0].waited[-1].value

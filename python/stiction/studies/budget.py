@@ -262,12 +262,13 @@ class _Point:
         return containing(self._sampled_interval(fixed), *parts)
 
     def width_left(self, name: str) -> float:
-        """Width of the interval if an input were known, a mean over what it may be."""
-        widths = [_width(self._sampled_interval({name: part})) for part in KNOWN_QUANTILES]
-        sampled, whole = _width(self._sampled_interval({})), _width(self.interval())
-        if not 0 < sampled < math.inf:
-            return float(np.mean(widths)) if sampled else whole
-        return min(float(np.mean(widths)) / sampled, 1.0) * whole
+        """Return the width of the interval that would remain if an input were exact, a mean over its values.
+
+        Widths are compared as those of the friction angle, which has an upper bound where samples seize.
+        """
+        angles = [_angle(self._sampled_interval({name: part})) for part in KNOWN_QUANTILES]
+        (low, high), sampled = self.interval(), _angle(self._sampled_interval({}))
+        return min(float(np.mean(angles)) / sampled, 1.0) * (high - low) if sampled > 0 else high - low
 
     def _sampled_interval(self, fixed: Mapping[str, float]) -> tuple[float, float]:
         if self.names == tuple(self.places) and not fixed:
@@ -398,9 +399,9 @@ def containing(ends: tuple[float, float], *values: float) -> tuple[float, float]
     return min(ends[0], *values), max(ends[1], *values)
 
 
-def _width(ends: tuple[float, float]) -> float:
-    """Return the width of an interval, which may have no upper end."""
-    return ends[1] - ends[0] if ends[1] < math.inf else math.inf
+def _angle(ends: tuple[float, float]) -> float:
+    """Return the angle between the ends of an interval of coefficients, which may have no upper end."""
+    return math.atan(ends[1]) - math.atan(ends[0])
 
 
 def _ends(values: NDArray[Any]) -> tuple[float, float]:
