@@ -32,7 +32,7 @@ def straightforward() -> list[tuple[str, str]]:
         mine = np.array([sums[name][d, 0] for name in SUMS])
         assert np.array_equal(mine[0], expected[0])
         agree = max(agree, float((np.abs(mine - expected) / np.maximum(np.abs(expected), 1e-300)).max()))
-    # The aliased cosines of the plain program lose their phases to round-off: 4e-7 rad at the highest frequency.
+    # Round-off of the phases of aliased cosines in the plain program: 4e-7 rad at the highest frequency.
     assert agree < 1e-3, agree
     return [
         ("the straightforward NumPy/SciPy program over a pair, one thread", f"{np.mean(times) / ours:.0f}"),
@@ -53,7 +53,7 @@ def generators() -> list[tuple[str, str]]:
     result = [("direct sum in NumPy over the family of 50 profiles", f"{naive / ours:.0f}")]
     import finufft
 
-    # One non-uniform transform for each frequency group, of 40 waves to 150 000 points, then the matrix product.
+    # One non-uniform transform for each frequency group (40 wavelengths, 150 000 points), then the matrix product.
     m, n = np.arange(1, 41), np.arange(40)
     wave = np.cos(np.pi * m / 40)[:, None] * 1.5 ** n[None, :] * (EXTENT / POINTS)
     angle = 2 * np.pi * (wave - np.rint(wave))
@@ -103,7 +103,7 @@ def boundary_elements() -> list[tuple[str, str]]:
         return float((model.traction > 0).mean())
 
     area = solve()
-    assert 0.05 < float(curve.contact_area[20]) / area < 1  # asperities do not interact here: less area
+    assert 0.05 < float(curve.contact_area[20]) / area < 1  # without interaction of asperities the area is smaller
     ours = seconds(lambda: press(upper, lower, approaches, law=HertzCylinder(), detection="gap-minimum"), 20)
     return [
         (

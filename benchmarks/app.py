@@ -41,7 +41,7 @@ def rows() -> list[tuple[str, str]]:
             driver.get(address)
             seen = until(driver, "['upper', 'lower'].every((side) => scans[side]?.holds)")
             paint = driver.execute_script("return performance.getEntriesByName('first-contentful-paint')[0].startTime")
-            time.sleep(5)  # as somebody who reads takes
+            time.sleep(5)  # the reading time of a user
             driver.execute_script("document.querySelector('#pair .go').click()")
             first = until(driver, "document.querySelector('#answer .value') !== null")
             until(driver, "framed !== '' && document.getElementById('progress').value > 0")

@@ -1,6 +1,6 @@
 """Measure areal contact in units of one FFT of the map, and compare it with boundary elements.
 
-Times are of the processor in this thread, so that other jobs of the machine do not count, but those of two threads.
+Times are processor times of this thread, so that other jobs do not count; those of two threads are wall times.
 """
 
 import statistics
@@ -14,7 +14,7 @@ from scipy.fft import rfft2
 from stiction import candidates, press, self_affine_surface
 
 SIDE = 16.0  # µm
-DEEPEST = 0.15  # µm, 2 rms heights of the gap
+DEEPEST = 0.15  # µm: twice the rms height of the gap
 APPROACHES = np.linspace(0, DEEPEST, 41)[1:]
 DIRECTIONS = np.arange(0, 360, 10)
 SLIDING = ("opposing", "all")
@@ -44,7 +44,7 @@ def took(call: Callable[[], object]) -> float:
 
 
 def medians(*calls: Callable[[], object], repeats: int = REPEATS) -> list[float]:
-    """Return the median time of each call; the calls alternate."""
+    """Return the median time of each call; calls are made in turn."""
     times = [[took(call) for call in calls] for _ in range(repeats)]
     return [statistics.median(column) for column in zip(*times, strict=True)]
 

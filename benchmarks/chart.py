@@ -28,7 +28,7 @@ BARS = {
         "aspher": r"512 x 512, mean pressure 0.03 .*",
     },
 }
-"""Other ways of each task, and the row of the table that holds how many times our time they take."""
+"""Alternatives for each task, and the table row with their run time relative to stiction."""
 
 
 def answers(table: str) -> dict[str, str]:
@@ -37,7 +37,7 @@ def answers(table: str) -> dict[str, str]:
 
 
 def times(answer: str, name: str) -> float | None:
-    """Return the run time relative to stiction: of the whole task, or of a named part."""
+    """Return the run time of the whole task, or of a part, relative to stiction."""
     if ";" in answer or " s, " in answer:
         result = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", answer)
         return float(result[1]) if result else None

@@ -1,7 +1,7 @@
 """Measure the repetitions per second that idle Dask workers can store, and the number of workers that this supports.
 
-Two workers on this machine, and the process that hands out the work: where they write the blocks themselves, and where
-they send them.
+The cluster consists of two workers on this machine and the scheduling process. Workers write the blocks themselves, or
+send them.
 """
 
 import multiprocessing
@@ -22,19 +22,19 @@ from stiction.studies.store import encoded
 
 STUDIES = ("figure6", "figure6-areal", "figure6-half-plane")
 BLOCKS = 60
-"""Blocks of repetitions that are stored."""
+"""Number of blocks that are stored."""
 
 KINDS = 7
-"""Different repetitions."""
+"""Number of different repetitions."""
 
 TIMES = 3
-"""Runs of which the median is taken, one after another of each kind."""
+"""Runs of each kind, made in turn, of which the median is taken."""
 
 _task = runner.block_task
 
 
-class Given:
-    """Task without computation: its sums are read once per process from a file."""
+class StoredSums:
+    """Executor task without computation: reads sums once per process from a file."""
 
     def __init__(self, path: str, seen: bool) -> None:
         self.path = path
@@ -50,8 +50,8 @@ class Given:
 _read: dict[str, list[dict]] = {}
 
 
-def different(sums: dict) -> list[dict]:
-    """Return sums like those of a repetition: zeros stay zero, other numbers get random digits."""
+def randomise(sums: dict) -> list[dict]:
+    """Return the sums of a repetition with random digits; zeros remain zero."""
     random = np.random.default_rng(0)
 
     def other(values: np.ndarray) -> np.ndarray:
@@ -62,19 +62,19 @@ def different(sums: dict) -> list[dict]:
     return [{name: other(values) for name, values in sums.items()} for _ in range(KINDS)]
 
 
-def stored(study: Study, sums: list[dict], executor: Executor, *, seen: bool) -> tuple[float, float]:
+def measure_storage(study: Study, sums: list[dict], executor: Executor, *, seen: bool) -> tuple[float, float]:
     """Return repetitions per second and processor seconds of the driver per repetition."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))
-        runner.block_task = Given(str(file), seen)
+        runner.block_task = StoredSums(str(file), seen)
         size = runner.block_size(study)
         parts = -(-study.ensemble.repetitions // (size * BLOCKS))
         try:
-            runner.fill(study, Path(folder) / "r", part=(2, parts), executor=executor)  # and all is loaded
-            start, own = time.perf_counter(), time.process_time()
+            runner.fill(study, Path(folder) / "r", part=(2, parts), executor=executor)  # and all modules are loaded
+            start, driver_start = time.perf_counter(), time.process_time()
             count = runner.fill(study, Path(folder) / "r", part=(1, parts), executor=executor)
-            return count / (time.perf_counter() - start), (time.process_time() - own) / count
+            return count / (time.perf_counter() - start), (time.process_time() - driver_start) / count
         finally:
             runner.block_task = _task
 
@@ -84,20 +84,25 @@ def rows() -> list[tuple[str, str]]:
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
         for name in STUDIES:
             study = Study.named(name).with_changes({"ensemble.repetitions": 1_000_000})
-            half_plane = name == "figure6-half-plane"  # each takes a minute and a half
+            half_plane = name == "figure6-half-plane"  # each run takes 90 s
             one = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if half_plane else study
             dimensions = study.surfaces.fractal_dimensions().size if half_plane else 1
             sums = member_sums(one, 0)
             cost = dimensions * seconds(lambda one=one: member_sums(one, 1), 1 if half_plane else 3)
-            kinds = different({name: values.repeat(dimensions, axis=0) for name, values in sums.items()})
+            kinds = randomise({name: values.repeat(dimensions, axis=0) for name, values in sums.items()})
             size = runner.block_size(study)
             block = stacked(study, [kinds[i % KINDS] for i in range(size)])
             encoded(study, range(size), block)
             writing = seconds(lambda study=study, size=size, block=block: encoded(study, range(size), block), 5) / size
-            each = [(stored(study, kinds, executor, seen=True), stored(study, kinds, executor, seen=False)[0])
-                    for _ in range(TIMES)]  # fmt: skip
-            rate, own = (statistics.median(one[0][i] for one in each) for i in range(2))
-            sent = statistics.median(one[1] for one in each)
+            runs = [
+                (
+                    measure_storage(study, kinds, executor, seen=True),
+                    measure_storage(study, kinds, executor, seen=False),
+                )
+                for _ in range(TIMES)
+            ]
+            rate, driver = (statistics.median(by_workers[i] for by_workers, _ in runs) for i in range(2))
+            sent = statistics.median(by_driver[0] for _, by_driver in runs)
             results += [
                 (f"a repetition of {name}: time on one core", f"{cost:.3g} s"),
                 ("... its sums", f"{bytes_of_member(study) / 1e3:.0f} kB"),
@@ -105,7 +110,7 @@ def rows() -> list[tuple[str, str]]:
                 ("... time to make its part of the block's file", f"{1e3 * writing:.2g} ms, {writing / cost:.2%}"),
                 ("... stored a second by two workers that compute nothing", f"{rate:.0f}"),
                 ("... sent by them, and stored by the process that hands out the work", f"{sent:.0f}"),
-                ("... time of the process that hands out the work, for one", f"{1e6 * own:.0f} µs"),
-                ("... workers that keep it busy", f"{cost / own:,.0f}"),
+                ("... time of the process that hands out the work, for one", f"{1e6 * driver:.0f} µs"),
+                ("... workers that keep it busy", f"{cost / driver:,.0f}"),
             ]
     return results

@@ -15,11 +15,11 @@ MODULUS = 10.0
 SLOPE = 0.1
 TOLERANCE = 1e-6
 PRESSURES = (0.005, 0.03, 0.1)
-"""In units of E* h'."""
+"""Mean pressures in units of E* h'."""
 
 
 def rough(shape: tuple[int, ...], longest: int, shortest: int, hurst: float = 0.8) -> np.ndarray:
-    """A self-affine body of unit length, H = 0.8, rms slope 0.1, with waves between so many in its length."""
+    """Return a self-affine surface of unit length, H = 0.8, rms slope 0.1, and a range of wavenumbers."""
     random = np.random.default_rng(1)
     waves = [np.fft.fftfreq(n, 1 / n) for n in shape[:-1]] + [np.fft.rfftfreq(shape[-1], 1 / shape[-1])]
     k = np.sqrt(sum(np.square(axis) for axis in np.meshgrid(*waves, indexing="ij")))
@@ -31,7 +31,7 @@ def rough(shape: tuple[int, ...], longest: int, shortest: int, hurst: float = 0.
 
 
 def error(heights: np.ndarray, pressure: np.ndarray) -> float:
-    """Return the error measure of all solvers: Σ p (v - min v)/(F h), the energy bound over load and rms height."""
+    """Return the common error measure, Σ p (v - min v)/(F h): energy bound over load and rms height."""
     n, m = heights.shape
     k = 2 * np.pi * np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.fft.rfftfreq(m, 1 / m))
     compliance = np.divide(2 / MODULUS, k, out=np.zeros_like(k), where=k > 0)
@@ -87,7 +87,7 @@ def timed(solve: Callable[..., Any], heights: np.ndarray, load: float) -> tuple[
 
 
 def rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
-    # Tolerance of each solver, in its own measure, that gives about our error in the common measure, or a larger one.
+    # Tolerance of each solver in its own measure; the common error is about that of stiction, or larger.
     others = {"tamaas": of_tamaas(TOLERANCE)}
     if importlib.util.find_spec("aspher"):
         others["aspher"] = of_aspher(1.5e-7)
@@ -114,7 +114,7 @@ def rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
 
 
 def agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
-    """Print the largest difference from the pressures of tamaas, relative to the highest pressure; takes minutes."""
+    """Print the largest pressure difference from tamaas, relative to the highest pressure; it takes minutes."""
     for n in sides:
         heights = rough((n, n), 4, n // 16)
         body = Surface(heights, spacing=1 / n)
@@ -130,7 +130,7 @@ def agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
 
 
 def shift(side: int = 384) -> tuple[str, str]:
-    """Measure one shift of a pair of maps: three loads, all directions, both sliding rules and the stiffness."""
+    """Measure one position of a pair of maps: three loads, all directions, both sliding rules and stiffness."""
     heights = rough((side, side), 4, side // 16)
     body = Surface(heights, spacing=1 / side)
     flat = Surface(np.zeros(heights.shape), spacing=1 / side)

@@ -1,7 +1,7 @@
 """Measure time and memory of one run. The unit U is one real FFT of 150 000 numbers, timed between the other calls.
 
-The C library takes the FFT's memory from the system at each call until a large block has been freed once; then it keeps
-it, and U is up to half as long. U is taken in that state, in which costs in U are at their highest.
+The C library requests the memory of an FFT from the system at each call until a large block has been freed once. From
+then on it keeps the memory, and U is up to half as long. U is measured in this state: costs in U are upper bounds.
 """
 
 import multiprocessing
@@ -16,7 +16,7 @@ _SIGNAL = np.random.default_rng(0).random(150_000)
 
 
 def keep_memory() -> None:
-    """Free a large block, after which the C library keeps blocks of up to that size."""
+    """Free a large block; the C library then keeps blocks of up to that size."""
     block = np.ones(3 << 20)  # 24 MiB
     del block
 
@@ -38,7 +38,7 @@ def unit(repeats: int = 40) -> float:
 
 
 def in_units(call: Callable[[], object], repeats: int = 5) -> float:
-    """Return the median of time over U, which is timed before and after each call, because the clock drifts."""
+    """Return the median of time over U; U is timed before and after each call, because the clock drifts."""
     ratios = []
     for _ in range(repeats):
         before = unit(10)

@@ -1,6 +1,6 @@
-"""Measure the memory of commands on results that are larger than it.
+"""Measure the memory of commands on results that are larger than the memory.
 
-Each in a process of its own: 10 000 repetitions as large as quick's, of small surfaces, and 200 of figure6.
+Each command runs in a new process: on 10 000 repetitions of small surfaces, and on 200 repetitions of figure6.
 """
 
 import contextlib

@@ -1,7 +1,6 @@
 """Measure a result of a million repetitions: storing, opening, mapping and extending it.
 
-The numbers are a stand-in, made without any contact: fractal dimensions and approaches are few, so that what is
-measured is what repetitions cost by themselves.
+The sums are synthetic. There are few fractal dimensions and approaches, so that the cost of repetitions dominates.
 """
 
 import os
@@ -29,11 +28,11 @@ STUDY = Study().with_changes(
     }
 )
 KINDS = 4099
-"""Different repetitions, a prime, so that blocks differ."""
+"""Number of different repetitions; a prime, so that blocks differ."""
 
 
 def stand_in(study: Study) -> Callable[[Study, int], dict]:
-    """Return sums that increase with the approach like Hertz's, times a random factor for each repetition."""
+    """Return sums that increase with the approach by Hertz's law, times a random factor for each repetition."""
     random = np.random.default_rng(study.ensemble.seed)
     step = np.arange(1.0, 1 + study.contact.steps().size)
     bank = []
@@ -54,7 +53,7 @@ def timed(function: Callable[[], object]) -> tuple[object, float]:
 
 
 def rows() -> list[tuple[str, str]]:
-    # Members without cost give blocks of the maximum size.
+    # Without computing cost, blocks have the maximum size.
     real = runner.member_sums, runner.cost_of_member
     runner.member_sums, runner.cost_of_member = stand_in(STUDY), lambda _: 0.0
     try:

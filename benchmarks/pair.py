@@ -8,7 +8,7 @@ from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.studies.member_solution import _memory, member_sums
 from stiction.studies.members import fill_profiles
 
-REPETITIONS = 60  # so that the last one, which a thread may be alone with, is little of all
+REPETITIONS = 60  # many, so that the last one, which a single thread computes, is a small fraction
 STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": REPETITIONS})
 PAIRS = REPETITIONS * 50
 TURNS = 10
@@ -17,7 +17,7 @@ SIGNAL = np.random.default_rng(0).random(150_000)
 
 
 def by_new_threads(study: Study, workers: int) -> float:
-    """Return the seconds with new threads, which must first allocate their memory."""
+    """Return the seconds with new threads, which allocate their memory first."""
     with ThreadPoolExecutor(workers) as pool:
         return seconds(lambda: run(study, executor=pool), 1)
 
@@ -36,10 +36,10 @@ def rows() -> list[tuple[str, str]]:
     for detection in ("cell", "gap-minimum"):
         study = STUDY.with_changes({"contact.detection": detection})
         with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(2) as two:
-            gain(study, one, two)  # which brings their memory
+            gain(study, one, two)  # which allocate their memory
             cost = in_units(lambda study=study, one=one: run(study, executor=one), 3) / PAIRS
             median = float(np.median([gain(study, one, two) for _ in range(TURNS)]))
-        share = 2 / median - 1  # fraction of the time of one thread that a second thread does not shorten (Amdahl)
+        share = 2 / median - 1  # serial fraction of the run time (Amdahl)
         four = 1 / (share + (1 - share) / 4)
         result += [
             (f"a pair of figure6, {detection}, one thread", f"{cost:.2f} U"),

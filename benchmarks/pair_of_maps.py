@@ -21,7 +21,7 @@ COMMAND = [
     "pair", "upper.npy", "lower.npy", "--effective-modulus", "100 GPa", "--hardness", "5 GPa", "--mu0", "0.2",
     "--tau0", "50 MPa", "--load", "1 MPa", "--load", "3 MPa", "--load", "10 MPa",
 ]  # fmt: skip
-"""16 positions of 384 x 384, three loads and two about them, 12 directions, both rules; cut-offs, onset, pictures."""
+"""Command with 16 positions of 384 x 384 points, three loads, 12 directions, both rules, cutoffs, onset and figures."""
 
 
 def scans(folder: Path) -> None:
@@ -32,7 +32,7 @@ def scans(folder: Path) -> None:
         write_surface(surface, folder / f"{side}.npy")
 
 
-def of_command(folder: Path, output: str) -> tuple[float, float]:
+def measure_command(folder: Path, output: str) -> tuple[float, float]:
     """Return processor time and wall time of the command."""
     before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     command = Path(sys.executable).with_name("stiction")
@@ -42,7 +42,7 @@ def of_command(folder: Path, output: str) -> tuple[float, float]:
 
 
 def solving(study: Study) -> Callable[[], None]:
-    """Solve every load of the members of a study in one direction; the surfaces are prepared before."""
+    """Solve every load of prepared members in one direction."""
     contact, bodies = study.contact, bodies_of(study)
     pairs = [
         bodies.member(member, float(wavelength)).pair
@@ -77,14 +77,14 @@ def rows() -> list[tuple[str, str]]:
     with tempfile.TemporaryDirectory() as created:
         folder = Path(created)
         scans(folder)
-        commands = [of_command(folder, "0")]
+        commands = [measure_command(folder, "0")]
         study, over = (open_stored(folder / "0" / sub).study for sub in ("", FOLDER))
         tasks = solving(study), solving(over), lambda: beginning_to_slide(study)
         half_space(*bodies_of(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)  # imports, kernels
         solved = []
         for turn in range(TURNS):
             solved.append([seconds(task) for task in tasks])
-            commands.append(of_command(folder, str(turn + 1)))
+            commands.append(measure_command(folder, str(turn + 1)))
     whole, by_clock = (statistics.median(column) for column in zip(*commands[1:], strict=True))
     positions, cut_offs, onset = (statistics.median(column) for column in zip(*solved, strict=True))
     return [

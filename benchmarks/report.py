@@ -32,12 +32,12 @@ for (const slider of document.querySelectorAll("input[type=range]"))
 
 def steps(driver, slider: str) -> float:
     """Return the median time (ms) of a key press on a slider."""
-    middle = "const e = arguments[0]; e.value = (Number(e.min) + Number(e.max)) / 2"  # with room on both sides
+    middle = "const e = arguments[0]; e.value = (Number(e.min) + Number(e.max)) / 2"  # away from both ends
     driver.execute_script(middle + "; times.length = 0", driver.find_element("id", slider))
     for i in range(STEPS):
         driver.find_element("id", slider).send_keys(
             "\ue014" if i // 10 % 2 == 0 else "\ue012"
-        )  # ten to the right, ten back
+        )  # ten steps to the right, then ten back
         browser.settle(driver)
     times = driver.execute_script("return times")
     assert len(times) == STEPS, len(times)

@@ -1,4 +1,4 @@
-"""Two AFM maps pressed as areas, around the compass: python afm_areas.py [UPPER LOWER], instrument files."""
+"""Friction of two AFM maps in all directions: python afm_areas.py [UPPER LOWER], instrument files."""
 
 import sys
 from pathlib import Path
@@ -9,7 +9,7 @@ from stiction.views.text import result_text
 
 
 def stand_in(side):
-    """A file such as an instrument might give of a lapped face."""
+    """Write a synthetic AFM file of a lapped face."""
     face = self_affine_surface(
         5, hurst_exponent=0.8, rms=0.01, shape=(128, 128), spacing=0.02, longest_wavelength=0.6,
         shortest_wavelength=0.1, side=side,

@@ -10,7 +10,7 @@ from stiction.views.style import STYLE, WIDTH
 
 
 def stand_in(side):
-    """Lines like those of a map of 10 µm: independent of each other, which those of a map are not."""
+    """Return synthetic lines of a map of 10 µm; unlike lines of a real map they are independent."""
     lines = [
         self_affine(
             3, hurst_exponent=0.85, rms=0.02, points=512, spacing=10 / 512, shortest_wavelength=0.1, side=side,

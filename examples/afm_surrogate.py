@@ -1,4 +1,4 @@
-"""A worn map on itself, and the same of a surrogate: what its spectrum does not know, its height distribution does."""
+"""A worn map against itself, and a surrogate against itself: effect of the height distribution."""
 
 import matplotlib
 
@@ -20,7 +20,7 @@ from stiction.views.style import STYLE
 
 plt.rcParams.update(STYLE)
 
-# Rough, its peaks then worn to a plateau with a finer roughness of its own.
+# A rough surface whose peaks are worn to a plateau with finer roughness.
 rough, fine = (
     self_affine_surface(
         6, hurst_exponent=0.8, rms=rms, shape=(192, 192), spacing=0.02, longest_wavelength=0.8,
@@ -42,7 +42,7 @@ for name, body, colour in (("worn", worn, "0.0"), ("surrogate", made, "0.55")):
     area = 100 * mean["contact_area_fraction"].values
     axes[1].fill_between([3, 10, 30], area[:, 1], area[:, 2], color=colour, alpha=0.2, linewidth=0)
     axes[1].plot([3, 10, 30], area[:, 0], "o-", markersize=3, color=colour, label=f"{name} on itself")
-    # The mean about the compass of each shift, and then over shifts with twice its standard error.
+    # Mean over all directions for each shift, then over shifts with twice the standard error.
     friction = maps["friction_coefficient"].sel(sliding="all").isel(load=1).mean("direction").squeeze()
     error = 2 * float(friction.std("repetition", ddof=1)) / np.sqrt(friction.sizes["repetition"])
     print(f"{name}: Sq {1000 * found.Sq:.1f} nm, Ssk {found.Ssk:.2f}, Sdq {found.Sdq:.3f}; at 10 MPa")

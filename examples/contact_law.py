@@ -1,4 +1,4 @@
-"""Friction, area and stiffness as the contact law of a discrete-element code: a grain is pressed, then pushed."""
+"""Contact law for a discrete-element code: a grain is pressed, then pushed until it slides."""
 
 import matplotlib
 
@@ -19,20 +19,20 @@ mean = table.sel(statistic="mean")
 pressure, approach = mean["pressure"].values, mean["approach"].values  # GPa, µm
 friction = mean["friction_coefficient"].values
 
-AREA = 1e4  # µm² of a face between two grains
+AREA = 1e4  # µm²: contact face between two grains
 
 
 def normal_force(overlap):
-    """Force (mN) at an overlap of the mean planes (µm): the table between its points."""
+    """Return the force (mN) at an overlap of the mean planes (µm), interpolated in the table."""
     return AREA * np.exp(np.interp(overlap, approach, np.log(pressure)))
 
 
 def strength(force):
-    """Tangential force (mN) at which a face under a normal force slips."""
+    """Return the tangential force (mN) at which a face under a normal force slips."""
     return force * np.interp(np.log(force / AREA), np.log(pressure), friction)
 
 
-# A grain of 0.1 mg is pressed to 200 mN and then pushed ever harder, in steps of 10 ns.
+# A grain of 0.1 mg is pressed to 200 mN, then pushed with increasing force, in steps of 10 ns.
 MASS, STEP, DAMPING = 1e-7, 1e-8, 0.1  # kg, s, N s/m
 place, speed, slid, slip, history = float(approach[0]), 0.0, 0.0, 0.0, []
 for step in range(6000):

@@ -1,4 +1,4 @@
-"""Terrain about the Jacksboro fault, 1 m as 1 µm: slopes, Hurst exponents, and friction without tau0 know no scale."""
+"""Terrain around the Jacksboro fault, 1 m as 1 µm: slopes, Hurst exponents and friction at tau0 = 0 have no scale."""
 
 import math
 
@@ -26,7 +26,7 @@ surface = levelled(
 print(characterisation_text(surface), end="")
 characterisation_figure(surface).savefig("fault_surface.png")
 
-# Its lines on others of its own, as rock of E* = 40 GPa; a load without unit is F/(E* L²), with L the length of a line.
+# Lines against other lines, E* = 40 GPa; the dimensionless load is F/(E* L²) with the length L of a line.
 uppers, lowers = paired_lines(surface, surface, lines=24)
 loads = np.geomspace(1e-7, 1e-4, 4) * 40.0 * uppers[0].extent ** 2
 mean = traverse_mean(traverse(uppers, lowers, loads, mu0=0.6, effective_modulus=40.0))

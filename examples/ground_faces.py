@@ -1,4 +1,4 @@
-"""Two ground faces pressed together, against the angle between their lays: friction and true area."""
+"""Friction and true area of two ground faces as functions of the angle between their lays."""
 
 import matplotlib
 
@@ -17,7 +17,7 @@ STEEL = {"mu0": 0.2, "tau0": [0.0, 0.5], "effective_modulus": 115.0}  # GPa
 
 
 def ground(side):
-    """Grooves along y, eight times as long as wide, on a square grid of 0.2 µm."""
+    """Return grooves along y, eight times as long as wide, on a square grid of 0.2 µm."""
     waves = self_affine_surface(
         8, hurst_exponent=0.8, rms=0.15, shape=(80, 320), spacing=0.2, longest_wavelength=8.0, shortest_wavelength=0.8,
         side=side,
@@ -38,8 +38,8 @@ for angle in ANGLES:
     rows.append(pressed_maps(*pair, [load], shifts=12, directions=[0.0, 90.0, 180.0, 270.0], **STEEL))
 
 
-def over_shifts(values):
-    """Mean, and twice its standard error."""
+def mean_over_shifts(values):
+    """Return the mean and twice its standard error."""
     return float(values.mean()), 2 * float(values.std("repetition", ddof=1)) / np.sqrt(values.sizes["repetition"])
 
 
@@ -47,13 +47,13 @@ figure, (top, bottom) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layo
 for tau0, colour in zip((0.0, 0.5), STRENGTHS, strict=True):
     for ways, style, words in (([0.0, 180.0], "-", "across the lower grooves"), ([90.0, 270.0], "--", "along them")):
         chosen = {"sliding": "opposing", "tau0": tau0, "direction": ways}
-        # To and fro together, so that what leans one way does not count.
+        # Mean of both directions, so that asymmetric slopes cancel.
         found = [each["friction_coefficient"].sel(chosen).squeeze().mean("direction") for each in rows]
-        middle, error = np.transpose([over_shifts(each) for each in found])
+        middle, error = np.transpose([mean_over_shifts(each) for each in found])
         top.fill_between(ANGLES, middle - error, middle + error, color=colour, alpha=0.15, linewidth=0)
         label = rf"{words}, $\tau_0$ = {1000 * tau0:.0f} MPa"
         top.plot(ANGLES, middle, style, color=colour, marker="o", markersize=3, label=label)
-area, error = np.transpose([over_shifts(100 * each["contact_area_fraction"].squeeze()) for each in rows])
+area, error = np.transpose([mean_over_shifts(100 * each["contact_area_fraction"].squeeze()) for each in rows])
 bottom.fill_between(ANGLES, area - error, area + error, color=AREA, alpha=0.2, linewidth=0)
 bottom.plot(ANGLES, area, "o-", markersize=3, color=AREA)
 top.set(ylabel=r"$\mu_s$, opposing contacts rub", ylim=(0, None))

@@ -1,4 +1,4 @@
-"""Static friction of lapped steel on lapped steel against load, for three finishes; profiles by the generator."""
+"""Static friction of lapped steel on lapped steel as a function of load, for three finishes of generated profiles."""
 
 import matplotlib
 

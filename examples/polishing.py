@@ -1,4 +1,4 @@
-"""What polishing one of two faces would change: friction and true area against the roughness of the upper face."""
+"""Effect of polishing one of two faces: friction and true area as functions of the roughness of the upper face."""
 
 import matplotlib
 
@@ -16,7 +16,7 @@ MATERIAL = {"mu0": 0.2, "tau0": [0.0, 0.5], "effective_modulus": 115.0, "shifts"
 
 
 def face(side, rms):
-    """A lapped face of a wanted Sq."""
+    """Return a lapped face with a given Sq."""
     return self_affine_surface(
         9, hurst_exponent=0.8, rms=rms, shape=(192, 192), spacing=0.2, longest_wavelength=8.0, shortest_wavelength=1.0,
         side=side,
@@ -31,21 +31,21 @@ for rms in FINISHES:
     rows.append(pressed_maps(upper, lower, [load], **MATERIAL))
 
 
-def over_shifts(values):
-    """Mean, and twice its standard error."""
+def mean_over_shifts(values):
+    """Return the mean and twice its standard error."""
     return float(values.mean()), 2 * float(values.std("repetition", ddof=1)) / np.sqrt(values.sizes["repetition"])
 
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
 for tau0, colour in zip((0.0, 0.5), STRENGTHS, strict=True):
     for rule, style, words in (("opposing", "-", "opposing contacts rub"), ("all", "--", "all rub")):
-        # The mean about the compass of each shift, so that what leans one way does not count.
+        # Mean over all directions of each shift, so that asymmetric slopes cancel.
         found = [each["friction_coefficient"].sel(sliding=rule, tau0=tau0).squeeze().mean("direction") for each in rows]
-        middle, error = np.transpose([over_shifts(each) for each in found])
+        middle, error = np.transpose([mean_over_shifts(each) for each in found])
         left.fill_between(FINISHES, middle - error, middle + error, color=colour, alpha=0.15, linewidth=0)
         label = rf"{words}, $\tau_0$ = {1000 * tau0:.0f} MPa"
         left.plot(FINISHES, middle, style, color=colour, marker="o", markersize=3, label=label)
-area, error = np.transpose([over_shifts(100 * each["contact_area_fraction"].squeeze()) for each in rows])
+area, error = np.transpose([mean_over_shifts(100 * each["contact_area_fraction"].squeeze()) for each in rows])
 right.fill_between(FINISHES, area - error, area + error, color=AREA, alpha=0.2, linewidth=0)
 right.plot(FINISHES, area, "o-", markersize=3, color=AREA)
 left.set(ylabel=r"$\mu_s$, mean about the compass", ylim=(0, None))

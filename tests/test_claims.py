@@ -218,10 +218,13 @@ def test_bands_contain_extremes_that_percentiles_miss():
 
 
 def test_columns_use_their_sliding_rule_and_mechanics():
-    assert {column.of(2000).contact.mechanics for column in claims.COLUMNS.values()} == {"asperities", "half-space"}
+    assert {column.to_study(2000).contact.mechanics for column in claims.COLUMNS.values()} == {
+        "asperities",
+        "half-space",
+    }
     column = claims.COLUMNS["half-spaces"]
-    study = column.of(100)
-    assert study.ensemble.repetitions == claims.FEWEST_REPETITIONS
+    study = column.to_study(100)
+    assert study.ensemble.repetitions == claims.MIN_REPETITIONS
     assert study.surfaces == claims.COLUMNS["half-spaces, all rub"].of(100).surfaces
     result = empty_dataset(study)
     load = study.contact.steps()

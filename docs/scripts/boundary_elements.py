@@ -27,7 +27,7 @@ from reference.boundary_elements import (  # noqa: E402  the tests repeat points
 
 HURST = (0.5, 0.75, 1.0)
 BANDWIDTHS = {8: (64, 24), 32: (32, 24), 128: (16, 12)}
-"""Longest over shortest wave: points per shortest wave, repetitions. Light contacts of few waves need more of both."""
+"""Points per shortest wavelength and repetitions, by bandwidth; light contacts need more of both."""
 LOADS = np.geomspace(0.002, 0.2, 9)
 """p̄ / (E* h'rms)."""
 SHOWN = (0, 4, 8)
@@ -39,7 +39,9 @@ FRACTION, COUNT, STIFFNESS = range(3)
 THEORIES = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np.sqrt(8 / np.pi)}
 
 
-def measured(bandwidth: int, hurst: float, repetition: int, finer: int = 1, tolerance: float = TOLERANCE) -> np.ndarray:
+def measure_profile(
+    bandwidth: int, hurst: float, repetition: int, finer: int = 1, tolerance: float = TOLERANCE
+) -> np.ndarray:
     """Return contact fraction, count and stiffness (GPa/µm): (load, boundary elements | model | interacting, 3)."""
     points, _ = BANDWIDTHS[bandwidth]
     random = np.random.default_rng([SEED, repetition])
@@ -50,7 +52,7 @@ def measured(bandwidth: int, hurst: float, repetition: int, finer: int = 1, tole
 
 
 def with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Geometric mean of ratios over axis 0, and the ends of its 95 % interval by Student's t; NaNs are left out."""
+    """Return the geometric mean over axis 0, and the ends of its 95 % interval (Student's t); NaNs are ignored."""
     logs = np.log(ratios)
     n = np.isfinite(logs).sum(axis=0)
     mean = np.nanmean(logs, axis=0)
@@ -58,13 +60,13 @@ def with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return np.exp(mean), np.exp(mean - half), np.exp(mean + half)
 
 
-def written(ratios: np.ndarray) -> str:
+def format_ratios(ratios: np.ndarray) -> str:
     mean, low, high = (float(value) for value in with_interval(ratios))
     return f"{mean:.2f} ({low:.2f} to {high:.2f})"
 
 
 def curve(ax, h: int, values: np.ndarray, style: str, *, filled: bool) -> None:
-    """Means of (profile, load) with their intervals, in the colour of a Hurst exponent; the filled one is its label."""
+    """Draw means over profiles with error bars at each load; only the filled curve is labelled."""
     mean, low, high = with_interval(values)
     ax.errorbar(
         LOADS * 1.06 ** (h - 1),
@@ -171,7 +173,7 @@ def load_rows(results: dict) -> list[str]:
                 f"{solid[:, FRACTION].mean():.3f}",
                 f"{solid[:, COUNT].mean():.3g}, {model[:, COUNT].mean():.3g}",
                 *(
-                    written(way[:, quantity] / solid[:, quantity])
+                    format_ratios(way[:, quantity] / solid[:, quantity])
                     for way in (model, interacting)
                     for quantity in (FRACTION, STIFFNESS)
                 ),
@@ -181,7 +183,7 @@ def load_rows(results: dict) -> list[str]:
 
 
 def count_rows(results: dict) -> list[str]:
-    """Ratios of area by the number of contacts of the half-space; a repetition counts once in a row, over all H."""
+    """Return a table of area ratios by the number of contacts; each repetition counts once in a row."""
     groups = ((1, 1), (1.5, 2), (2.5, 4), (4.5, 8), (8.5, 16), (16.5, 32), (32.5, 64), (64.5, 1000))
     rows = [
         "| contacts per period, boundary elements | "
@@ -198,7 +200,7 @@ def count_rows(results: dict) -> list[str]:
                 points = points[(points[:, 0, COUNT] >= least) & (points[:, 0, COUNT] <= most)]
                 if len(points):
                     ratios.append(np.exp(np.log(points[:, way, FRACTION] / points[:, 0, FRACTION]).mean()))
-            cells.append(written(np.array(ratios)) if len(ratios) >= 6 else "")
+            cells.append(format_ratios(np.array(ratios)) if len(ratios) >= 6 else "")
         name = f"{most:g}" if most <= 2 else f"{np.ceil(least):g} to {most:g}" if most < 1000 else f"above {least:.0f}"
         rows.append(f"| {name} | {' | '.join(cells)} |")
     return rows
@@ -230,12 +232,14 @@ def main() -> None:
     pairs = list(product(BANDWIDTHS, HURST))
     with ProcessPoolExecutor(2) as pool:
         jobs = {
-            (bandwidth, hurst): [pool.submit(measured, bandwidth, hurst, k) for k in range(BANDWIDTHS[bandwidth][1])]
+            (bandwidth, hurst): [
+                pool.submit(measure_profile, bandwidth, hurst, k) for k in range(BANDWIDTHS[bandwidth][1])
+            ]
             for bandwidth, hurst in reversed(pairs)
         }
         options = {"finer": {"finer": 2}, "tighter": {"tolerance": 1e-12}}
         check_jobs = {
-            (check, *pair): [pool.submit(measured, *pair, k, **arguments) for k in range(CHECKED)]
+            (check, *pair): [pool.submit(measure_profile, *pair, k, **arguments) for k in range(CHECKED)]
             for check, arguments in options.items()
             for pair in pairs
         }

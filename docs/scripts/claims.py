@@ -1,21 +1,21 @@
 """Test the claims of the paper: writes the tables of claims.md and friction.md into docs/generated.
 
-Run by `./dev claims`, which has run the studies of the figures into build/claims before. `--repetitions 2000` judges on
-so many as well, and `--columns` areas, half-planes and half-spaces on a fraction of them.
+`./dev claims` runs this script after it has computed the studies of the figures in build/claims. `--repetitions 2000`
+adds tables for 2000 repetitions, and `--columns` adds areas, half-planes and half-spaces with a fraction of them.
 
-Hanaor, Gan & Einav, Tribology International 93 (2016) 229. A claim has one or more parts, and a part is a number that
-the claim wants within a range. A part is true where the number's 95 % interval lies within that range, false where it
-lies outside, and undecided where an end of the range lies in the interval. A claim is true if all of its parts are,
-false if one of them is, and undecided otherwise. The numbers and ranges were written down before any was computed.
+Hanaor, Gan & Einav, Tribology International 93 (2016) 229. A claim has one or more parts. A part is a number
+with a range. The part is true if the number's 95 % interval is inside the range, false if it is outside, and undecided
+if it contains an end of the range. A claim is true if all of its parts are true, false if any part is false, and
+undecided otherwise. All numbers and ranges were defined before any of them was computed.
 
-Intervals are percentiles over resampled ensembles (bootstrap over the repetitions). A fractal dimension at which a
-quantity has no value, or has none in more than one of forty resampled ensembles, because friction locks itself or the
-load is not reached, is left out of the number, and the outcome says so.
+Intervals are percentiles over resampled ensembles (bootstrap over the repetitions). Fractal
+dimensions are excluded if the quantity has no value, or has none in more than one of forty resampled ensembles, because
+friction is self-locking or the load is not reached. The outcome lists them.
 
-That rule is at fault in two ways. The largest of many noisy values grows with the noise, so that its interval may
-exclude the value itself; and above D = 1.65 a few pairs that nearly lock themselves carry a mean. So beside it stands
-another (`Ruling` "bands"): the interval of an extreme over D is that of bands which hold all its values at once, and
-D is at most 1.65 where asperities on profiles touch.
+This rule has two faults. The largest of many noisy values grows with the noise, so that its interval may exclude the
+value itself; and above D = 1.65 a few pairs that are nearly self-locking dominate a mean. A second rule (`Ruling`
+"bands") avoids both: the interval of an extreme over D follows from simultaneous bands for all values, and for profiles
+with asperities D is at most 1.65.
 """
 
 import argparse
@@ -38,17 +38,17 @@ Floats = NDArray[np.float64]
 Sliding = Literal["opposing", "all"]
 Quantity = Literal["friction", "area", "stiffness"]
 Ruling = Literal["percentiles", "bands"]
-"""How the interval of an extreme over D is found: from the extremes of resampled ensembles, or from bands."""
+"""Source of the interval of an extreme over D: extremes of resampled ensembles, or simultaneous bands."""
 
 Verdict = Literal["true", "false", "undecided", "undefined"]
 
 ROOT = Path(__file__).resolve().parents[2]
 
-FEWEST_REPETITIONS = 20
-"""Fewest repetitions that are resampled for a verdict."""
+MIN_REPETITIONS = 20
+"""Repetitions that a verdict needs."""
 
-HIGHEST = 1.65
-"""Fractal dimension up to which bands are for profiles that touch at asperities."""
+MAX_BAND_DIMENSION = 1.65
+"""Largest fractal dimension in bands of profiles with asperities."""
 
 RESAMPLES = 400
 
@@ -79,35 +79,35 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "gap-minimum": {"contact.detection": "gap-minimum"},
     "band-limited": {"surfaces.band_limit": "nyquist"},
 }
-"""Choices that the paper leaves open, each as a change of the default ones."""
+"""Choices that the paper leaves open, as changes of the default study."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """Other bodies or mechanics that the claims are judged on: a built-in study with changes, and a sliding rule.
+    """Column of the table: other surfaces or mechanics, as a built-in study with changes and a sliding rule.
 
     Attributes
     ----------
     study : str
     changes : mapping
-        Of keys of the study.
+        Values by key of the study.
     sliding : {"opposing", "all"}
-    share : int
-        Repetitions on lines with asperities for each one of these, which cost more.
-    place : str
-        Directory of the result; columns that differ in the sliding rule alone have one.
+    divisor : int
+        Repetitions of the default study divided by repetitions of this study, which costs more.
+    directory : str
+        Directory of the result; columns that differ only in the sliding rule share it.
     """
 
     study: str
     changes: Mapping[str, Any]
     sliding: Sliding
-    share: int
-    place: str
+    divisor: int
+    directory: str
 
-    def of(self, repetitions: int) -> Study:
-        """The study, with its share of the repetitions."""
-        fewer = max(FEWEST_REPETITIONS, repetitions // self.share)
-        return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": fewer})
+    def to_study(self, repetitions: int) -> Study:
+        """Return the study with its fraction of the repetitions."""
+        reduced = max(MIN_REPETITIONS, repetitions // self.divisor)
+        return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": reduced})
 
 
 _AMPLITUDES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
@@ -137,16 +137,16 @@ COLUMNS: Mapping[str, Column] = {
     "half-spaces": Column("figure6-areal", _HALF_SPACES, "opposing", 66, "half-spaces"),
     "half-spaces, all rub": Column("figure6-areal", _HALF_SPACES, "all", 66, "half-spaces"),
 }
-"""By name."""
+"""Columns by title."""
 
 
 def check(study: Study) -> None:
     """Raise a `ValueError`, before anything is computed, if claims cannot be judged on a study's result."""
     if "direction" in study.motions():
         raise ValueError("claims are judged on motion in one direction, and contact.direction is a list")
-    if study.ensemble.repetitions < FEWEST_REPETITIONS:
+    if study.ensemble.repetitions < MIN_REPETITIONS:
         raise ValueError(
-            f"claims need at least {FEWEST_REPETITIONS} ensemble.repetitions, got {study.ensemble.repetitions}"
+            f"claims need at least {MIN_REPETITIONS} ensemble.repetitions, got {study.ensemble.repetitions}"
         )
     steps = study.contact.steps()
     if steps.size < 3:
@@ -161,7 +161,7 @@ def claims_study() -> Study:
 
 
 def variant_study(name: str) -> Study:
-    """Return the study with another option, at 15 fractal dimensions."""
+    """Return the study of a variant, at 15 fractal dimensions."""
     return claims_study().with_changes({"surfaces.fractal_dimension.count": 15, **VARIANTS[name]})
 
 
@@ -169,14 +169,14 @@ def variant_study(name: str) -> Study:
 
 
 def has_amplitudes(amplitudes: Floats) -> bool:
-    """Return whether the result has the amplitudes of a claim."""
+    """Return whether the amplitudes of claim 7 are among those of a result."""
     return all(bool(np.isclose(amplitudes, item, rtol=1e-9).any()) for item in (FLATTER, STEEPER))
 
 
 class Resampled:
-    """Ensemble means of a result and of ensembles drawn from its repetitions, (resample, D) at one amplitude at a time.
+    """Ensemble means of a result and of its bootstrap resamples, arrays (resample, D) for one amplitude at a time.
 
-    The first resample is the ensemble itself.
+    Resample 0 is the ensemble itself.
     """
 
     def __init__(
@@ -194,7 +194,7 @@ class Resampled:
             raise ValueError(f"the result has no sliding rule {sliding!r}, it has {', '.join(rules)}")
         data = dataset.sel(sliding=sliding or rules[0]) if "sliding" in dataset.dims else dataset
         if ruling == "bands" and study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
-            data = data.sel(fractal_dimension=data["fractal_dimension"] <= HIGHEST)
+            data = data.sel(fractal_dimension=data["fractal_dimension"] <= MAX_BAND_DIMENSION)
         self.ruling = ruling
         repetitions = data.sizes["repetition"]
         random = np.random.default_rng(study.ensemble.seed)
@@ -220,32 +220,32 @@ class Resampled:
         )
 
     def _reached(self, amplitudes: ArrayLike) -> tuple[Floats, Floats]:
-        """(D,) ends of the range of elastic loads that 99 % of the ensembles reach at every one of some amplitudes."""
+        """Return the ends (D,) of the range of elastic loads that 99 % of the resamples reach at all amplitudes."""
         elastic = np.stack([self.sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)])
         lowest = np.quantile(elastic[..., 0], 0.99, axis=1).max(axis=0)
         return lowest, np.quantile(elastic.max(axis=-1), 0.01, axis=1).min(axis=0)
 
     def sums(self, name: str, amplitude: float) -> Floats:
-        """(resample, D, approach)."""
+        """Return mean sums, (resample, D, approach)."""
         at = int(np.argmin(np.abs(self._amplitudes - amplitude)))
         if not math.isclose(self._amplitudes[at], amplitude, rel_tol=1e-9):
             raise ValueError(f"the result has no amplitude of {amplitude:g} µm, which a claim needs")
         return np.asarray(self._means[name][:, :, at])
 
     def middle_of_all_amplitudes(self) -> Floats | None:
-        """(D,) loads in the middle, in ratio, of those that all amplitudes reach at a fractal dimension.
+        """Return the geometric middle (D,) of the loads that all amplitudes reach.
 
-        None where the result lacks the amplitudes that a claim is about.
+        None if the result lacks the amplitudes of claim 7.
         """
         if not has_amplitudes(self._amplitudes):
             return None
         return between(*self._reached(self._amplitudes), 0.5)
 
     def usable(self, values: Floats, where: Any) -> Any:
-        """Which fractal dimensions of some have a value (resample, D); the others are noted as left out.
+        """Return a mask of the fractal dimensions with a value (resample, D); the excluded ones are recorded.
 
-        None, if that is less than half of them, or if the result has but one in the range: a number of the rest would
-        not be what it is called.
+        The mask is empty if fewer than half have a value, or if the range has only one: the rest would not represent
+        the range.
         """
         usable = where & np.isfinite(values[0]) & (np.isfinite(values).mean(axis=0) > 1 - 1 / 40)
         self.left_out.update(float(dimension) for dimension in self.dimensions[where & ~usable])
@@ -261,7 +261,7 @@ class Resampled:
         tau0: float = 0.0,
         amplitude: float | None = None,
     ) -> Floats:
-        """(resample, D): a quantity where the mean load reaches one load, or one for each D; NaN where it does not."""
+        """Return a quantity (resample, D) at one load, or at a load for each D; NaN if it is not reached."""
         pair: Any = SimpleNamespace(**{name: self.sums(name, amplitude or self.amplitude) for name in _SUMS})
         normal = friction.compute_load("normal", pair, mu0, tau0)
         match what:
@@ -271,7 +271,7 @@ class Resampled:
                 values = pair.contact_area
             case "stiffness":
                 values = np.gradient(normal, self._steps, axis=-1, edge_order=2)
-                if self._step == "load":  # by the half-space, whose approaches follow from the loads
+                if self._step == "load":  # The half-space prescribes loads; approaches follow from them.
                     approach = self.sums("approach", amplitude or self.amplitude)
                     values = values / np.gradient(approach, self._steps, axis=-1, edge_order=2)
         loads = np.broadcast_to(np.asarray(load, dtype=np.float64), self.dimensions.shape)
@@ -297,7 +297,7 @@ def between(lowest: Any, highest: Any, part: float) -> Floats:
 
 @dataclass(frozen=True)
 class Band:
-    """A number, and its interval from bands."""
+    """Number with its interval from simultaneous bands."""
 
     value: float
     lower: float
@@ -309,7 +309,7 @@ Measure = Callable[[Resampled], "Floats | Band"]
 
 @dataclass(frozen=True)
 class Part:
-    """One number of a claim, and the range that the claim wants it in."""
+    """Number of a claim, and the range in which the claim is true."""
 
     name: str
     statement: str
@@ -319,7 +319,7 @@ class Part:
 
     @property
     def claim(self) -> int:
-        """Number of the claim that it is a part of."""
+        """Number of the claim."""
         return int(self.name.rstrip("abcd"))
 
 
@@ -330,12 +330,12 @@ def _mean(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
 
 
 def _extreme(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats | Band:
-    """The largest (fmax) or smallest (fmin) of several quantities over the D at which all have one."""
+    """Return the largest (fmax) or smallest (fmin) value over the D at which all quantities have a value."""
     usable = r.usable(np.sum(arrays, axis=0), r.within(*_ALL))
     stored = np.concatenate([values[:, usable] for values in arrays], axis=1)
     if r.ruling == "percentiles" or not stored.size:
         return np.asarray(pick.reduce(stored, axis=1, initial=np.nan))
-    # In 95 of 100 ensembles every value is within this number of standard deviations.
+    # Number of standard deviations within which all values are in 95 of 100 resamples.
     spread = np.nanstd(stored[1:], axis=0)
     known = spread > 0
     off = np.abs(stored[1:, known] - stored[0, known]) / spread[known]
@@ -376,7 +376,9 @@ def _exponent(r: Resampled) -> Floats:
     stored = exponents[:, r.usable(exponents, r.within(*_ALL))]
     if not stored.size:
         return np.full(exponents.shape[0], np.nan)
-    return np.asarray(stored[:, np.argmax(np.abs(stored[0] - 1))])  # where the ensemble itself is farthest from linear
+    return np.asarray(
+        stored[:, np.argmax(np.abs(stored[0] - 1))]
+    )  # the D at which the ensemble is farthest from linear
 
 
 def _growth(r: Resampled) -> Floats:
@@ -435,7 +437,7 @@ def _minimum(r: Resampled) -> Floats:
         return np.full(values.shape[0], np.nan)
     least = np.argmin(np.where(np.isfinite(values[:, stored]), values[:, stored], np.inf), axis=1)
     result = np.asarray(r.dimensions[stored][least])
-    # The last D is no minimum where friction may fall further within the range that the claim speaks of.
+    # A smallest value at the last D is not a minimum: friction may fall further within the range of the claim.
     end = r.dimensions[stored][-1]
     return np.full(result.shape, np.nan) if result[0] == end < _MINIMUM[1] else result
 
@@ -512,7 +514,7 @@ PARTS = (
     Part("8c", f"{_SAME} mu0 0.1 → 1 of the stiffness", -math.inf, 0.1, _change("stiffness", *_BY_MU0)),
     Part("8d", f"{_SAME} tau0 0 → 200 MPa of the stiffness", -math.inf, 0.1, _change("stiffness", *_BY_TAU0)),
 )
-"""At mu0 = 0.4, tau0 = 0 and the middle load unless a part says otherwise."""
+"""Parts of all claims, at mu0 = 0.4, tau0 = 0 and the middle load unless stated otherwise."""
 
 
 # ---- Verdicts --------------------------------------------------------------------------------------------------------
@@ -520,13 +522,13 @@ PARTS = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """A part as it came out.
+    """Measured number of a part, and its verdict.
 
     Attributes
     ----------
     part : Part
     value, lower, upper : float
-        The number and its 95 % interval; NaN where there is none.
+        The number and its 95 % interval; NaN if undefined.
     verdict : {"true", "false", "undecided", "undefined"}
     left_out : tuple of float
         Fractal dimensions without a value.
@@ -541,7 +543,7 @@ class Outcome:
 
     @classmethod
     def of(cls, part: Part, resampled: Resampled) -> "Outcome":
-        """Measure a part; it is undefined where the ensemble itself has no number."""
+        """Measure a part; the verdict is "undefined" if the ensemble itself has no number."""
         resampled.left_out.clear()
         with np.errstate(divide="ignore", invalid="ignore"):
             values = part.measure(resampled)
@@ -562,18 +564,18 @@ class Outcome:
 def judge(
     dataset: xarray.Dataset, *, amplitude: float = 0.1, sliding: Sliding | None = None, ruling: Ruling = "percentiles"
 ) -> list[Outcome]:
-    """Judge every part of every claim by a result.
+    """Measure every part of every claim on a result.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a study such as `claims_study()`: fractal dimensions from 1 to 1.7, amplitudes 0.05, 0.1 and 0.2 µm.
+        Result of a study such as `claims_study()`: fractal dimensions from 1 to 1.7, amplitudes 0.05, 0.1 and 0.2 µm.
     amplitude : float, µm
-        The one that the claims which are not about amplitudes are judged at.
+        Amplitude for all claims but claim 7.
     sliding : {"opposing", "all"}, optional
-        One of the result's sliding rules, by default the first.
+        Sliding rule of the result; the first by default.
     ruling : {"percentiles", "bands"}
-        Of extremes over D, see above; bands are for D up to 1.65 where profiles touch at asperities.
+        Rule for extremes over D, see above.
 
     Raises
     ------
@@ -588,7 +590,7 @@ def judge(
 
 
 def verdict_of(claim: int, outcomes: list[Outcome]) -> Verdict:
-    """Return true if all parts are true, false if one is false, undefined if one is undefined, otherwise undecided."""
+    """Return "true" if all parts are true, else "false", "undefined" or "undecided" if any part is."""
     verdicts = {outcome.verdict for outcome in outcomes if outcome.part.claim == claim}
     for verdict in ("false", "undefined", "undecided"):
         if verdict in verdicts:
@@ -619,14 +621,14 @@ def _chip(verdict: str) -> str:
 
 
 def _in_letters(text: str) -> str:
-    """Return the symbols as in the other pages."""
+    """Return a text with mu0, tau0 and F_N as mathematical symbols."""
     for plain, letters in (("mu_s", "μ_s"), ("mu0", "μ0"), ("tau0", "τ0")):
         text = text.replace(plain, letters)
     return text
 
 
 def variants_markdown(variants: Mapping[str, list[Outcome]]) -> str:
-    """Render a table with a row for each part and a column for each variant; a star marks values without some D."""
+    """Render a table of parts by variants; a star marks numbers that exclude some D."""
     return _side_by_side(variants, lambda part: part.name, lambda outcome: f"{_starred(outcome)}, {outcome.verdict}")
 
 
@@ -690,7 +692,7 @@ def _left_out(outcome: Outcome) -> str:
 
 
 def main() -> None:
-    """Test the claims, after computing the studies that are missing in build/claims."""
+    """Compute the studies that are missing in build/claims, and test the claims."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repetitions", type=int)
     parser.add_argument("--columns", action="store_true")
@@ -701,7 +703,7 @@ def main() -> None:
 def write_tables(
     results: Path, tables: Path, repetitions: int | None = None, *, columns: bool = False, changes: Any = ()
 ) -> None:
-    """Write the tables of claims, variants and, if asked for, columns, from results in a folder."""
+    """Write the tables of claims, variants and, optionally, columns, from the results in a directory."""
     changes = dict(changes)
 
     def result_of(study: Study, folder: str) -> xarray.Dataset:
@@ -728,8 +730,8 @@ def write_tables(
         beside[f"lines, {most} repetitions"] = judge(result)
     beside["the same by bands"] = judge(result, ruling="bands")
     for name, column in COLUMNS.items():
-        study = column.of(most)
-        dataset = result_of(study, f"columns/{column.place}")
+        study = column.to_study(most)
+        dataset = result_of(study, f"columns/{column.directory}")
         beside[f"{name}, {study.ensemble.repetitions}"] = judge(dataset, sliding=column.sliding, ruling="bands")
     (tables / "columns.md").write_text(columns_markdown(beside), encoding="utf-8")
 

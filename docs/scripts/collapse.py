@@ -1,7 +1,7 @@
 """Test the small-slope curve of friction: writes images/collapse*.png, generated/collapse.md and collapse.csv.
 
-Each point is an ensemble of pairs of surfaces or lines by the elastic half-space, and by asperities on the same pairs.
-Points are kept in build/collapse.jsonl as they are done, and are not computed again. About ten minutes on one core.
+Each point is an ensemble of pairs of maps or profiles, evaluated by the half-space and by the asperity model. Finished
+points are stored in build/collapse.jsonl and are not computed again. It takes about ten minutes on one core.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ from stiction.mechanics.patches import patch_sums, slopes
 DOCS = Path(__file__).parents[1]
 DONE = DOCS.parent / "build/collapse.jsonl"
 DATA = Path(os.environ.get("STICTION_TEST_DATA", DOCS.parents[1] / "shared/data"))
-"""Measured maps, where they are."""
+"""Directory of the measured maps, if there is one."""
 
 MODULUS = 10.0
 SEED = 13
 MU0 = 0.4
 TAU0 = {"0": 0.0, "2": 0.02 * MODULUS}
-"""GPa, by per cent of E*."""
+"""Adhesive shear strength in GPa, by its percentage of E*."""
 RULES = ("opposing", "all")
 LIGHT = 0.01
 """p̄/(E* h'): a contact fraction near 0.02."""
@@ -125,7 +125,7 @@ def fractal(case: dict, repetition: int, family: str) -> Pair:
 
 
 def random_pair(case: dict, repetition: int) -> Pair:
-    """Self-affine bodies, scaled together to a gradient of the gap, one of them flatter by a ratio."""
+    """Return two self-affine surfaces, one flatter by a ratio, scaled to a common gradient of the gap."""
     line = case["family"] == "self-affine line"
     bodies = []
     for side in ("upper", "lower"):
@@ -150,7 +150,7 @@ def random_pair(case: dict, repetition: int) -> Pair:
 
 
 class Loads:
-    """Sums as attributes."""
+    """Sums of a curve as attributes."""
 
     def __init__(self, columns: dict) -> None:
         vars(self).update(columns)
@@ -162,7 +162,7 @@ def gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
 
 
 def measured_areas(case: dict) -> list[Pair]:
-    """The quarters of a map, each against each other one turned over."""
+    """Return pairs of quarters of a map; the upper one is flipped."""
     surface = levelled(read_surface(DATA / case["file"]), "plane")
     half = [size // 2 for size in surface.heights.shape]
     corners = product((0, half[0]), (0, half[1]))
@@ -174,7 +174,7 @@ def measured_areas(case: dict) -> list[Pair]:
 
 
 def measured_lines(case: dict) -> list[Pair]:
-    """The quarters of a line, each against each other one turned over."""
+    """Return pairs of quarters of a profile; the upper one is flipped."""
     line = levelled(read_profile(DATA / case["file"]), "line")
     length = len(line) // 4
     pieces = [Profile(line.heights[k * length : (k + 1) * length], spacing=line.spacing) for k in range(4)]
@@ -184,8 +184,8 @@ def measured_lines(case: dict) -> list[Pair]:
 # ---- Measuring -------------------------------------------------------------------------------------------------------
 
 
-def measured(case: dict) -> dict:
-    """Slopes, κ, contacts and friction of each pair by the half-space and by asperities, with both senses averaged."""
+def measure_pairs(case: dict) -> dict:
+    """Return slopes, κ, contact counts and friction of each pair by both models, averaged over both directions."""
     together, boundary = pairs(case)
     return {"case": case, "pairs": [of_pair(case, *pair, boundary) for pair in together]}
 
@@ -238,7 +238,7 @@ def of_pair(case: dict, upper, lower, boundary: str) -> dict:
             item.friction_coefficient(mu0=MU0, tau0=tau0) for item in (curve.with_sliding(rule) for curve in curves)
         ]
         row[f"mu {rule} {name}"] = float(np.mean(values))
-    # The same with every point for itself, in place of patches that oppose as a whole.
+    # The same with opposing points instead of opposing patches.
     senses = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
     alone = np.arange(1, area.size + 1, dtype=np.int32)
     each = Loads(patch_sums(pressure[touching] * cell, area, leaning, alone, senses).total("opposing"))
@@ -252,7 +252,7 @@ def of_pair(case: dict, upper, lower, boundary: str) -> dict:
 
 
 def asperities(upper) -> list[tuple[str, dict]]:
-    """Names of the models by asperities that a pair can be put to."""
+    """Return the names of the asperity models that apply to a pair."""
     if isinstance(upper, Surface):
         return [("asperities", {})]
     signed = {"law": "hertz-cylinder", "detection": "gap-minimum", "curvature": "signed"}
@@ -277,7 +277,7 @@ def by_asperities(upper, lower, load: float, ways, name: str, keywords: dict, st
 # ---- Running ---------------------------------------------------------------------------------------------------------
 
 
-def finished() -> dict[str, dict]:
+def load_results() -> dict[str, dict]:
     """Return the stored results by the text of their case."""
     if not DONE.exists():
         return {}
@@ -285,14 +285,14 @@ def finished() -> dict[str, dict]:
     return {json.dumps(row["case"]): row for row in rows}
 
 
-def computed() -> list[dict]:
+def compute_cases() -> list[dict]:
     """Return the result of every case whose data exist, from storage or computed."""
     DONE.parent.mkdir(exist_ok=True)
-    completed = finished()
+    completed = load_results()
     everything = [case for case in cases() if "file" not in case or (DATA / case["file"]).exists()]
     missing = [case for case in everything if json.dumps(case) not in completed]
     with DONE.open("a", encoding="utf-8") as file, ProcessPoolExecutor(2) as pool:
-        for index, row in enumerate(pool.map(measured, missing), start=1):
+        for index, row in enumerate(pool.map(measure_pairs, missing), start=1):
             completed[json.dumps(row["case"])] = row
             file.write(json.dumps(row) + "\n")
             file.flush()
@@ -313,8 +313,8 @@ EDGES = (0.0, 0.1, 0.3, 0.6, 1.0, 4.0)
 SUMMED = {"points": "opposing, point by point", "opposing": "opposing, by patches", "all": "all rub"}
 
 
-def expected(pair: dict, rule: str, tau0: float, *, order: int = 2, kappa: float | None = None) -> float:
-    """The closed form with the pair's own slopes and κ."""
+def closed_form(pair: dict, rule: str, tau0: float, *, order: int = 2, kappa: float | None = None) -> float:
+    """Return the closed form with the slopes and κ of the pair."""
     return float(
         gentle_friction(
             MU0, tau0, rms_gradient=pair["rms_gradient"], rms_slope=min(pair["rms_slope"], pair["rms_gradient"]),
@@ -325,7 +325,7 @@ def expected(pair: dict, rule: str, tau0: float, *, order: int = 2, kappa: float
 
 
 def summary(row: dict) -> dict:
-    """Means over the pairs of a case, and ratios of means to those of the closed form, with standard errors."""
+    """Return means over the pairs of a case, and their ratios to the closed form with standard errors."""
     together = row["pairs"]
     names = ("rms_gradient", "rms_slope", "nayak", "slope_ratio", "fraction", "kappa", "contacts")
     result = {name: float(np.mean([pair[name] for pair in together])) for name in names}
@@ -337,7 +337,7 @@ def summary(row: dict) -> dict:
     for (model, rule), (key, tau0) in product(models.items(), TAU0.items()):
         values = np.array([pair.get(f"{model} {key}", np.nan) for pair in together])
         if np.isfinite(values).all():
-            form = np.array([expected(pair, rule, tau0) for pair in together])
+            form = np.array([closed_form(pair, rule, tau0) for pair in together])
             result[f"{model} {key}"] = float(values.mean())
             result[f"{model} {key} over form"] = float(values.mean() / form.mean()) if form.any() else np.nan
             spread = np.std(values - form * values.mean() / form.mean(), ddof=1) if form.any() else np.nan
@@ -424,7 +424,7 @@ def draw(points: list[dict]) -> None:
         axes[2].plot(gradient, 100 * (get("mu points 0 over form") - 1), **mark)
         axes[2].plot(gradient, 100 * (get("mu opposing 0 over form") - 1), **mark | {"mfc": "white", "ms": 2.2})
         axes[3].plot(gradient, 100 * (get("mu all 0 over form") - 1), **mark)
-        first = [np.mean([expected(pair, "all", 0.0, order=1) for pair in item["together"]]) for item in some]
+        first = [np.mean([closed_form(pair, "all", 0.0, order=1) for pair in item["together"]]) for item in some]
         axes[3].plot(gradient, 100 * (get("mu all 0") / first - 1), **mark | {"mfc": "white", "ms": 2.2})
     s = slope / (4 * np.sqrt(np.pi))
     axes[0].plot(s, gentle_friction(MU0, rms_gradient=slope), color="0.1", lw=1, label="closed form")
@@ -513,7 +513,7 @@ def write_numbers(points: list[dict]) -> None:
 
 
 def main() -> None:
-    rows = computed()
+    rows = compute_cases()
     points = [summary(row) | {"together": row["pairs"]} for row in rows]
     draw(points)
     draw_limits(points)

@@ -1,7 +1,7 @@
 """Draw the terms and signs of the conventions: writes images/conventions.png.
 
-Bodies, contacts, normals, spheres and forces are the library's own for one small pair, on one scale; only the places of
-the words are chosen by hand.
+The library computes bodies, contacts, normals, spheres and forces of one small pair. Only the positions of labels are
+chosen by hand.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ APPROACH = 0.15
 """µm"""
 MU0 = 0.4
 ENLARGED = 1
-"""Index of the contact below."""
+"""Index of the enlarged contact."""
 
 LOWER, UPPER, OVERLAP, INK = "#e3d5bb", "#c6d9e7", "#8a7f95", "0.15"
 OPPOSING, OTHER = "#B84C00", "#0072B2"
@@ -29,29 +29,29 @@ OPPOSING, OTHER = "#B84C00", "#0072B2"
 
 @dataclass(frozen=True)
 class Pair:
-    """Two profiles in position, and their contacts."""
+    """Two profiles at an approach, and their contacts."""
 
     lower: Profile
     upper: Profile
     found: Contacts
 
     @property
-    def first_touch(self) -> float:
+    def first_contact(self) -> float:
         """Return the displacement of the upper profile until grid points touch, µm."""
         return float((self.upper.heights - self.lower.heights).min())
 
     @property
     def lowered(self) -> float:
-        return self.first_touch + APPROACH
+        return self.first_contact + APPROACH
 
 
 def plane(vectors: np.ndarray) -> np.ndarray:
-    """The x and z components, in which a profile lies."""
+    """Return the x and z components of vectors."""
     return vectors[:, ::2]
 
 
 def pair() -> Pair:
-    """A pair with contacts of both kinds, on flanks."""
+    """Return a pair with contacts on both kinds of flanks."""
     lower, upper = (
         weierstrass_mandelbrot(
             random_phases(2096, side=side, directions=5, frequencies=3), 1.3, length_scale=4.0, extent=9.0, points=900
@@ -89,7 +89,7 @@ def draw_bodies(ax: Axes, these: Pair, bottom: float, top: float) -> None:
 
 def draw_pair(ax: Axes, these: Pair) -> None:
     x, lower, result = these.lower.x, these.lower.heights, these.found
-    touching = these.upper.heights - these.first_touch
+    touching = these.upper.heights - these.first_contact
     bottom, top = lower.min() - 0.4, touching.max() + 0.45
     draw_bodies(ax, these, bottom, top)
     ax.set_xlim(-0.95, x[-1] + 0.05)
@@ -167,7 +167,7 @@ def draw_angle(ax: Axes, corner: np.ndarray, radius: float, left: np.ndarray, ri
 
 
 def draw_forces(ax: Axes, these: Pair) -> None:
-    """Draw the forces on the upper body at the enlarged contact, tip to tail, and the loads in balance with them."""
+    """Draw the forces on the upper body at the enlarged contact, tip to tail, and the loads that balance them."""
     result = these.found
     normal, tangent = plane(result.normal)[ENLARGED], plane(result.tangent)[ENLARGED]
     # In units of the normal force.

@@ -1,6 +1,6 @@
 """Draw the conventions of areas in three dimensions: writes images/conventions_areas.png.
 
-Surface, contacts, normals and tangents are the library's own for one small pair; only the words are placed by hand.
+The library computes contacts, normals and tangents of one small pair. Only the positions of labels are chosen by hand.
 """
 
 from pathlib import Path
@@ -44,7 +44,7 @@ def bare(axes, heights=1.0, zoom=1.0):
     axes.set_axis_off()
 
 
-def whole(axes, lower, found):
+def draw_overview(axes, lower, found):
     """Draw the lower surface, its contacts with normals, the axes, and the direction of motion."""
     y, x = np.mgrid[: lower.heights.shape[0], : lower.heights.shape[1]] / 12
     axes.plot_surface(x, y, lower.heights, color=BODY, rstride=2, cstride=2, linewidth=0.15, edgecolor="0.7", zorder=0)
@@ -69,7 +69,7 @@ def whole(axes, lower, found):
     axes.view_init(elev=28, azim=-62)
 
 
-def one(axes, normal, tangent):
+def draw_contact(axes, normal, tangent):
     """Draw one opposing contact: tangent plane, vectors, and forces on the upper surface."""
     phi = np.radians(DIRECTION)
     s = np.array([np.cos(phi), np.sin(phi), 0.0])
@@ -97,8 +97,8 @@ def save(path):
     steepest = int(np.argmax(np.where(result.opposing, np.hypot(result.normal[:, 0], result.normal[:, 1]), -1)))
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(160 * MILLIMETRE, 74 * MILLIMETRE))
-        whole(figure.add_axes((-0.06, -0.12, 0.7, 1.16), projection="3d", computed_zorder=False), lower, result)
-        one(
+        draw_overview(figure.add_axes((-0.06, -0.12, 0.7, 1.16), projection="3d", computed_zorder=False), lower, result)
+        draw_contact(
             figure.add_axes((0.56, -0.08, 0.44, 1.08), projection="3d"),
             result.normal[steepest],
             result.tangent[steepest],

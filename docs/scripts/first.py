@@ -17,12 +17,12 @@ SCANS = ROOT / "examples/scans"
 GIVEN = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
 LOADS = np.geomspace(1.0, 100.0, 9)
 HALF_WIDTH = 20.0
-"""µm."""
-ASKED = 10.0
+"""Half of the width of the left plot, µm."""
+LOAD = 10.0
 WIDTH, HEIGHT = 124.0, 56.0
-"""mm, at 96 dots an inch the 470 px that the page has for it."""
+"""Size in mm; the width is 470 px at 96 dots per inch."""
 REACH = 150.0
-"""µm from the middle, within which the picture lies."""
+"""Largest distance of the shown contacts from the middle of the profile, µm."""
 DARK = {
     "text.color": "0.9",
     "axes.edgecolor": "0.6",
@@ -33,7 +33,7 @@ DARK = {
 
 
 def friction_against_load():
-    """By rule the value and the ends of `stiction pair`'s own interval, of everything that is known, at every load."""
+    """Return value and ends of the combined interval at every load, by sliding rule."""
     with tempfile.TemporaryDirectory() as folder:
         result = pair(
             SCANS / "lapped_upper.csv",
@@ -49,9 +49,9 @@ def friction_against_load():
 
 
 def faces():
-    """The two faces at one position under the load that is asked for: where they stand, and their contact."""
+    """Return x and heights of the lower profile, and the contact of one pair under LOAD."""
     upper, lower = (levelled(read_profile(SCANS / f"lapped_{side}.csv"), "line") for side in ("upper", "lower"))
-    curve = half_space(flipped(upper), lower, [ASKED], effective_modulus=78.7, hardness=1.27, boundary="free")
+    curve = half_space(flipped(upper), lower, [LOAD], effective_modulus=78.7, hardness=1.27, boundary="free")
     return lower.x, lower.heights, curve.contact(0)
 
 
@@ -64,7 +64,7 @@ def draw(curves, dark):
 
     x, lower, contact = faces()
     touching = contact.pressure > 0
-    # Place where an opposing contact and another contact are nearest to each other.
+    # Show the opposing contact that is nearest to another contact.
     climbing, leaning = (
         x[touching & which & (np.abs(x - x.mean()) < REACH)] for which in (contact.opposing, ~contact.opposing)
     )
@@ -84,10 +84,10 @@ def draw(curves, dark):
         (mean, low, high), colour = curves[rule], RULES[rule] if not dark or rule != "all" else "#a99cf0"
         right.fill_between(LOADS, low, high, color=colour, alpha=0.3, linewidth=0)
         right.semilogx(LOADS, mean, color=colour)
-        at = float(np.interp(np.log(ASKED), np.log(LOADS), mean))
-        right.plot(ASKED, at, "o", color=colour, markersize=4)
+        at = float(np.interp(np.log(LOAD), np.log(LOADS), mean))
+        right.plot(LOAD, at, "o", color=colour, markersize=4)
         right.annotate(
-            f"{at:.2f}", (ASKED, at), (0, 5), textcoords="offset points", ha="center", weight="bold", color=colour
+            f"{at:.2f}", (LOAD, at), (0, 5), textcoords="offset points", ha="center", weight="bold", color=colour
         )
         right.annotate(words, (LOADS[0], at), (2, -11), textcoords="offset points", color=colour)
     right.set(ylim=(0, 0.35), xlim=(LOADS[0], LOADS[-1]), xlabel=label("load"), title="coefficient of static friction")

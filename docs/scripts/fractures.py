@@ -2,8 +2,8 @@
 
     python docs/scripts/fractures.py FOLDER [SPECIMEN ...]
 
-FOLDER has vd1.npz (gap_um, spacing_um) and vd1-closure.csv (number, displacement in mm, nominal stress in MPa; loading,
-then unloading), and vd2 the same: what is read of github.com/danielvogler/hm_coupled_fracture_response.
+FOLDER contains vd1.npz (gap_um, spacing_um) and vd1-closure.csv (number, displacement in mm, nominal stress in MPa;
+loading, then unloading), and the same for vd2, from github.com/danielvogler/hm_coupled_fracture_response.
 """
 
 import sys
@@ -18,15 +18,15 @@ from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE, save
 
 IMAGE = Path(__file__).resolve().parents[1] / "images/fractures.png"
 DIAMETER = 122e3  # µm
-YOUNG, POISSON = 11.0, 0.33  # GPa: 10 to 12 were measured; Poisson's ratio was not, and its authors assume this
-LOW, HIGH = (1.0, 2.0), (5.0, 10.0)  # MPa, between which stiffness is compared
-STEP = 4.0  # µm, error of heights read from a figure
-FITTED = 1e3, 10e3  # µm, wavelengths from which the exponent of the gap is taken
+YOUNG, POISSON = 11.0, 0.33  # Young's modulus in GPa (measured: 10 to 12) and Poisson's ratio (assumed by the authors)
+LOW, HIGH = (1.0, 2.0), (5.0, 10.0)  # MPa: ends of the ranges of the secant stiffness
+STEP = 4.0  # µm: error of heights that were digitised
+FITTED = 1e3, 10e3  # µm: wavelengths of the fit of the Hurst exponent
 LEAST = 0.2  # MPa, lowest measured stress
 
 
-def gap_of(folder, name, *, square=True):
-    """The gap (µm) in the largest square of the disc, or in the disc and missing outside, as a surface."""
+def load_gap(folder, name, *, square=True):
+    """Return the gap (µm) in the largest square of the disc, or in the whole disc with missing points outside."""
     with np.load(folder / f"{name}.npz") as stored:
         heights, spacing = stored["gap_um"].astype(float), float(stored["spacing_um"])
     side = int(DIAMETER / (np.sqrt(2) if square else 1) / spacing)
@@ -38,16 +38,16 @@ def gap_of(folder, name, *, square=True):
     return Surface(inside, spacing=spacing, missing=distance > DIAMETER / 2)
 
 
-def measured(folder, name):
-    """Displacement (mm) and stress (MPa) of the loading and of the unloading."""
+def load_test(folder, name):
+    """Return displacement (mm) and stress (MPa) of loading and unloading."""
     number, displacement, stress = np.loadtxt(folder / f"{name}-closure.csv", delimiter=",", skiprows=2).T
     top = int(stress.argmax())
     assert (np.diff(number) == 1).all()
     return (displacement[: top + 1], stress[: top + 1]), (displacement[top:], stress[top:])
 
 
-def computed(gap, stress, *, young=YOUNG, poisson=POISSON, boundary="free", tilt="free", hardness=None):
-    """Closure (mm) since first touch at stresses (MPa), and the curve."""
+def compute_closure(gap, stress, *, young=YOUNG, poisson=POISSON, boundary="free", tilt="free", hardness=None):
+    """Return the closure (mm) since first contact at stresses (MPa), and the load curve."""
     flat = Surface(np.zeros(gap.heights.shape), spacing=gap.spacing)
     rough = Surface(-gap.heights, spacing=gap.spacing, missing=gap.missing)
     area = np.prod(gap.spacing) * (gap.heights.size - (0 if gap.missing is None else gap.missing.sum()))
@@ -59,12 +59,12 @@ def computed(gap, stress, *, young=YOUNG, poisson=POISSON, boundary="free", tilt
 
 
 def secant(closure, stress, between):
-    """MPa/mm between two stresses, by straight lines between points."""
+    """Return the secant stiffness (MPa/mm) between two stresses, by linear interpolation."""
     return float(np.diff(between)[0] / np.diff(np.interp(between, stress, closure))[0])
 
 
-def spectrum_of(gap):
-    """Wave number (1/µm) of each Fourier coefficient of a gap, its coefficients, and its Hurst exponent and density."""
+def estimate_spectrum(gap):
+    """Return wavenumbers (1/µm), Fourier coefficients, Hurst exponent and spectral density of a gap."""
     heights = levelled(gap, "plane").heights * np.hanning(gap.heights.shape[0])[:, None]
     heights = heights * np.hanning(gap.heights.shape[1])
     wave = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, gap.spacing[0]) for n in gap.heights.shape), indexing="ij"))
@@ -74,8 +74,8 @@ def spectrum_of(gap):
     return -slope / 2 - 1, lambda wave: np.exp(level + np.euler_gamma) * wave**slope  # mean of the log of a power
 
 
-def waves(shape, spacing, density, longest, seed):
-    """Random heights (µm) with a spectrum over waves that are shorter than `longest` (µm)."""
+def random_waves(shape, spacing, density, longest, seed):
+    """Return random heights (µm) with a given spectrum at wavelengths below `longest` (µm)."""
     wave = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, spacing) for n in shape), indexing="ij"))
     wave[0, 0] = np.inf
     amplitude = np.where(wave > 1 / longest, np.sqrt(density(wave) / (np.prod(shape) * spacing**2)), 0.0)
@@ -83,29 +83,29 @@ def waves(shape, spacing, density, longest, seed):
     return np.fft.ifft2(amplitude * noise).real * np.prod(shape)
 
 
-def finer(gap, factor, seed=1):
-    """The gap on a grid that is finer by a factor, with waves of its exponent below two of its points."""
-    _, density = spectrum_of(gap)
+def refine_gap(gap, factor, seed=1):
+    """Return the gap on a grid refined by a factor, with self-affine roughness at the new wavelengths."""
+    _, density = estimate_spectrum(gap)
     spacing = gap.spacing[0] / factor
     smooth = zoom(gap.heights, factor, order=1)
-    return Surface(smooth + waves(smooth.shape, spacing, density, 2 * gap.spacing[0], seed), spacing=spacing)
+    return Surface(smooth + random_waves(smooth.shape, spacing, density, 2 * gap.spacing[0], seed), spacing=spacing)
 
 
-def shifted(gap, by, seed=1):
+def shift_gap(gap, by, seed=1):
     """Return the gap after one surface moved along x; it is independent and has the spectrum of the gap."""
-    _, density = spectrum_of(gap)
-    face = waves(gap.heights.shape, gap.spacing[0], density, FITTED[1], seed)
+    _, density = estimate_spectrum(gap)
+    face = random_waves(gap.heights.shape, gap.spacing[0], density, FITTED[1], seed)
     return Surface(gap.heights + by * np.gradient(face, gap.spacing[0], axis=1), spacing=gap.spacing)
 
 
-def changed(gap, change):
+def with_heights(gap, change):
     """Return a gap with changed heights."""
     return Surface(change(gap.heights), spacing=gap.spacing)
 
 
 def variants(folder, name):
-    """What is changed alone: words, the kind of its uncertainty or none, the gap and arguments of `computed`."""
-    gap, random = gap_of(folder, name), np.random.default_rng(1)
+    """Return the variants: label, kind of uncertainty or None, gap, and arguments of `compute_closure`."""
+    gap, random = load_gap(folder, name), np.random.default_rng(1)
     yield "frozen settings", "", gap, {}
     for young in (10.0, 12.0):
         yield f"E = {young:g} GPa", "E", gap, {"young": young}
@@ -113,27 +113,32 @@ def variants(folder, name):
     yield "tilt fixed as scanned", "tilt", gap, {"tilt": "fixed"}
     yield "tilt fixed after a plane is taken off", "tilt", levelled(gap, "plane"), {"tilt": "fixed"}
     yield "tilt fixed, periodic", "tilt", gap, {"tilt": "fixed", "boundary": "periodic"}
-    yield "whole disc", "tilt", gap_of(folder, name, square=False), {}
-    yield "heights random within 4 µm", "digitising", changed(
+    yield "whole disc", "tilt", load_gap(folder, name, square=False), {}
+    yield "heights random within 4 µm", "digitising", with_heights(
         gap, lambda z: z + random.uniform(-STEP / 2, STEP / 2, z.shape)
     ), {}  # fmt: skip
-    yield "blurred by one point", "digitising", changed(gap, lambda z: gaussian_filter(z, 1.0)), {}
-    yield "points clipped at 1 mm put to 1.5 mm", "digitising", changed(gap, lambda z: np.where(z >= 1e3, 1.5e3, z)), {}
+    yield "blurred by one point", "digitising", with_heights(gap, lambda z: gaussian_filter(z, 1.0)), {}
+    yield (
+        "points clipped at 1 mm put to 1.5 mm",
+        "digitising",
+        with_heights(gap, lambda z: np.where(z >= 1e3, 1.5e3, z)),
+        {},
+    )
     for hardness in (1.0, 0.5):
         yield f"hardness {hardness:g} GPa", "hardness" if hardness >= 1 else "", gap, {"hardness": hardness}
-    yield "finer waves on a grid of half the spacing", "", finer(gap, 2), {}
+    yield "finer waves on a grid of half the spacing", "", refine_gap(gap, 2), {}
     for by in (100.0, 300.0):
-        yield f"one face moved by {by / 1e3:g} mm", "", shifted(gap, by), {}
+        yield f"one face moved by {by / 1e3:g} mm", "", shift_gap(gap, by), {}
     yield "bow taken off (second degree)", "", levelled(gap, "quadratic"), {}
 
 
 def main(folder, names):
     shown = {}
     for name in names:
-        (load, stress), (back, falling) = measured(folder, name)
+        (load, stress), (back, falling) = load_test(folder, name)
         wanted = [secant(load, stress, between) for between in (LOW, HIGH)]
-        hurst, _ = spectrum_of(gap_of(folder, name))
-        clipped = float((gap_of(folder, name).heights >= 1e3).mean())
+        hurst, _ = estimate_spectrum(load_gap(folder, name))
+        clipped = float((load_gap(folder, name).heights >= 1e3).mean())
         print(
             f"\n**{name}**: Hurst exponent of the gap {hurst:.2f}, {100 * clipped:.1f} % of its points are clipped.\n"
         )
@@ -144,7 +149,7 @@ def main(folder, names):
         steps = np.unique(np.concatenate([stress, LOW, HIGH]))
         bands = {}
         for words, kind, gap, how in variants(folder, name):
-            closure, curve = computed(gap, steps, **how)
+            closure, curve = compute_closure(gap, steps, **how)
             found = [secant(closure, steps, between) for between in (LOW, HIGH)]
             off = [100 * (value / is_ - 1) for value, is_ in zip(found, wanted, strict=True)]
             area = 100 * curve.contact_area[-1] * stress[-1] / 1e3 / curve.load[-1]
@@ -156,8 +161,8 @@ def main(folder, names):
     draw(shown)
 
 
-def whole(bands):
-    """Lower and upper ends of closure and stiffness: deviations of each kind, the largest, added as squares."""
+def combine_variants(bands):
+    """Return the ends of closure and stiffness: root sum of squares of the largest deviation of each kind."""
     ends = []
     for which in (0, 1):
         middle = bands[""][0][which]
@@ -176,7 +181,7 @@ def draw(shown):
         figure = Figure(figsize=(FULL_WIDTH, 100 * MILLIMETRE), layout="constrained")
         axes = figure.subplots(2, len(shown), sharex=True, sharey="row", squeeze=False)
         for (upper, lower), (name, (load, stress, back, falling, bands)) in zip(axes.T, shown.items(), strict=True):
-            closure, stiffness = whole(bands)
+            closure, stiffness = combine_variants(bands)
             for ax, (middle, low, high) in ((upper, closure), (lower, stiffness)):
                 ax.fill_between(stress, low, high, color=ALL, alpha=0.2, linewidth=0, label="all uncertainties")
                 ax.plot(stress, middle, color=ALL, label="computed, nothing fitted")

@@ -1,6 +1,6 @@
 """Draw friction over each parameter: writes images/friction.png from the results of `./dev claims --columns`.
 
-Reads build/claims/columns, where ./dev claims --repetitions 2000 --columns puts its results.
+It reads build/claims/columns, which `./dev claims --repetitions 2000 --columns` writes.
 """
 
 from pathlib import Path
@@ -20,7 +20,7 @@ STYLES = {"lines": ("#D55E00", "s", "lines, spheres"), "half-spaces": ("#0072B2"
 
 
 def gradients(dimensions: np.ndarray) -> np.ndarray:
-    """h' of the gap of two areas of the study: exact slopes of Eq. 1 over the mean height of ten areas."""
+    """Return h' of the gap of two maps of the study: exact slopes of Eq. 1 over the mean height of ten maps."""
     values = []
     for dimension in dimensions:
         heights = [
@@ -33,13 +33,13 @@ def gradients(dimensions: np.ndarray) -> np.ndarray:
             for repetition in range(10)
         ]  # fmt: skip
         moments = weierstrass_mandelbrot_moments(dimension, shortest_wavelength=2 * EXTENT / SIDE)
-        # Along x and y alike, and two bodies.
+        # Twice for x and y, and twice for two bodies.
         values.append(AMPLITUDE * np.mean(1 / np.array(heights)) * np.sqrt(4 * moments.slope))
     return np.array(values)
 
 
-def drawn(ax: Axes, result: Resampled, values: np.ndarray, name: str, *, hollow: bool = False) -> None:
-    """The ensemble's values over D, with a 95 % band, where the resampled ensembles have them too."""
+def draw_curve(ax: Axes, result: Resampled, values: np.ndarray, name: str, *, hollow: bool = False) -> None:
+    """Draw the values of the ensemble over D, with a 95 % band where the resamples have values."""
     colour, marker, label = STYLES[name]
     known = np.isfinite(values).mean(axis=0) > 0.975
     lower, upper = np.nanquantile(values[1:, known], [0.025, 0.975], axis=0)
@@ -52,7 +52,7 @@ def drawn(ax: Axes, result: Resampled, values: np.ndarray, name: str, *, hollow:
 
 
 def exponents(result: Resampled) -> np.ndarray:
-    """Exponents of area against load, (resample, D)."""
+    """Return exponents of the area as a function of load, (resample, D)."""
     load = np.log(result.sums("normal_elastic", AMPLITUDE))
     area = np.log(result.sums("contact_area", AMPLITUDE))
     load = load - load.mean(axis=2, keepdims=True)
@@ -73,7 +73,7 @@ def panels(axes: np.ndarray, result: Resampled, name: str) -> None:
         ),
         strict=True,
     ):  # fmt: skip
-        drawn(ax, result, values, name)
+        draw_curve(ax, result, values, name)
 
 
 def main() -> None:
@@ -87,8 +87,8 @@ def main() -> None:
             panels(axes, result, name)
             if name == "half-spaces":
                 result = Resampled(data, AMPLITUDE, sliding="all")
-                drawn(axes[5], result, result.at("friction", result.middle) / MU0, name, hollow=True)
-                drawn(axes[3], result, result.at("friction", result.middle, tau0=TAU0), name, hollow=True)
+                draw_curve(axes[5], result, result.at("friction", result.middle) / MU0, name, hollow=True)
+                draw_curve(axes[3], result, result.at("friction", result.middle, tau0=TAU0), name, hollow=True)
         del data
     slopes = gradients(result.dimensions)
     for ax, tau0 in ((axes[1], 0.0), (axes[3], TAU0)):

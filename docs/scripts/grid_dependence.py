@@ -16,8 +16,8 @@ DIMENSIONS = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7]
 MU0 = 0.4
 
 
-def measured(detection: str) -> dict[str, np.ndarray]:
-    """Loads (mN) and area (µm²) at an approach of 10 nm, (dimension, points, repetition)."""
+def measure_grids(detection: str) -> dict[str, np.ndarray]:
+    """Return loads (mN) and area (µm²) at an approach of 10 nm, (dimension, points, repetition)."""
     columns: dict[str, list[np.ndarray]] = {"load": [], "normal": [], "tangential": [], "area": [], "below": []}
     for points in POINTS:
         study = Study().with_changes(
@@ -39,7 +39,7 @@ def measured(detection: str) -> dict[str, np.ndarray]:
 
 
 def ratio_of_means(above: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Over repetitions, the last axis, and its 95 % interval by the jackknife of its logarithm."""
+    """Return the ratio of means over the last axis, and its 95 % interval by the jackknife of its logarithm."""
     above, below = np.broadcast_arrays(above, below)
     repetitions = above.shape[-1]
 
@@ -65,7 +65,7 @@ def main() -> None:
 
 
 def draw() -> None:
-    results = {detection: measured(detection) for detection in ("cell", "gap-minimum")}
+    results = {detection: measure_grids(detection) for detection in ("cell", "gap-minimum")}
     figure = Figure(figsize=(FULL_WIDTH, 115 * MILLIMETRE), layout="constrained")
     axes = figure.subplots(2, 3, sharex=True)
     lines = [

@@ -2,8 +2,8 @@
 
     python docs/scripts/half_plane.py [DIRECTORY]
 
-Results are kept there (build/half_plane); what is missing is computed, in 40 minutes of one core. With --as-is the
-half-planes are those that are finished.
+Results are stored in DIRECTORY (build/half_plane). Missing ones are computed, in 40 minutes on one core; with --as-is
+only finished half-planes are drawn.
 """
 
 import sys
@@ -18,7 +18,7 @@ from stiction.studies import store
 DOCS = Path(__file__).parents[1]
 
 LOADS = (0.05, 0.25)
-"""mN."""
+"""Loads of the figure, mN."""
 MU0 = 0.4
 STRENGTHS = (0.0, 0.2)
 """tau0 in GPa."""

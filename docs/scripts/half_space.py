@@ -1,6 +1,6 @@
 """Compare the asperity model with the elastic half-space: writes images/half_space.png and generated/half_space.md.
 
-Takes about a minute of one core.
+It takes about a minute on one core.
 """
 
 import math
@@ -26,16 +26,16 @@ LOADS = (0.002, 0.02, 0.1)
 """Mean pressure in units of E* h', h' being the rms slope or gradient of the gap."""
 HURST = (0.5, 0.8)
 CASES = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
-"""Kind and longest over shortest wave: pairs."""
+"""Number of pairs by kind and bandwidth (longest over shortest wavelength)."""
 WAVES = {"lines": 4, "surfaces": 2}
-"""Number of the longest waves in the length."""
+"""Length in units of the longest wavelength."""
 POINTS = {"lines": 16, "surfaces": 8}
-"""In the shortest wave."""
+"""Points per shortest wavelength."""
 RULES = ("opposing", "all")
 SEED = 2016
 COLOURS, MARKERS = {8: "#0072B2", 32: "#D55E00", 128: "#009E73"}, {0.5: "o", 0.8: "s"}  # Okabe & Ito
 
-# Columns of what is measured of a pair at a load: area, stiffness, then friction by rule and strength.
+# Columns of the results of a pair at a load: area, stiffness, then friction by rule and strength.
 AREA, STIFFNESS, FRICTION = 0, 1, 2
 NAMES = ["area", "stiffness", *(f"{rule}, {strength:g}" for rule, strength in product(RULES, STRENGTHS))]
 
@@ -65,8 +65,8 @@ def friction(sums: dict[str, np.ndarray], strength: float) -> np.ndarray:
     return tangential / normal
 
 
-def exact(upper, lower, loads: np.ndarray) -> np.ndarray:
-    """(load, column) by the half-space, friction as the mean of both senses along x."""
+def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
+    """Return results (load, column) of the half-space; friction is the mean of both directions along x."""
     curves = [half_space(upper, lower, loads, boundary="periodic", direction=way) for way in ("+x", "-x")]
     columns = [curves[0].contact_area, curves[0].stiffness]
     for rule in RULES:
@@ -102,23 +102,25 @@ def asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndarray:
     return np.array(columns).T
 
 
-def measured(kind: str, band: int, hurst: float, repetition: int) -> np.ndarray:
-    """(load, exact or asperities, column) of a pair."""
+def measure_pair(kind: str, band: int, hurst: float, repetition: int) -> np.ndarray:
+    """Return results (load, model, column) of a pair: half-space, asperities."""
     upper, lower = (body(kind, hurst, band, repetition, side) for side in ("upper", "lower"))
     slope = SLOPE * math.sqrt(2)
     loads = np.array(LOADS) * MODULUS * slope  # mN on 1 µm²
     gap = upper.heights - lower.heights
-    return np.stack([exact(upper, lower, loads), asperities(upper, lower, loads, float(np.ptp(gap)))], axis=1)
+    return np.stack(
+        [solve_half_space(upper, lower, loads), asperities(upper, lower, loads, float(np.ptp(gap)))], axis=1
+    )
 
 
 def interval(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean over axis 0 and half of its 95 % interval, by Student's t."""
+    """Return the mean over axis 0 and half of its 95 % interval (Student's t)."""
     n = len(values)
     return values.mean(axis=0), student.ppf(0.975, n - 1) * values.std(axis=0, ddof=1) / math.sqrt(n)
 
 
 def ratio(values: np.ndarray, column: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(load,) asperities over half-space, a geometric mean, and the ends of its interval."""
+    """Return the geometric mean (load,) of asperities over half-space, and the ends of its interval."""
     mean, half = interval(np.log(values[:, :, 1, column] / values[:, :, 0, column]))
     return np.exp(mean), np.exp(mean - half), np.exp(mean + half)
 
@@ -199,7 +201,7 @@ def tables(results: dict) -> str:
 def main(workers: int = 1) -> None:
     keys = [(kind, band, hurst) for (kind, band), hurst in product(CASES, HURST)]
     with ProcessPoolExecutor(workers) as pool:
-        jobs = {key: [pool.submit(measured, *key, k) for k in range(CASES[key[:2]])] for key in keys}
+        jobs = {key: [pool.submit(measure_pair, *key, k) for k in range(CASES[key[:2]])] for key in keys}
         results = {key: np.array([job.result() for job in item]) for key, item in jobs.items()}
     draw(results)
     (DOCS / "generated/half_space.md").write_text(tables(results), encoding="utf-8")

@@ -8,13 +8,13 @@ from stiction import Surface, half_space, isotropic_surface, levelled, self_affi
 OUT = Path(__file__).parent.parent / "generated/isotropic.md"
 WHOLE, PIECE, SPACING = 1024, 256, 0.1  # points, µm
 PAIRS = 6
-"""Pairs of lines, and of pieces of the maps."""
+"""Number of pairs of profiles, and of pairs of pieces."""
 MU0, TAU0 = 0.4, 0.1  # GPa, 1 % of E*
 PRESSURE = 0.02  # GPa
 
 
-def whole(side, hurst, stretch):
-    """A map of rms gradient 0.15, of wavelengths of 0.8 to 6.4 µm, `stretch` times as much along y."""
+def make_map(side, hurst, stretch):
+    """Return a map of rms gradient 0.15 with wavelengths of 0.8 to 6.4 µm, longer by `stretch` along y."""
     body = self_affine_surface(
         11, hurst_exponent=hurst, rms=0.1, shape=(WHOLE, WHOLE), spacing=SPACING, side=side, longest_wavelength=6.4,
         shortest_wavelength=0.8,
@@ -25,7 +25,7 @@ def whole(side, hurst, stretch):
 
 
 def answers(upper, lower):
-    """A/A0 (%), and the mean of mu_s towards the four sides by the paper's rule, without tau0 and with."""
+    """Return A/A0 (%) and mu_s (opposing rule, mean over four directions) without tau0 and with tau0."""
     area = np.prod(upper.extent)
     curve = half_space(upper, lower, [PRESSURE * area], direction=[0.0, 90.0, 180.0, 270.0])
     coefficients = [curve.friction_coefficient(mu0=MU0, tau0=tau0)[:, 0].mean() for tau0 in (0.0, TAU0)]
@@ -33,7 +33,7 @@ def answers(upper, lower):
 
 
 def pieces(upper, lower):
-    """Pairs of pieces that do not lie above each other in the maps."""
+    """Yield pairs of pieces from different places of the maps."""
     count = WHOLE // PIECE
     for index in range(PAIRS):
         j, i = divmod(index, count)
@@ -58,7 +58,7 @@ def main():
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for hurst, stretch in [(0.4, 1), (0.5, 1), (0.6, 1), (0.7, 1), (0.8, 1), (0.9, 1), (0.8, 2), (0.8, 4)]:
-        bodies = [whole(side, hurst, stretch) for side in ("upper", "lower")]
+        bodies = [make_map(side, hurst, stretch) for side in ("upper", "lower")]
         kinds = {"the map": list(pieces(*bodies)), "sections along x": list(surrogates(*bodies, "row"))}
         if stretch > 1:
             kinds["sections along y"] = list(surrogates(*bodies, "column"))

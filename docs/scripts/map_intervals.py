@@ -13,7 +13,7 @@ MATERIAL = {"mu0": 0.3, "tau0": 0.1, "directions": [0.0], "mechanics": "asperiti
 
 
 def numbers(dataset):
-    """A/A0, and mu_s to +x by both rules, over their last axis."""
+    """Return A/A0 and mu_s along +x for both rules, along the last axis."""
     friction = dataset["friction_coefficient"].isel(direction=0, load=0, mu0=0, tau0=0)
     area = dataset["contact_area_fraction"].isel(load=0)
     return np.stack([area, friction.sel(sliding="opposing"), friction.sel(sliding="all")])
@@ -32,7 +32,7 @@ def main():
         load = [PRESSURE * overlap_area(upper, lower)]
         result = pressed_maps(upper, lower, load, shifts=SHIFTS, surrogates=TAKEN, seed=pair, **MATERIAL)
         populations.append(np.nanmean(numbers(result.isel(repetition=slice(SHIFTS))), axis=-1))
-        shifts = pressed_maps_mean(result.isel(repetition=np.arange(TAKEN)))  # the first are those of fewer shifts
+        shifts = pressed_maps_mean(result.isel(repetition=np.arange(TAKEN)))  # prefixes are the results of fewer shifts
         intervals["shifts"].append(numbers(shifts))
         intervals["surrogates"].append(numbers(pressed_maps_mean(result, surrogates=True)))
         if pair:
@@ -40,7 +40,7 @@ def main():
 
 
 def table(own, intervals):
-    """Coverage and median width of each statement, for the pairs so far."""
+    """Return a table of coverage and median width of each interval, for the pairs so far."""
     pairs, all_pairs = len(own), own.mean(axis=0)
     everybody = np.broadcast_to(all_pairs, own.shape)
     rows = [

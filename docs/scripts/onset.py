@@ -1,6 +1,6 @@
 """Compute the onset of sliding of rough surfaces: writes images/onset*.png and generated/onset_*.md.
 
-Takes about four minutes of one core; with names, as in ``onset.py dimension``, only these tables.
+It takes about four minutes on one core. Arguments, as in ``onset.py dimension``, select tables.
 """
 
 import math
@@ -26,7 +26,7 @@ POISSON = 0.3
 STRENGTHS = (0.0, 0.02)
 """tau0 in units of E*, at an rms gradient of the gap of 0.14."""
 BANDS = (8, 16, 32)
-"""Longest over shortest wave; half of the longest is not on the map."""
+"""Longest over shortest wavelength."""
 LOADS = (0.002, 0.02, 0.1)
 """Mean pressure in units of E* h'."""
 PAIRS = 6
@@ -39,7 +39,7 @@ ORANGE, BLUE, GREEN, GREY = "#D55E00", "#0072B2", "#009E73", "#777777"  # Okabe 
 
 
 def body(band: int, repetition: int, side: str, *, slope: float = 0.1, points: int = 8) -> Surface:
-    """Periodic on a square of one with an rms gradient: two of its longest waves, so many points in the shortest."""
+    """Return a periodic unit square with an rms gradient; it contains two of the longest wavelengths."""
     n = 2 * band * points
     one = self_affine_surface(
         SEED, hurst_exponent=0.8, rms=1.0, shape=(n, n), spacing=1 / n, longest_wavelength=0.5,
@@ -131,7 +131,7 @@ def whole_kernel() -> list[str]:
 
 
 def _stuck(touching: np.ndarray, *, both: bool) -> float:
-    """Load for a displacement of 1 along x of all points in contact; with `both` held across as well."""
+    """Return the load that displaces all contact points by 1 along x; `both` also prevents displacement along y."""
     n = touching.shape[0]
     k = 2 * np.pi * np.stack(np.meshgrid(scipy.fft.fftfreq(n, 1 / n), scipy.fft.rfftfreq(n, 1 / n), indexing="ij"))
     size = np.hypot(*k)
@@ -156,7 +156,7 @@ def _stuck(touching: np.ndarray, *, both: bool) -> float:
     size_of = count * (1 + both)
     expected = np.zeros(size_of)
     expected[:count] = 1.0
-    # The mean plane of all does not move: a constant is added to the kernel and taken off the compliance again.
+    # The kernel has no mean: a constant is added to it and subtracted from the compliance.
     lift = 10.0 / MODULUS
 
     def lifted(q: np.ndarray) -> np.ndarray:
@@ -232,8 +232,8 @@ def slopes() -> list[str]:
     return lines
 
 
-def over_dimension() -> list[str]:
-    """Pairs of lines, of the built-in study, and of areas; draws that of lines."""
+def compute_over_dimension() -> list[str]:
+    """Compute the onset of profiles (built-in study) and of maps over D; draw the one of profiles."""
     lines = run(Study.named("presliding"), progress=True)
     figure = lines.figure("onset")
     figure.savefig(DOCS / "images/onset_dimension.png", dpi=300)
@@ -260,7 +260,7 @@ def over_dimension() -> list[str]:
 
 
 def draw() -> None:
-    """A pair of ground steel faces: E* 115 GPa, hardness 5 GPa, 50 MPa, mu0 0.2, tau0 50 MPa."""
+    """Draw the onset of ground steel faces: E* 115 GPa, hardness 5 GPa, 50 MPa, mu0 0.2, tau0 50 MPa."""
     n, length, shown = 512, 20.0, 128
     upper, lower = (
         self_affine_surface(
@@ -294,7 +294,7 @@ def draw() -> None:
     middle.set(xlabel="tangential load / sliding load", ylabel="slips (%)", xlim=(0, 1), ylim=(0, 100))
     middle.legend(frameon=False, fontsize=6, title="dashed: one ball", title_fontsize=6)
     slips = onset.slip_load().reshape(n, n) / onset.sliding_load
-    # Where most touches.
+    # Row with the largest contact.
     touching = curve.contact(0).pressure > 0
     busy = uniform_filter(touching.astype(float), shown)[shown // 2 : -shown // 2, shown // 2 : -shown // 2]
     row, column = np.unravel_index(busy.argmax(), busy.shape)
@@ -320,7 +320,7 @@ def draw() -> None:
 def main(*names: str) -> None:
     tables = {
         "asperities": asperities, "kernel": whole_kernel, "slopes": slopes, "fits": fits, "costs": costs,
-        "dimension": over_dimension,
+        "dimension": compute_over_dimension,
     }  # fmt: skip
     for name in names or tables:
         target = DOCS / f"generated/onset_{name}.md"

@@ -2,8 +2,8 @@
 
     python docs/scripts/pla_silicone.py pla_silicone.csv
 
-The file is that of github.com/tolstoys19/Friction-Measurements-Between-PLA-and-Silicone as a table of silicone, load,
-coefficient, standard deviation and cycles.
+The file is a table of silicone, load, coefficient, standard deviation and cycles, from
+github.com/tolstoys19/Friction-Measurements-Between-PLA-and-Silicone.
 """
 
 import sys
@@ -20,12 +20,12 @@ from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE, save
 IMAGE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
 SHOWN = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
 FITTED = 50.0  # mN, lowest load of both fits
-LAST = 700.0  # mN; values jump above, as with another range of the instrument
-COMMON = 0.02  # relative standard error of each mean beside its scatter
+LAST = 700.0  # mN; values jump above this load, as after a change of range
+COMMON = 0.02  # relative standard error of the force cell
 
 
 def fits(load, coefficient, error):
-    """(mu0, tau0 A0) of a flat, (mu0, tau0 A0, F1) of a rough one, mN, and the residuals of both in errors."""
+    """Return (mu0, tau0 A0) of a flat, (mu0, tau0 A0, F1) of a rough flat, and residuals over errors; in mN."""
     columns = np.stack([np.ones_like(load), 1 / load], axis=1) / error[:, np.newaxis]
     flat = np.linalg.lstsq(columns, coefficient / error, rcond=None)[0]
 

@@ -7,11 +7,11 @@ import numpy as np
 from stiction import Surface, half_space, self_affine_surface
 
 POINTS, SHORTEST, SEEDS = 512, 8, 3
-PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)  # over E* times the rms gradient
+PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)  # mean pressure over E* h'
 
 
-def pressed(hurst, seed, *, ratio=16, pressures=PRESSURES):
-    """Area fraction, mean gap over rms height, and stiffness times rms height over pressure; and Nayak's parameter."""
+def press_surface(hurst, seed, *, ratio=16, pressures=PRESSURES):
+    """Return contact fraction, gap over rms height, stiffness times rms height over pressure, Nayak's parameter."""
     rough = self_affine_surface(
         seed, hurst_exponent=hurst, rms=0.02, shape=(POINTS, POINTS), spacing=1.0, shortest_wavelength=SHORTEST,
         longest_wavelength=SHORTEST * ratio,
@@ -32,13 +32,13 @@ def pressed(hurst, seed, *, ratio=16, pressures=PRESSURES):
 def main():
     of_exponents = []
     for hurst in (0.3, 0.5, 0.8):
-        result = [pressed(hurst, seed) for seed in range(SEEDS)]
+        result = [press_surface(hurst, seed) for seed in range(SEEDS)]
         area, gap, stiffness = (np.mean([item[i] for item in result], axis=0) for i in range(3))
         of_exponents.append(area)
         print(f"H = {hurst}: area {np.round(area, 4)} gap {np.round(gap, 3)} K rms / p {np.round(stiffness, 2)}")
     print("spread over H:", np.round(np.ptp(of_exponents, axis=0) / np.mean(of_exponents, axis=0), 3))
     for ratio in (2, 4, 8, 16, 32):
-        result = [pressed(0.8, seed, ratio=ratio, pressures=(0.1,)) for seed in range(SEEDS)]
+        result = [press_surface(0.8, seed, ratio=ratio, pressures=(0.1,)) for seed in range(SEEDS)]
         area, nayak = np.mean([item[0][0] for item in result]), np.mean([item[3] for item in result])
         print(f"longest over shortest {ratio}: Nayak {nayak:.2f}, area at 0.1 {area:.4f}")
 

@@ -17,7 +17,7 @@ from stiction.surfaces.parameters import PROFILE_PARAMETERS, SURFACE_PARAMETERS
 from stiction.views.study_keys import markdown_row
 
 ENTRY = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
-"""A name in a page of the reference."""
+"""Pattern of a name in a reference page."""
 
 
 def pages(docs: Path) -> dict[str, str]:
@@ -37,7 +37,7 @@ def _row(*cells: str) -> str:
 
 
 def verdicts(table: Path, columns: Sequence[int]) -> str:
-    """Claims of a table of claims and their numbers, and these columns."""
+    """Return the rows of a table of claims with their numbers and these columns."""
     head, rule, *rows = (
         [cell.strip() for cell in row.split("|")[1:-1]] for row in table.read_text("utf-8").splitlines()
     )
@@ -53,7 +53,7 @@ def _verdict(cell: str) -> str:
 # ---- Names ----------------------------------------------------------------------------------------------------------
 
 GROUPS = ("surfaces", "roughness", "mechanics", "closed_forms", "studies", "measured", "files")
-"""Pages of the Python reference, ``docs/reference/api_GROUP.md``."""
+"""Groups of the Python reference, with a page ``docs/reference/api_GROUP.md`` for each."""
 
 
 def names(docs: Path) -> str:

@@ -1,7 +1,7 @@
 """Measure results against scan resolution: writes docs/generated/resolution.md and docs/images/resolution.png.
 
-Takes the part to compute, "settling", "bracketing", "continuing" or "joining", or none to write page and picture from
-what is in the folder `resolution` of the working directory. Seeds are fixed; 15 minutes in all on two busy cores.
+The argument selects the part to compute: "settling", "bracketing", "continuing" or "joining". Without one, table and
+figure are written from the results in the directory `resolution`. Seeds are fixed; all parts take 15 minutes.
 """
 
 import json
@@ -27,12 +27,12 @@ MODULUS, HARDNESS, MU0, TAU0 = 115.0, 4.0, 0.2, 0.2  # GPa
 PRESSURE, HIGHER = 0.02, 0.2  # GPa
 HURST = (0.4, 0.8)
 SLOPES = {0.4: 0.6, 0.8: 0.25}
-"""Root-mean-square gradient of the gap with all waves from four points on."""
+"""Rms gradient of the gap by Hurst exponent, with all wavelengths from four points upwards."""
 SEEN = (8, 16, 32, 64)
-"""Cut-offs in points, beside the surface itself, whose waves begin at four."""
+"""Cutoff wavelengths in points; the surface itself has wavelengths from four points upwards."""
 PER_DECADE = 5
 PAIRS, BRACKETED, CONTINUED = 6, 50, 50
-"""Pairs of each Hurst exponent."""
+"""Number of pairs of each Hurst exponent, by part."""
 
 
 def gradient(bodies):
@@ -54,7 +54,7 @@ def pair(hurst, index, points, longest):
 
 
 def settling():
-    """Pairs seen at their own resolution and coarser ones, with a hardness and without."""
+    """Compute pairs at their own and coarser resolutions, with and without a hardness."""
     found = []
     for hurst in HURST:
         for index in range(PAIRS):
@@ -102,7 +102,7 @@ def answers(bodies, seen, hardness, name):
     return {name: answer, "limit": limit}
 
 
-def coarser(body, shortest, step):
+def coarsen(body, shortest, step):
     """Return a low-pass filtered surface (cutoff in points) on every `step`-th point."""
     waves = np.fft.fft2(body.heights)
     k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(POINTS),) * 2, indexing="ij"))
@@ -111,7 +111,7 @@ def coarser(body, shortest, step):
 
 
 def continuing():
-    """From a scan cut at 32 points: the elastic answer at 4 points, and where plasticity is reached."""
+    """Extrapolate scans filtered at 32 points: the elastic result at 4 points, and the onset of plasticity."""
     from stiction.mechanics.brackets import gap_exponent
 
     load = HIGHER * (POINTS * SPACING) ** 2
@@ -119,8 +119,8 @@ def continuing():
     for hurst in HURST:
         for index in range(CONTINUED):
             fine = pair(hurst, 1000 + index, POINTS, POINTS)
-            coarse = [coarser(body, 32, 4) for body in fine]
-            # The mean pressure of the elastic answer reaches this hardness at about 10 points.
+            coarse = [coarsen(body, 32, 4) for body in fine]
+            # The mean elastic contact pressure reaches this hardness at about 10 points.
             hardness = MODULUS * SLOPES[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
             options = {"mu0": MU0, "tau0": TAU0, "effective_modulus": MODULUS, "boundary": "periodic", "cut_offs": []}
             message = resolution(*coarse, [load], hardness=hardness, **options)
@@ -242,7 +242,7 @@ def settled_lines(rows):
 
 
 def inside(rows, name, limit, most):
-    """Pairs of which every finer answer is between the limit and a coarser one's end, but for second order."""
+    """Count pairs whose finer results are all between the limit and the end of a coarser bracket."""
     count = 0
     for row in rows:
         values, ends, steep = (row["plastic"][item] for item in (name, most, "gradient"))
@@ -254,7 +254,7 @@ def inside(rows, name, limit, most):
 
 
 def widths(rows, name, limit, most):
-    """Median of the upper end of a bracket over the limit, less one, %, at each cut-off but the finest."""
+    """Return the median width of brackets relative to the limit (%), at each cutoff but the finest."""
     over = np.array([np.array(row["plastic"][most]) / row["limit"][limit] for row in rows])
     return ", ".join(f"{100 * (each - 1):.1f}" for each in np.median(over, axis=0)[1:])
 
@@ -278,7 +278,7 @@ def bracket_lines(groups):
 
 
 def yielded_lines(by_hurst):
-    """How far the coarsest answer is from the finest where its elastic pressure is the hardness, and where twice it."""
+    """Return deviations of the coarsest result from the finest at elastic pressures of one and two hardnesses."""
     lines = [
         f"| μ_s, all rub, at {SEEN[-1]} points | elastic pressure over the hardness | from the finest, mean (%) "
         "| furthest (%) |",
@@ -296,7 +296,7 @@ def yielded_lines(by_hurst):
 
 
 def covered(rows, name):
-    """Pairs whose truth is in the interval that was said; a wavelength that is never reached by it is 0."""
+    """Count pairs whose true wavelength is in the predicted interval; 0 stands for one that is never reached."""
     ends = np.nan_to_num([row[f"said_{name}"][1:] for row in rows])
     truth = np.array([row[name] for row in rows])
     return f"{int(((ends[:, 0] <= truth) & (truth <= ends[:, 1])).sum())} of {len(rows)}"

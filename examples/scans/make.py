@@ -1,10 +1,10 @@
-"""Makes the sample scans beside this file: generated faces, written down as instruments would.
+"""Write the sample scans in this directory: generated faces in the formats of instruments.
 
     python examples/scans/make.py FOLDER
 
-Two traces of a stylus over honed steel and two over lapped steel as text, and two maps of an interferometer over ground
-steel as X3P: with the tilt of a specimen that nobody levelled, the noise of the instrument, and heights in whole steps
-of its converter. The honed traces are long and quiet enough to be quoted.
+There are two stylus profiles of honed steel and two of lapped steel as text, and two interferometer maps of ground
+steel as X3P. They have the tilt of an unlevelled specimen, instrument noise, and heights in whole converter steps. The
+honed profiles are long and quiet enough for the assessment "Quote it".
 """
 
 import hashlib
@@ -42,7 +42,7 @@ MAIN = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 def trace(finish: str, side: str) -> str:
-    """A stylus' text: positions in µm, heights in nm."""
+    """Return the text of a stylus: positions in µm, heights in nm."""
     points, spacing, waves, deviation, step = TRACES[finish].values()
     face = self_affine(
         11 if finish == "lapped" else 21,
@@ -61,13 +61,13 @@ def trace(finish: str, side: str) -> str:
 
 
 def converter_steps(side: str) -> np.ndarray:
-    """An interferometer's map in steps of its converter; the grinding marks run along y."""
+    """Return an interferometer map in converter steps; the grinding marks run along y."""
     face = self_affine_surface(
         12,
         hurst_exponent=0.8,
         rms=0.05,
         shape=(SIZE, SIZE),
-        spacing=(PIXEL / 5.0, PIXEL),  # and then drawn out five times along y
+        spacing=(PIXEL / 5.0, PIXEL),  # stretched five times along y
         longest_wavelength=6.0,
         shortest_wavelength=1.0,
         side=side,
@@ -79,7 +79,7 @@ def converter_steps(side: str) -> np.ndarray:
 
 
 def write_x3p(path: Path, steps: np.ndarray) -> None:
-    """A surface on a grid by ISO 25178-72, of the same bytes whenever it is written."""
+    """Write a surface as ISO 25178-72; the bytes are reproducible."""
     data = steps.tobytes()
     rows, columns = steps.shape
     checksum = hashlib.md5(data, usedforsecurity=False).hexdigest()
