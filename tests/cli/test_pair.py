@@ -312,7 +312,7 @@ def test_smallest_load_has_no_lower_steps(where):
         ([*MAPS, "--hardness", "1 GPa", "--creep", "0.03"], ["--creep is for --wait"]),
         ([*MAPS, "--hardness", "1 GPa", "--wait", "1 h", "--creep", "-1"], ["--creep must be finite", "'-1'"]),
         ([*MAPS, "--hardness", "0..2 GPa"], ["--hardness must be above 0, got '0..2 GPa'"]),
-        ([*MAPS, "--hardness", "3"], ["--hardness", "unit of pressure", "also taken are HV and HRC"]),
+        ([*MAPS, "--hardness", "3"], ["--hardness", "unit of pressure", "HV and HRC are also accepted"]),
         ([*PROFILES, "--wait", "1 h", "--creep", "0.03"], ["--wait is for --mechanics half-space"]),
         ([*MAPS, "--level", "line"], ["level"]),
         ([*MAPS, "--tilt", "loose"], ["--tilt must be fixed or free, got 'loose'"]),

@@ -1,4 +1,4 @@
-"""Numbers, values with uncertainties and ranges: from text to draws, and what is refused."""
+"""Uncertain inputs: from text to samples, and errors of bad text."""
 
 from __future__ import annotations
 
@@ -46,9 +46,16 @@ def test_samples_are_not_negative() -> None:
         (None, "", "must be a number"),
     ],
 )
-def test_known_rejects_bad_text(text, kind, words) -> None:
+def test_parse_input_rejects_bad_text(text, kind, words) -> None:
     with pytest.raises(ValueError, match=words):
         parse_input("mu0", text, kind)
+
+
+@pytest.mark.parametrize("text", ["150 ± 10 % HV", "150±10% HV", "150 HV ± 10 %", "150 HV10 ± 10 %", "150 ± 15 HV"])
+def test_unit_may_follow_relative_uncertainty(text: str) -> None:
+    result = parse_input("hardness", text, "hardness")
+    value = parse_input("hardness", "150 HV", "hardness").value
+    assert (result.value, result.low, result.high) == pytest.approx((value, 0.804 * value, 1.196 * value), rel=1e-4)
 
 
 @pytest.mark.parametrize("text", ["59.9..60.1 HRC", "60±0.05 HRC", "60 HRC ± 0.05", "60 HRC ± 0.1 %"])
