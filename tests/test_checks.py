@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import stiction
 import xarray
 from stiction import effective_modulus, half_space, hertz_sphere, self_affine_surface
 from stiction._checks import check_bool, check_choice, number, whole_number
@@ -53,3 +54,30 @@ def test_half_space_accepts_arrays_without_dimensions():
     assert np.array_equal(curve.contact_area, expected.contact_area)
     assert curve.friction_coefficient(mu0=np.asarray(0.3)) == expected.friction_coefficient(mu0=0.3)
     assert np.ndim(hertz_sphere(0.1, 1.0, 10.0)[0]) == 0
+
+
+FUNCTIONS_OF_RESULTS = {
+    "area_map": lambda value: stiction.area_map(value, [1.0]),
+    "friction_map": lambda value: stiction.friction_map(value, [1.0]),
+    "friction_table": stiction.friction_table,
+    "nondimensional": stiction.nondimensional,
+    "pair_of": lambda value: stiction.pair_of(value, 1, fractal_dimension=1.3, amplitude=0.1),
+    "pressed_maps_mean": stiction.pressed_maps_mean,
+    "resolution_friction": lambda value: stiction.resolution_friction(value, mu0=0.2),
+    "stiffness_map": lambda value: stiction.stiffness_map(value, [1.0]),
+    "traverse_mean": stiction.traverse_mean,
+}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS_OF_RESULTS)
+@pytest.mark.parametrize("value", [np.ones((4, 4)), "folder", None, 3])
+def test_functions_of_results_reject_other_objects(name, value):
+    argument = "study" if name == "pair_of" else "result"
+    with pytest.raises(ValueError, match=f"^{argument} must be .*, got {type(value).__name__}$"):
+        FUNCTIONS_OF_RESULTS[name](value)
+
+
+@pytest.mark.parametrize("value", [np.array([0.1, 0.2]), np.array([]), 3])
+def test_material_must_be_a_name(value):
+    with pytest.raises(ValueError, match="upper_material must be the name of a material"):
+        stiction.Ball("5 mm", upper_material=value)

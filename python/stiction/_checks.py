@@ -99,6 +99,12 @@ def whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 
     return result
 
 
+def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
+    """Raise ValueError unless the value is an instance of a class, which `words` describe in the message."""
+    if not isinstance(value, kind):
+        raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
+
+
 def check_choice(name: str, value: Any, literal: Any) -> None:
     """Raise ValueError unless the value is one of the strings of a `Literal` type."""
     allowed = get_args(literal)

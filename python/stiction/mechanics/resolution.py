@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stiction._checks import Floats, float_array, number
+from stiction._checks import Floats, check_instance, float_array, number
 from stiction.mechanics import brackets
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import SIX_SUMS, compute_load, friction_parameter
@@ -184,6 +184,9 @@ def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) ->
     >>> resolution_friction(found, mu0=0.3).sel(sliding="all").values.round(2)
     array([[0.3]])
     """
+    import xarray as xr
+
+    check_instance("result", result, xr.Dataset, "an xarray.Dataset of resolution")
     mu, tau = _strengths(mu0, tau0)
     normal, tangential = (compute_load(load, result, mu, tau) for load in ("normal", "tangential"))
     mu_s = np.divide(tangential, normal, out=np.full_like(normal, np.nan), where=normal > 0)

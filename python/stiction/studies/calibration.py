@@ -90,7 +90,8 @@ def calibrate(
     tests = tuple(tests)
     if not any(test.slid for test in tests):
         raise ValueError("tests must have one that slid: those that held are lower bounds alone")
-    if not 0 <= number("common", common) < 1:
+    common = number("common", common)
+    if not 0 <= common < 1:
         raise ValueError(f"common must be at least 0 and below 1, got {common!r}")
     held = {test.uncertainty is None for test in tests}
     if len(held) > 1:

@@ -9,6 +9,7 @@ from typing import Any
 
 from stiction._arguments import parse_numbers, parse_quantities, parse_quantity
 from stiction._errors import ArgumentError
+from stiction._units import short_repr
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import compliance_fraction, is_name_of, material, softer_material
 
@@ -37,6 +38,11 @@ def elasticity_of(
     Raises a `ValueError` if none or several of these are given, or a value is none.
     """
     modulus, upper, lower = effective_modulus, upper_material, lower_material
+    for place, name in (("upper", upper), ("lower", lower)):
+        if not isinstance(name, str | None):
+            raise ArgumentError(
+                f"{{{place}_material}} must be the name of a material, got {{got}}", got=short_repr(name)
+            )
     named = "{upper_material} and {lower_material}"
     ways = {"{effective_modulus}": modulus, "{young}": young, named: upper or lower}
     chosen = [way for way, value in ways.items() if value is not None]

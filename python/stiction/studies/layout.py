@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import number
+from stiction._checks import check_instance, number
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUSES
 from stiction.mechanics.quantities import DISTRIBUTIONS, GAP, QUANTITIES, STATISTICS, attributes_of
@@ -204,6 +204,7 @@ def nondimensional(
     """
     import xarray
 
+    check_instance("result", result, xarray.Dataset, "an xarray.Dataset")
     if "study" in result.attrs:
         from stiction.studies.generated_surfaces import Generated
         from stiction.studies.study import study_of

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction._checks import Floats
+from stiction._checks import Floats, check_instance
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
 from stiction.studies.measured_surfaces import About, Measured, Member, Members
 from stiction.studies.study import Study
@@ -136,6 +136,7 @@ def pair_of(
     >>> press(upper, lower, [0.01, 0.02]).contact_count.shape
     (2,)
     """
+    check_instance("study", study, Study, "a Study")
     if study.is_measured:
         raise ValueError("pair_of is for studies of generated bodies; the members of measured ones have no dimension")
     if study.is_areal:

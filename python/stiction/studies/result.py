@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import check_bool
+from stiction._checks import check_bool, check_instance
 from stiction._repr import figure_html, preformatted_html, render_png
 from stiction._units import loads_to_core_units, to_core_units
 from stiction.studies.layout import piece_of
@@ -54,7 +54,12 @@ class Result:
     @classmethod
     def of(cls, result: Result | xarray.Dataset | Stored) -> Result:
         """Return a result unchanged, and wrap a dataset of member sums or an open directory."""
-        return result if isinstance(result, Result) else cls(result)
+        import xarray
+
+        if isinstance(result, Result):
+            return result
+        check_instance("result", result, (xarray.Dataset, Stored), "a Result, or an xarray.Dataset of member sums")
+        return cls(result)
 
     # ---- What was computed -------------------------------------------------------------------------------------------
 

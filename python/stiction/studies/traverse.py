@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, check_choice, float_array, fraction, number, whole_number
+from stiction._checks import Floats, check_choice, check_instance, float_array, fraction, number, whole_number
 from stiction._core import __version__
 from stiction._units import exact_quantity, to_core_units
 from stiction.mechanics import friction
@@ -442,6 +442,7 @@ def traverse_mean(result: xarray.Dataset) -> xarray.Dataset:
     """
     import xarray
 
+    check_instance("result", result, xarray.Dataset, "an xarray.Dataset of traverse")
     others = tuple(name for name in ("mu0", "tau0") if name in result.dims)
     if "direction" in result.dims:
         raise ValueError("result must be a traverse of profiles, got one of surfaces")
@@ -676,6 +677,7 @@ def pressed_maps_mean(result: xarray.Dataset, *, surrogates: bool | None = None)
     """
     import xarray
 
+    check_instance("result", result, xarray.Dataset, "an xarray.Dataset of pressed_maps")
     made = result["surrogate"].values.astype(bool)
     wanted = bool(made.all()) if surrogates is None else surrogates
     if not (made == wanted).any():
