@@ -14,7 +14,7 @@ from stiction.studies.point import is_unloaded, points
 from stiction.studies.pull_off import Sticking
 from stiction.views.pull_off import sticking_text
 from stiction.views.rows import csv_text, record_text
-from stiction.views.text import result_text
+from stiction.views.text import answer_text, result_text
 from support.rough_surfaces import rough_maps
 
 EXACT = 1e-9
@@ -114,6 +114,9 @@ def test_pair_without_load_assesses_sticking(sticky):
     assert record["sticking"]["pull_off"]["lower"] < record["sticking"]["pull_off"]["value"]
     assert record["verdict"] == "Do not quote"
     assert sticking_text(answer.sticking).removesuffix(".") in free.sentence
+    assert sticking_text(answer.sticking, "μ0 = 0.3").endswith(" with μ0 = 0.3.")
+    several = answer_text(free.summary(0, mu0=[0.2, 0.3]))
+    assert "with μ0 = 0.2." in " ".join(several.split())
     with pytest.raises(ValueError, match="load must be above 0, got 0"):
         pressed(load=0)
     # Without a solved load that is negligible, the pull-off force is the same, and there is no area.

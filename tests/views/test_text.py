@@ -98,6 +98,13 @@ def test_columns_that_do_not_fit_are_wrapped():
     ]  # fmt: skip
 
 
+def test_wrapped_columns_repeat_all_label_columns():
+    rows = [["load", "μ0", "first column", "second column"], ["1 mN", "0.2", "1", "2"]]
+    assert aligned(rows, 26, labels=2).splitlines() == [
+        "load  μ0   first column", "1 mN  0.2  1", "load  μ0   second column", "1 mN  0.2  2",
+    ]  # fmt: skip
+
+
 def test_wrapped_text_keeps_number_and_unit_together():
     text = fitted("x" * 33 + " τ0 = 50 MPa and more words that fill the line up to its end", 40)
     assert "τ0 = 50 MPa" in text.splitlines()[1]

@@ -11,15 +11,18 @@ from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.pull_off import STICKING_PRESSURE, Sticking, Three
 
 
-def sticking_text(sticking: Sticking) -> str:
-    """Return whether bodies stick, with forces and pressures, in one or two sentences."""
+def sticking_text(sticking: Sticking, inputs: str = "") -> str:
+    """Return whether bodies stick, with forces and pressures, in one or two sentences.
+
+    `inputs` names the mu0 and tau0 of the friction, where there are several.
+    """
     least = "at least " if sticking.is_bound else ""
     limit = f"{with_unit(STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
     where = {"yes": "", "no": f", less than {limit}", "uncertain": f"; the threshold is {limit}"}[sticking.sticks]
     return (
         f"Sticks without a load: {sticking.sticks}. Pull-off force {least}{_shown(sticking.pull_off, 'pull_off')}, "
         f"{_shown(sticking.pressure, 'pull_off_pressure')} on the nominal area{where}; friction at no load "
-        f"{_shown(sticking.friction, 'friction_at_no_load')}."
+        f"{_shown(sticking.friction, 'friction_at_no_load')}{inputs and f' with {inputs}'}."
     )
 
 

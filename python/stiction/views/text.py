@@ -69,23 +69,24 @@ _TOGETHER = re.compile(r"(?<=[^\s] =) | (?=[=<>] )|(?<=\d) (?=(?:[kmµn]?[NmgL]|
 """Spaces at which no line ends: around an equals sign, and between a number and its unit."""
 
 
-def aligned(rows: Rows, width: int | None = None) -> str:
+def aligned(rows: Rows, width: int | None = None, *, labels: int = 1) -> str:
     """A table whose columns are aligned and which fits a width, that of the terminal by default; rows may be short.
 
-    Columns that do not fit go into further tables below, each with the first column again; where this itself is too
-    wide, its cells go on in the next line.
+    Columns that do not fit go into further tables below, each with the first `labels` columns again. The cells of a
+    first column that is too wide go on in the next line.
     """
     room = width or width_of_terminal()
     columns = max(map(len, rows), default=0)
     others = max((len(cell) for row in rows for cell in row[1:]), default=0)
     rows = [each for row in rows for each in _in_lines(row, max(room - others - 2, LEAST_LABEL))]
     sizes = [max(len(row[c]) if c < len(row) else 0 for row in rows) for c in range(columns)]
-    blocks, first = [], 1
-    while first < max(columns, 2):
+    blocks, first = [], labels
+    while first < max(columns, labels + 1):
         last = first + 1
-        while last < columns and sizes[0] + sum(2 + size for size in sizes[first : last + 1]) <= room:
+        while last < columns and sum(2 + size for size in sizes[:labels] + sizes[first : last + 1]) - 2 <= room:
             last += 1
-        blocks.append("\n".join(_line([row[0], *row[first:last]], [sizes[0], *sizes[first:last]]) for row in rows))
+        block = sizes[:labels] + sizes[first:last]
+        blocks.append("\n".join(_line([*row[:labels], *row[first:last]], block) for row in rows))
         first = last
     return "\n".join(blocks)
 
@@ -138,7 +139,9 @@ def answer_text(summary: Summary, *, verbose: bool = False, most: int | None = N
     parts = [history_text(at, study)] if verbose else []
     loaded = [one for one in found if not one.unloaded]
     sticking = found[0].sticking
-    lines = [fitted(sticking_text(sticking))] if sticking is not None and sticking.pull_off[0] > 0 else []
+    varying = [name for name in ("mu0", "tau0") if len({one.at[name] for one in found}) > 1]
+    inputs = ", ".join(f"{_TITLES[name]} = {_coordinate(name, found[0].at[name])}" for name in varying)
+    lines = [fitted(sticking_text(sticking, inputs))] if sticking is not None and sticking.pull_off[0] > 0 else []
     lines += [answers_text(found)] if loaded else []
     parts.append("\n".join([*lines, doubts_text(found, None if verbose else most)]))
     is_known = any(math.isfinite(one.value) or one.unloaded for one in found)
@@ -192,7 +195,7 @@ def answers_text(found: Sequence[PointSummary]) -> str:
     shared = f"with {', '.join(same)}; " if same else ""
     assumptions = assumptions_of(found[0].study)
     assumed = f"; assuming {', '.join(assumptions)}" if assumptions else ""
-    return aligned(rows) + "\n" + fitted(f"{shared}{note_text(found[0])}{assumed}", indent="  ")
+    return aligned(rows, labels=len(varying)) + "\n" + fitted(f"{shared}{note_text(found[0])}{assumed}", indent="  ")
 
 
 def _coefficient(one: PointSummary, index: int) -> str:
