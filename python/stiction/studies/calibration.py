@@ -69,7 +69,7 @@ def calibrate(
     likely beforehand. Gain, areas and ranges have distributions of their own and are marginalised by adaptive
     importance sampling. Residuals are judged at the best fit of all of these together. Where they are larger than the
     errors allow, the errors are known up to a factor. Runs have relative offsets whose standard deviation is unknown:
-    beforehand it is half a Cauchy distribution with the median 7 %.
+    their prior is half a Cauchy distribution with the median 10 %.
 
     Examples
     --------

@@ -36,7 +36,7 @@ NUM_DRAWS = 4000  # pairs of mu0 and tau0 that represent their joint distributio
 DEPTH = 34.0  # decrease of -2 ln(density) at which the grid ends: 5.8 standard deviations
 PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal, Student's t
 OUTLIER_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
-RUN_SPREAD = 0.07  # median of the prior relative standard deviation between runs, half a Cauchy distribution
+RUN_SPREAD = 0.10  # median of the prior relative standard deviation between runs, half a Cauchy distribution
 
 MAX_GRID_POINTS = 256  # nuisance points whose cells are computed together where contacts grow
 GAIN, SPREAD = "gain", "spread between runs"  # names of nuisances
