@@ -25,11 +25,11 @@ from stiction.studies.pair_options import (
     name_in_python,
 )
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[1]
 FUNCTION = ROOT / "python/stiction/views/pair.py"
 COMMAND = ROOT / "python/stiction/cli/pair.py"
 READER = ROOT / "python/stiction/cli/characterise.py"
-WIDTH = 120
+LINE_LENGTH = 120
 BODIES = ("upper", "lower")
 IN_PYTHON = [name for name, option in OPTIONS.items() if option.is_in_python]
 
@@ -96,7 +96,7 @@ def descriptions() -> str:
         optional = "" if PairOptions.model_fields[name].is_required() or name in BODIES else ", optional"
         text = option.help.format_map(Names()) + (f" By default {option.usual}." if option.usual else "")
         lines.append(f"    {name_in_python(name)} : {kind}{unit}{optional}")
-        lines += textwrap.wrap(text, WIDTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
+        lines += textwrap.wrap(text, LINE_LENGTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
     return "\n".join(lines) + "\n"
 
 

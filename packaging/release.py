@@ -25,14 +25,14 @@ LINK = re.compile(r"(?<=\]\()(?!https?:|#)([^)\s]+)(?=\))")
 ADDRESSES = ("Source", "Documentation", "Issues", "Changelog")
 
 Check = Callable[[], str | None]
-CHECKS: list[tuple[str, Check]] = []
+STEP_CHECKS: list[tuple[str, Check]] = []
 
 
 def check(line: str) -> Callable[[Check], Check]:
     """Register a line of the list with the function that returns what is missing, or None."""
 
     def keep(function: Check) -> Check:
-        CHECKS.append((line, function))
+        STEP_CHECKS.append((line, function))
         return function
 
     return keep
@@ -128,7 +128,7 @@ def absent(what: str, missing: Iterator[str]) -> str | None:
 
 def walk(*, tagged: bool) -> bool:
     """Return whether nothing is missing. The workflow of a tag builds and verifies separately."""
-    checks = [item for item in CHECKS if not (tagged and item[1] is wheels_are_proven)]
+    checks = [item for item in STEP_CHECKS if not (tagged and item[1] is wheels_are_proven)]
     if tagged:
         checks.append((f"the tag v{VERSION} is on this commit", tag_is_here))
     opened = 0

@@ -74,7 +74,7 @@ NO_CODE = {"text", "{eval-rst}", "{figure}", "{image}", "{include}", "{literalin
 """What a page of another file shows is that file's business; text is a diagram."""
 
 
-class Block(NamedTuple):
+class CodeBlock(NamedTuple):
     kind: str
     text: str
 
@@ -85,9 +85,9 @@ def blocks(page):
     for token in MarkdownIt().parse(page.read_text(encoding="utf-8")):
         if token.type == "fence":
             kind = token.info.strip()
-            values.append(Block(kind if kind.startswith("{code-cell}") else kind.split(" ")[0], token.content))
+            values.append(CodeBlock(kind if kind.startswith("{code-cell}") else kind.split(" ")[0], token.content))
         elif token.type == "code_block":
-            values.append(Block("indented", token.content))
+            values.append(CodeBlock("indented", token.content))
     return values
 
 

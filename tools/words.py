@@ -25,7 +25,7 @@ from itertools import chain
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-RULES = ROOT / "tools/words.toml"
+RULES_FILE = ROOT / "tools/words.toml"
 SENTENCE_KINDS = ("docstring", "comment", "message", "documentation", "commit subject")
 NAME_KINDS = ("function", "class", "constant", "variable", "test")
 MIN_COMMENT_LENGTH = 25  # characters: shorter comments are units and markers
@@ -294,7 +294,7 @@ def repetition_faults(repeated: Mapping[str, set[str]], accepted: list[str]) -> 
 
 
 def check() -> None:
-    files, rules = read_checkout(), tomllib.loads(RULES.read_text("utf-8"))
+    files, rules = read_checkout(), tomllib.loads(RULES_FILE.read_text("utf-8"))
     faults = [
         *name_faults(files, rules["names"]),
         *test_name_faults(files, rules["test_names"]),

@@ -20,8 +20,8 @@ from reference.boundary_elements import (  # noqa: E402  the tests repeat points
     PERIOD,
     RMS_SLOPE,
     TOLERANCE,
-    Asperities,
-    HalfSpace,
+    PeriodicAsperities,
+    PeriodicHalfSpace,
     band_limited_profile,
 )
 
@@ -46,7 +46,7 @@ def measure_profile(
     points, _ = BANDWIDTHS[bandwidth]
     random = np.random.default_rng([SEED, repetition])
     heights = band_limited_profile(random, hurst, bandwidth, finer * points)
-    solid, asperities = HalfSpace(heights, PERIOD, tolerance=tolerance), Asperities(heights, PERIOD)
+    solid, asperities = PeriodicHalfSpace(heights, PERIOD, tolerance=tolerance), PeriodicAsperities(heights, PERIOD)
     pressures = LOADS * EFFECTIVE_MODULUS * RMS_SLOPE
     return np.array([(solid.at(p), asperities.at(p), asperities.interacting(p)) for p in pressures])
 

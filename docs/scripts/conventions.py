@@ -28,7 +28,7 @@ OPPOSING, OTHER = "#B84C00", "#0072B2"
 
 
 @dataclass(frozen=True)
-class Pair:
+class ContactingProfiles:
     """Two profiles at an approach, and their contacts."""
 
     lower: Profile
@@ -50,7 +50,7 @@ def plane(vectors: np.ndarray) -> np.ndarray:
     return vectors[:, ::2]
 
 
-def pair() -> Pair:
+def pair() -> ContactingProfiles:
     """Return a pair with contacts on both kinds of flanks."""
     lower, upper = (
         weierstrass_mandelbrot(
@@ -58,7 +58,7 @@ def pair() -> Pair:
         ).with_amplitude(1.3)
         for side in ("lower", "upper")
     )
-    return Pair(lower, upper, contacts(upper, lower, APPROACH, shear="+x"))
+    return ContactingProfiles(lower, upper, contacts(upper, lower, APPROACH, shear="+x"))
 
 
 def arrow(
@@ -75,7 +75,7 @@ def word(ax: Axes, place: np.ndarray, text: str, right: float = 0.0, up: float =
     ax.text(place[0] + right, place[1] + up, text, **({"ha": "center", "va": "center"} | how))
 
 
-def draw_bodies(ax: Axes, these: Pair, bottom: float, top: float) -> None:
+def draw_bodies(ax: Axes, these: ContactingProfiles, bottom: float, top: float) -> None:
     x, lower, upper = these.lower.x, these.lower.heights, these.upper.heights - these.lowered
     ax.fill_between(x, bottom, lower, color=LOWER, linewidth=0)
     ax.fill_between(x, upper, top, color=UPPER, linewidth=0)
@@ -87,7 +87,7 @@ def draw_bodies(ax: Axes, these: Pair, bottom: float, top: float) -> None:
     ax.set_axis_off()
 
 
-def draw_pair(ax: Axes, these: Pair) -> None:
+def draw_pair(ax: Axes, these: ContactingProfiles) -> None:
     x, lower, result = these.lower.x, these.lower.heights, these.found
     touching = these.upper.heights - these.first_contact
     bottom, top = lower.min() - 0.4, touching.max() + 0.45
@@ -125,7 +125,7 @@ def draw_pair(ax: Axes, these: Pair) -> None:
     word(ax, corner, "heights", 0.0, 0.6)
 
 
-def draw_contact(ax: Axes, these: Pair) -> None:
+def draw_contact(ax: Axes, these: ContactingProfiles) -> None:
     """Draw the spheres of the enlarged contact."""
     result = these.found
     centre, normal, tangent = (plane(item)[ENLARGED] for item in (result.centre, result.normal, result.tangent))
@@ -166,7 +166,7 @@ def draw_angle(ax: Axes, corner: np.ndarray, radius: float, left: np.ndarray, ri
     word(ax, corner + 1.13 * radius * np.array([np.cos(middle), np.sin(middle)]), name)
 
 
-def draw_forces(ax: Axes, these: Pair) -> None:
+def draw_forces(ax: Axes, these: ContactingProfiles) -> None:
     """Draw the forces on the upper body at the enlarged contact, tip to tail, and the loads that balance them."""
     result = these.found
     normal, tangent = plane(result.normal)[ENLARGED], plane(result.tangent)[ENLARGED]

@@ -10,7 +10,7 @@ from stiction.studies.intervals import neighbors_mean
 DOCS = Path(__file__).parent.parent
 sys.path.insert(0, str(DOCS.parent / "tests"))
 
-from reference.neighbours import QUANTITIES, judged, of_quantity, traverses  # noqa: E402  the tests repeat some of it
+from reference.neighbours import DISTRIBUTION_NAMES, judged, of_quantity, traverses  # noqa: E402  the tests repeat some of it
 
 TRIALS = 2000
 POSITIONS = (8, 16, 32, 64, 200)
@@ -49,10 +49,10 @@ METHODS = {"taken": neighbors_mean, "independent": independent, "lag one": lag_o
 
 def main():
     lines = ["| values | positions | correlation | " + " | ".join(METHODS) + " |", "|" + "---|" * (3 + len(METHODS))]
-    for quantity in QUANTITIES:
+    for quantity in DISTRIBUTION_NAMES:
         for positions in POSITIONS:
             for correlation in CORRELATIONS:
-                random = np.random.default_rng([positions, int(10 * correlation), QUANTITIES.index(quantity)])
+                random = np.random.default_rng([positions, int(10 * correlation), DISTRIBUTION_NAMES.index(quantity)])
                 truth, best = of_quantity(quantity, positions, correlation, random)
                 values = traverses(quantity, TRIALS, positions, correlation, random)
                 values = values[(values != values[:, :1]).any(axis=1)]

@@ -3,7 +3,7 @@
 Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles in rad.
 """
 
-_NAMES = {
+_PUBLIC_NAMES = {
     "stiction._core": "__version__",
     "stiction.mechanics.candidates": "Candidates candidates",
     "stiction.mechanics.closed_forms": (
@@ -65,7 +65,7 @@ _NAMES = {
 }
 """Public names, as the stub has them, by the module that defines them, which is imported at their first use."""
 
-_MODULES = {name: module for module, names in _NAMES.items() for name in names.split()}
+_MODULES = {name: module for module, names in _PUBLIC_NAMES.items() for name in names.split()}
 
 __all__ = sorted(_MODULES)
 

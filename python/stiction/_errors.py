@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 
-class _Names(dict[str, Any]):
+class _MessageValues(dict[str, Any]):
     """Values of an error message by placeholder; any other placeholder is an argument name to be translated."""
 
     def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
@@ -21,9 +21,9 @@ class ArgumentError(ValueError):
     """Invalid argument. In the message, `{name}` stands for the argument `name`; other placeholders have values."""
 
     def __init__(self, message: str, **values: Any) -> None:
-        super().__init__(message.format_map(_Names(values, str)))
+        super().__init__(message.format_map(_MessageValues(values, str)))
         self._message, self._values = message, values
 
     def with_names(self, translate: Callable[[str], str]) -> str:
         """Return the message with translated argument names, for example command-line options."""
-        return self._message.format_map(_Names(self._values, translate))
+        return self._message.format_map(_MessageValues(self._values, translate))

@@ -6,8 +6,8 @@ from reference.boundary_elements import (
     EFFECTIVE_MODULUS,
     PERIOD,
     RMS_SLOPE,
-    Asperities,
-    HalfSpace,
+    PeriodicAsperities,
+    PeriodicHalfSpace,
     band_limited_profile,
 )
 from stiction import westergaard_contact_fraction
@@ -37,7 +37,7 @@ def exact_fraction(pressure):
 def test_boundary_elements_equal_westergaard(relative):
     """Area, mean gap and stiffness: a wrong modulus, count of points or sign of the gap would show."""
     random, pressure = np.random.default_rng(7), relative * FULL_CONTACT
-    solid = [HalfSpace(wave(256, shift), WAVELENGTH) for shift in random.random(20)]
+    solid = [PeriodicHalfSpace(wave(256, shift), WAVELENGTH) for shift in random.random(20)]
     fraction, _, gap = np.mean([one.pressed(pressure) for one in solid], axis=0)
     assert fraction == pytest.approx(float(exact_fraction(pressure)), abs=0.2 / 256)  # points
     # The mean gap falls by Δ r (1 - ln r), r = p̄/p*: the integral of the stiffness π E* / (λ ln 1/r).
@@ -49,7 +49,7 @@ def test_boundary_elements_equal_westergaard(relative):
 @pytest.mark.parametrize("relative", [0.01, 0.3, 0.9])
 def test_asperity_model_on_sinusoid_equals_closed_forms(relative):
     """The closed forms that the page draws: area √r / arcsin √r and stiffness ln(1/r)/4 of Westergaard's."""
-    asperities, pressure = Asperities(wave(512, 0.303), WAVELENGTH), relative * FULL_CONTACT
+    asperities, pressure = PeriodicAsperities(wave(512, 0.303), WAVELENGTH), relative * FULL_CONTACT
     fraction, count, stiffness = asperities.at(pressure)
     assert count == 1
     expected = np.sqrt(relative) / np.arcsin(np.sqrt(relative))
@@ -64,10 +64,10 @@ def test_periodic_asperity_model_is_invariant_under_shift():
     """A contact that lies across the seam, or in the wrapped points, counts once."""
     heights = band_limited_profile(np.random.default_rng(3), 0.5, 8, 32)
     pressure = 0.1 * EFFECTIVE_MODULUS * RMS_SLOPE
-    expected = Asperities(heights, PERIOD).at(pressure)
+    expected = PeriodicAsperities(heights, PERIOD).at(pressure)
     top = int(np.argmax(heights))
     for shift in (-top, -top - 1, 1 - top, 500):
-        assert Asperities(np.roll(heights, shift), PERIOD).at(pressure) == pytest.approx(expected, rel=1e-9)
+        assert PeriodicAsperities(np.roll(heights, shift), PERIOD).at(pressure) == pytest.approx(expected, rel=1e-9)
 
 
 def test_interaction_explains_difference_to_boundary_elements():
@@ -80,7 +80,7 @@ def test_interaction_explains_difference_to_boundary_elements():
     for repetition in range(24):
         heights = band_limited_profile(np.random.default_rng([2016, repetition]), 0.75, 32, 16)
         pressure = 0.02 * EFFECTIVE_MODULUS * RMS_SLOPE
-        solid, asperities = HalfSpace(heights, PERIOD).at(pressure), Asperities(heights, PERIOD)
+        solid, asperities = PeriodicHalfSpace(heights, PERIOD).at(pressure), PeriodicAsperities(heights, PERIOD)
         ratios.append(np.array([asperities.at(pressure), asperities.interacting(pressure)]) / solid)
     model, interacting = np.exp(np.mean(np.log(ratios), axis=0))
     assert model[[FRACTION, STIFFNESS]] == pytest.approx([0.62, 1.07], rel=0.02)

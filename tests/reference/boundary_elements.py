@@ -9,7 +9,7 @@ EFFECTIVE_MODULUS = 10.0  # GPa
 LONGEST_PER_PERIOD = 4
 PERIOD = 4.0  # µm, so that the longest wave is 1 µm
 RMS_SLOPE = 0.1
-TOLERANCE = 1e-10  # of the solver's complementarity error
+SOLVER_TOLERANCE = 1e-10  # of the solver's complementarity error
 
 POINTS_TOO_MANY = 0.38
 """By which a run of grid points under pressure is longer than the contact, in points, on average over positions.
@@ -35,10 +35,10 @@ def band_limited_profile(random, hurst_exponent, bandwidth, points_per_wave):
     return np.fft.irfft(transform, points)
 
 
-class HalfSpace:
+class PeriodicHalfSpace:
     """One period of heights (µm) on a rigid flat. The wave q = 0 has no compliance, so the heights' mean stays put."""
 
-    def __init__(self, heights, period, *, tolerance=TOLERANCE):
+    def __init__(self, heights, period, *, tolerance=SOLVER_TOLERANCE):
         import tamaas
 
         tamaas.initialize(1)  # transforms too short for threads
@@ -67,7 +67,7 @@ class HalfSpace:
         return 0.5 * (below[0] + above[0]), 0.5 * (below[1] + above[1]), (steps[1] - steps[0]) / (below[2] - above[2])
 
 
-class Asperities:
+class PeriodicAsperities:
     """The same heights in the model: Hertz cylinders at the minima of the gap, each period's contacts counted once."""
 
     def __init__(self, heights, period):

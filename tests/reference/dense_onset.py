@@ -6,7 +6,7 @@ where q = 0 and not more where q is at its bound.
 
 import numpy as np
 
-ROUND_OFF = 1e-13
+SLIP_ROUND_OFF = 1e-13
 
 
 def traction(compliance, bound, total):
@@ -24,7 +24,7 @@ def traction(compliance, bound, total):
         solved = np.linalg.solve(system, right)
         q[sticks], way = solved[:-1], solved[-1]
         moved = compliance @ q
-        slack, room = ROUND_OFF * np.abs(moved).max(), ROUND_OFF * bound.max()
+        slack, room = SLIP_ROUND_OFF * np.abs(moved).max(), SLIP_ROUND_OFF * bound.max()
         wrong = (sticks & ((q < -room) | (q > bound + room))) | (most & (moved > way + slack))
         wrong |= least & (moved < way - slack)
         if not wrong.any():

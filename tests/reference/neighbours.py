@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import ndtr
 
-QUANTITIES = ("normal", "half zeros", "bounded", "lognormal 0.5", "lognormal 1")
+DISTRIBUTION_NAMES = ("normal", "half zeros", "bounded", "lognormal 0.5", "lognormal 1")
 
 
 def traverses(quantity, trials, positions, correlation, random):

@@ -27,7 +27,7 @@ _VALUES = [
     '"cell"', '"gap-minimum"', '"hertz-cylinder"', '{ name = "jackson-green" }', "9" * 400, '"é"', "'''x'''",
 ]  # fmt: skip
 # Small, so that a file that is taken is soon computed.
-_SMALL = {
+_SMALL_STUDY = {
     "surfaces.points": "64",
     "surfaces.directions": "3",
     "surfaces.frequencies": "4",
@@ -40,7 +40,7 @@ _SMALL = {
 
 def study_text(random):
     """Return the text of a study with some lines, values or bytes changed."""
-    lines = Study().with_changes({key: _toml(value) for key, value in _SMALL.items()}).to_toml().splitlines()
+    lines = Study().with_changes({key: _toml(value) for key, value in _SMALL_STUDY.items()}).to_toml().splitlines()
     for _ in range(random.integers(1, 4)):
         at = int(random.integers(len(lines)))
         key, _, _ = lines[at].partition(" = ")
@@ -100,7 +100,7 @@ def fuzz_study_file(random, folder):
 
 def small_study():
     """Return a study with a small result."""
-    return Study().with_changes({key: _toml(value) for key, value in _SMALL.items()})
+    return Study().with_changes({key: _toml(value) for key, value in _SMALL_STUDY.items()})
 
 
 def fuzz_store(random, pristine, folder):
@@ -219,7 +219,7 @@ def _damaged_inside(random, pristine):
 
 # ---- Arrays and numbers ---------------------------------------------------------------------------------------------
 
-_NUMBERS = [
+_FUZZED_NUMBERS = [
     0, 1, -1, 0.5, 1e-300, 1e300, 5e-324, -0.0, math.nan, math.inf, -math.inf, 10**400, True, None, "1", 1j, [], [1.0],
     np.float32(0.3), np.int8(3), np.array(0.2), np.array([1.0]), object(),
 ]  # fmt: skip
@@ -228,7 +228,7 @@ _CHOICES = ["cell", "gap-minimum", "convex", "signed", "+x", "-x", "hertz-sphere
 
 def any_number(random, usual):
     """Return a usual number, or sometimes any number."""
-    return usual if random.random() < 0.9 else _NUMBERS[int(random.integers(len(_NUMBERS)))]
+    return usual if random.random() < 0.9 else _FUZZED_NUMBERS[int(random.integers(len(_FUZZED_NUMBERS)))]
 
 
 def any_choice(random, usual):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-POINTS = {1: (2048,), 2: (128, 128)}
+GRID_SHAPES = {1: (2048,), 2: (128, 128)}
 
 
 def filtered_noise(rng, shape, hurst, *, longest=None, shortest=None, stretch=1.0):
@@ -26,9 +26,9 @@ def unit(heights):
 def across(rng, dimensions):
     """Return the coordinate across straight grooves, at a random angle on a map."""
     if dimensions == 1:
-        return np.arange(POINTS[1][0]) * 1.0
+        return np.arange(GRID_SHAPES[1][0]) * 1.0
     angle = rng.uniform(0, np.pi)
-    y, x = np.indices(POINTS[2])
+    y, x = np.indices(GRID_SHAPES[2])
     return x * np.cos(angle) + y * np.sin(angle)
 
 
@@ -38,29 +38,29 @@ def turned(rng, dimensions, *, feed=(14, 60), rough=0.05, wander=0.15):
     cusp = np.floor(place).astype(int)
     cusp -= cusp.min()
     depth = 1 + wander * rng.normal(size=cusp.max() + 1)
-    shape = POINTS[dimensions]
+    shape = GRID_SHAPES[dimensions]
     return unit(depth[cusp] * np.square(place % 1 - 0.5)) + rough * filtered_noise(rng, shape, 0.8)
 
 
 def milled(rng, dimensions):
     """Return sharp cusps, whose even harmonics vanish."""
     place = across(rng, dimensions) / rng.uniform(14, 60) + rng.random()
-    return unit(np.abs(place % 1 - 0.5)) + 0.05 * filtered_noise(rng, POINTS[dimensions], 0.7)
+    return unit(np.abs(place % 1 - 0.5)) + 0.05 * filtered_noise(rng, GRID_SHAPES[dimensions], 0.7)
 
 
 def ground(rng, dimensions, *, stretch=30.0):
     """Return grooves whose length is `stretch` times their width; infinity gives straight grooves."""
     hurst, longest = rng.uniform(0.5, 0.9), rng.uniform(30, 120)
     if dimensions == 1:
-        return filtered_noise(rng, POINTS[1], hurst, longest=longest)
+        return filtered_noise(rng, GRID_SHAPES[1], hurst, longest=longest)
     if np.isfinite(stretch):
-        return filtered_noise(rng, POINTS[2], hurst, longest=longest, stretch=stretch)
-    return filtered_noise(rng, POINTS[2][:1], hurst, longest=longest)[np.newaxis, :] + np.zeros(POINTS[2])
+        return filtered_noise(rng, GRID_SHAPES[2], hurst, longest=longest, stretch=stretch)
+    return filtered_noise(rng, GRID_SHAPES[2][:1], hurst, longest=longest)[np.newaxis, :] + np.zeros(GRID_SHAPES[2])
 
 
 def honed(rng, dimensions):
     """Return plateaus with fine roughness."""
-    shape = POINTS[dimensions]
+    shape = GRID_SHAPES[dimensions]
     rough = filtered_noise(rng, shape, rng.uniform(0.6, 0.95), longest=rng.uniform(40, 100))
     return np.minimum(rough, np.quantile(rough, 0.6)) + 0.03 * filtered_noise(rng, shape, 0.8)
 
@@ -73,6 +73,6 @@ CLEAN = {
     "ground": ground,
     "ground along straight grooves": lambda rng, dimensions: ground(rng, dimensions, stretch=np.inf),
     "honed": honed,
-    "H 0.3": lambda rng, dimensions: filtered_noise(rng, POINTS[dimensions], 0.3),
-    "H 1": lambda rng, dimensions: filtered_noise(rng, POINTS[dimensions], 1.0),
+    "H 0.3": lambda rng, dimensions: filtered_noise(rng, GRID_SHAPES[dimensions], 0.3),
+    "H 1": lambda rng, dimensions: filtered_noise(rng, GRID_SHAPES[dimensions], 1.0),
 }

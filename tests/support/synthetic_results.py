@@ -6,7 +6,7 @@ from stiction.mechanics.friction import STATUS_DTYPE
 from stiction.studies.study import Study
 
 STATISTIC = ("mean", "lower", "upper")
-RULES = ("all", "opposing")
+SLIDING_RULES = ("all", "opposing")
 
 
 def interval(mean, half=0.05):
@@ -84,7 +84,7 @@ def measured(
         if value is not None:
             variables[name] = filled(interval(value), "cut_off", "load", last)
     coordinates = {
-        "cut_off": list(cut_offs), "sliding": list(RULES), "direction": list(directions), "axis": axes,
+        "cut_off": list(cut_offs), "sliding": list(SLIDING_RULES), "direction": list(directions), "axis": axes,
         "load": list(loads), "mu0": list(mu0), "tau0": list(tau0), "fraction_below": [0.5, 0.9],
         "statistic": list(STATISTIC), "nominal_area": 10_000.0, "effective_modulus": 100.0,
     }  # fmt: skip

@@ -4,7 +4,7 @@ import sys
 import threading
 import time
 
-PATIENCE = 30.0  # seconds in which another thread gets its turn even on a busy machine
+MAX_WAITING_TIME = 30.0  # seconds in which another thread gets its turn even on a busy machine
 
 
 def runs_other_threads(call):
@@ -20,8 +20,8 @@ def runs_other_threads(call):
     thread = threading.Thread(target=wait_for_release)
     thread.start()
     started.wait()
-    sys.setswitchinterval(10 * PATIENCE)  # only a call that releases the lock lets the other thread run
-    end = time.monotonic() + PATIENCE
+    sys.setswitchinterval(10 * MAX_WAITING_TIME)  # only a call that releases the lock lets the other thread run
+    end = time.monotonic() + MAX_WAITING_TIME
     try:
         released.set()
         while not ran.is_set() and time.monotonic() < end:

@@ -31,7 +31,7 @@ View = Literal["table", "verbose", "report", "csv", "hatch"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Quantity:
+class ResultQuantity:
     """Properties of a quantity of results, of a coordinate or of a dimension."""
 
     unit: str
@@ -81,17 +81,17 @@ _CSV: frozenset[View] = frozenset({"csv"})
 _MEASURED: frozenset[Source] = frozenset({"measured"})
 
 
-def _sum(name: str, *more: Source, **properties: Any) -> Quantity:
+def _sum(name: str, *more: Source, **properties: Any) -> ResultQuantity:
     """Return the entry of a sum of the core, which declares its unit and words."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: Source = "asperities" if name in CORE_SUMS else "areal"
     of_sum: dict[str, Any] = {"kind": "sum", "along": _STEP, "stored": frozenset({source, *more})}
-    return Quantity(unit=unit, words=words, **of_sum | properties)
+    return ResultQuantity(unit=unit, words=words, **of_sum | properties)
 
 
-def _directed_sums() -> dict[str, Quantity]:
+def _directed_sums() -> dict[str, ResultQuantity]:
     along = (*_MOTION, "step")
-    normal: dict[str, Quantity] = {
+    normal: dict[str, ResultQuantity] = {
         f"normal_{part}": _sum(f"normal_{part}", "half-space", along=along) for part in ("frictional", "adhesive")
     }
     parts = ("elastic", "frictional", "adhesive")
@@ -99,61 +99,61 @@ def _directed_sums() -> dict[str, Quantity]:
     return normal | tangential | {f"lateral_{part}": _sum(f"lateral_{part}", along=along) for part in parts}
 
 
-def _unloaded(part: str, unit: str) -> Quantity:
-    return Quantity(
+def _unloaded(part: str, unit: str) -> ResultQuantity:
+    return ResultQuantity(
         unit=unit, words=f"{part} part of the tangential load at no normal load", kind="sum", along=_MOTION,
         numerator=f"tangential_{part}", stored=frozenset({"adhesion"}),
     )  # fmt: skip
 
 
-def _validity(numerator: str, *denominator: str, percent: bool = True, **properties: Any) -> Quantity:
+def _validity(numerator: str, *denominator: str, percent: bool = True, **properties: Any) -> ResultQuantity:
     own: dict[str, Any] = {"kind": "validity", "along": _STEP, "shown": _VERBOSE_TABLE} | properties
     kind = _FRACTION if percent else {"unit": "1"}
-    return Quantity(numerator=numerator, denominator=denominator, **kind | own)
+    return ResultQuantity(numerator=numerator, denominator=denominator, **kind | own)
 
 
-def _statistic(unit: str, words: str, brief: str = "", **properties: Any) -> Quantity:
+def _statistic(unit: str, words: str, brief: str = "", **properties: Any) -> ResultQuantity:
     own: dict[str, Any] = {"kind": "statistic", "along": _STEP} | properties
-    return Quantity(unit=unit, words=words, brief=brief, **own)
+    return ResultQuantity(unit=unit, words=words, brief=brief, **own)
 
 
-def _uncertainty(words: str, interval: Interval, *along: Axis) -> Quantity:
+def _uncertainty(words: str, interval: Interval, *along: Axis) -> ResultQuantity:
     along = (*_MEAN_FRICTION, *along)
-    return Quantity(unit="1", words=words, kind="uncertainty", along=along, interval=interval)
+    return ResultQuantity(unit="1", words=words, kind="uncertainty", along=along, interval=interval)
 
 
-def _coordinate(unit: str, words: str, brief: str = "", **properties: Any) -> Quantity:
-    return Quantity(unit=unit, words=words, brief=brief, kind="coordinate", **properties)
+def _coordinate(unit: str, words: str, brief: str = "", **properties: Any) -> ResultQuantity:
+    return ResultQuantity(unit=unit, words=words, brief=brief, kind="coordinate", **properties)
 
 
-QUANTITIES: dict[str, Quantity] = {
+QUANTITIES: dict[str, ResultQuantity] = {
     # ---- Friction --------------------------------------------------------------------------------------------------
     "friction_combined": _uncertainty("coefficient of static friction, 95 % combined uncertainty", "combined"),
-    "friction_coefficient": Quantity(
+    "friction_coefficient": ResultQuantity(
         unit="1", words="coefficient of static friction", symbol=r"\mu_s", kind="ratio", along=_FRICTION,
         numerator="tangential_load", denominator=("normal_load",),
     ),
-    "friction_all_round": Quantity(
+    "friction_all_round": ResultQuantity(
         unit="1", words="friction coefficient, mean of directions", kind="ratio", along=_MEAN_FRICTION,
     ),
-    "friction_by_axis": Quantity(
+    "friction_by_axis": ResultQuantity(
         unit="1", words="friction coefficient, both senses", kind="ratio", along=(*_MEAN_FRICTION, "axis"),
     ),
-    "gentle_friction": Quantity(
+    "gentle_friction": ResultQuantity(
         unit="1", words="friction coefficient by the slope of the gap alone", brief="by the slopes alone",
         kind="statistic", along=(*_MOTION, "mu0", "tau0"),
     ),
-    "normal_load": Quantity(
+    "normal_load": ResultQuantity(
         unit="mN", words="normal load while sliding starts, friction on slopes included", kind="sum", along=_FRICTION,
         shown=_CSV,
     ),
-    "tangential_load": Quantity(
+    "tangential_load": ResultQuantity(
         unit="mN", words="tangential load that starts the sliding", kind="sum", along=_FRICTION, shown=_CSV,
     ),
-    "lateral_load": Quantity(
+    "lateral_load": ResultQuantity(
         unit="mN", words="lateral load that keeps the upper body on its way", kind="sum", along=_FRICTION,
     ),
-    "status": Quantity(
+    "status": ResultQuantity(
         unit="", words="whether the value exists, or why not", kind="statistic", along=_STEP, dtype=int,
         stored=_MEASURED,
     ),
@@ -164,33 +164,33 @@ QUANTITIES: dict[str, Quantity] = {
     "friction_if_known": _uncertainty("interval if an input were known", "conditional", "input"),
     "width_if_known": _uncertainty("width if an input were known", "conditional", "input"),
     "friction_waited": _uncertainty("coefficient of static friction after waiting under load", "combined", "wait"),
-    "fraction_seizing": Quantity(
+    "fraction_seizing": ResultQuantity(
         unit="1", words="fraction of the samples of the inputs whose interfaces seize", kind="statistic",
         along=_MEAN_FRICTION,
     ),
-    "spread_low": Quantity(
+    "spread_low": ResultQuantity(
         unit="1", words="a tenth of the members are below", kind="statistic", along=_MEAN_FRICTION,
     ),
-    "spread_high": Quantity(
+    "spread_high": ResultQuantity(
         unit="1", words="a tenth of the members are above", kind="statistic", along=_MEAN_FRICTION,
     ),
-    "ok": Quantity(unit="1", words="members with an answer", kind="statistic", along=_FRICTION, dtype=int),
-    "members": Quantity(unit="1", words="members", kind="statistic", dtype=int),
+    "ok": ResultQuantity(unit="1", words="members with an answer", kind="statistic", along=_FRICTION, dtype=int),
+    "members": ResultQuantity(unit="1", words="members", kind="statistic", dtype=int),
     # ---- Contact at a load -----------------------------------------------------------------------------------------
-    "contact_area_fraction": Quantity(
+    "contact_area_fraction": ResultQuantity(
         unit="1", words="true over nominal contact area", brief="true area A/A0", kind="ratio", along=_STEP,
         numerator="contact_area", denominator=("nominal_area",), percent=True, shown=_EVERYWHERE,
     ),
-    "contact_status": Quantity(
+    "contact_status": ResultQuantity(
         unit="", words="status of the true contact area", kind="statistic", along=_STEP, dtype=str,
     ),
     "contact_area": _sum("contact_area", "half-space", symbol="A", proportional=True, shown=_EVERYWHERE),
-    "contact_area_at_onset": Quantity(
+    "contact_area_at_onset": ResultQuantity(
         unit="um^2", words="true contact area at the onset of sliding, with junction growth",
         brief="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"), shown=_VERBOSE_TABLE,
     ),
     "contact_count": _sum("contact_count", "half-space", dtype=int, proportional=True, shown=_EVERYWHERE),
-    "mean_pressure": Quantity(
+    "mean_pressure": ResultQuantity(
         unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP, numerator="contact_load",
         denominator=("contact_area",), shown=_EVERYWHERE,
     ),
@@ -202,20 +202,20 @@ QUANTITIES: dict[str, Quantity] = {
         "MPa/mm", "nominal pressure over closure, incremental", "stiffness of closure", stored=_MEASURED,
         shown=_EVERYWHERE,
     ),
-    "contact_load": Quantity(
+    "contact_load": ResultQuantity(
         unit="mN", words="load of the contacts, of the normal load and the attraction", brief="contact load",
         kind="sum", along=_STEP, proportional=True, stored=frozenset({"adhesion"}), shown=_EVERYWHERE,
     ),
-    "pull_off": Quantity(
+    "pull_off": ResultQuantity(
         unit="mN", words="pull-off force", kind="statistic", bound_fraction="share_of_pull_off_bounds",
         stored=frozenset({"adhesion"}), shown=frozenset({"table", "csv"}),
     ),
-    "pull_off_pressure": Quantity(
+    "pull_off_pressure": ResultQuantity(
         unit="GPa", words="pull-off force over the nominal area", brief="pull-off pressure", kind="ratio",
         numerator="pull_off", denominator=("nominal_area",), bound_fraction="share_of_pull_off_bounds",
         shown=frozenset({"table", "csv"}),
     ),
-    "friction_at_no_load": Quantity(
+    "friction_at_no_load": ResultQuantity(
         unit="mN", words="tangential load that starts the sliding at no load", brief="friction at no load",
         kind="sum", along=("sliding", "mu0", "tau0"), shown=frozenset({"table", "csv"}),
     ),
@@ -235,15 +235,15 @@ QUANTITIES: dict[str, Quantity] = {
     "approach": _coordinate(
         "um", "approach since first touch", along=_STEP, stored=frozenset({"half-space"}), shown=_VERBOSE,
     ),
-    "stiffness_per_area": Quantity(
+    "stiffness_per_area": ResultQuantity(
         unit="GPa/mm", words="normal stiffness per area while loading", kind="ratio", along=_STEP,
         numerator="normal_stiffness", denominator=("nominal_area",), shown=_VERBOSE,
     ),
-    "unloading_stiffness_per_area": Quantity(
+    "unloading_stiffness_per_area": ResultQuantity(
         unit="GPa/mm", words="normal stiffness per area while unloading (ultrasonic)", kind="ratio", along=_STEP,
         numerator="unloading_stiffness", denominator=("nominal_area",), shown=_VERBOSE,
     ),
-    "share_opposing": Quantity(
+    "share_opposing": ResultQuantity(
         **_FRACTION, words="fraction of the load on contacts that oppose the motion", brief="load that opposes",
         kind="ratio", along=("direction", "step"), shown=_VERBOSE_TABLE,
     ),
@@ -305,42 +305,42 @@ QUANTITIES: dict[str, Quantity] = {
     "unloading_stiffness": _statistic(
         "mN/um", "normal stiffness, unloading or by ultrasound", stored=_MEASURED, shown=_CSV,
     ),
-    "nominal_pressure": Quantity(
+    "nominal_pressure": ResultQuantity(
         unit="GPa", words="normal load over nominal area", brief="pressure on the nominal area", kind="ratio",
         along=_STEP, numerator="normal_elastic", denominator=("nominal_area",), shown=_CSV,
     ),
-    "share_of_pull_off_bounds": Quantity(
+    "share_of_pull_off_bounds": ResultQuantity(
         **_FRACTION, words="fraction of the members whose pull-off force is a lower bound or missing", kind="statistic",
         shown=_CSV,
     ),
-    "pull_off_is_bound": Quantity(
+    "pull_off_is_bound": ResultQuantity(
         unit="1", words="1 where the pull-off force is at least the value, 0 where it is the value", kind="statistic",
         stored=frozenset({"adhesion"}),
     ),
-    "patch_area": Quantity(
+    "patch_area": ResultQuantity(
         unit="um^2", words="areas of contacts on the ground plan", brief="area of a contact", kind="statistic",
         along=("step", "fraction_below"), stored=_MEASURED,
     ),
-    "pressure": Quantity(
+    "pressure": ResultQuantity(
         unit="GPa", words="pressures over the true area", brief="pressure", kind="statistic",
         along=("step", "fraction_below"), column_unit="MPa", column_factor=1000.0, stored=_MEASURED,
     ),
     **{
-        f"{side}_rms": Quantity(
+        f"{side}_rms": ResultQuantity(
             unit="um", words=f"root-mean-square height of the {side} body", brief=f"Sq of the {side} body",
             kind="statistic",
         )
         for side in ("upper", "lower")
     },
-    "rms_gradient": Quantity(
+    "rms_gradient": ResultQuantity(
         unit="1", words="root-mean-square gradient of the gap", brief="rms gradient of the gap", kind="statistic",
         stored=_MEASURED,
     ),
-    "rms_slope": Quantity(
+    "rms_slope": ResultQuantity(
         unit="1", words="root-mean-square slope of the gap along the motion", brief="rms slope of the gap",
         kind="statistic", along=("direction",), stored=_MEASURED,
     ),
-    "reading_difference": Quantity(
+    "reading_difference": ResultQuantity(
         unit="1", words="largest relative difference of friction between readings of the load", kind="uncertainty",
         along=_STEP,
     ),
@@ -411,7 +411,7 @@ QUANTITIES: dict[str, Quantity] = {
 """Properties of every quantity and coordinate, in the order in which views show them."""
 
 
-def select(condition: Callable[[Quantity], Any]) -> tuple[str, ...]:
+def select(condition: Callable[[ResultQuantity], Any]) -> tuple[str, ...]:
     """Return the names of the quantities that meet a condition, in the order of the table."""
     return tuple(name for name, each in QUANTITIES.items() if condition(each))
 

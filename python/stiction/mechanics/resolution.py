@@ -32,7 +32,7 @@ TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 _MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff over the shortest side
 _SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")  # all contacts first: the rule of most measurements of mu0
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-_AT_HARDNESS = "wavelength at which the elastic mean pressure reaches the hardness"
+_PLASTIC_WAVELENGTH_TEXT = "wavelength at which the elastic mean pressure reaches the hardness"
 KAPPA = 2.2  # A E* h'/F at small loads: 2.1 to 2.4 on Gaussian surfaces
 _CURVE_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")  # per load, without direction
 _RENAMED_VARIABLES = {
@@ -352,7 +352,7 @@ def _with_limits(
         "elastic_area_fraction": (
             grid[1], area / pair.nominal_area, "1", "real over nominal area of the elastic solution"
         ),
-        "plastic_wavelength": (("hardness", *grid[1:]), reached, "µm", _AT_HARDNESS),
+        "plastic_wavelength": (("hardness", *grid[1:]), reached, "µm", _PLASTIC_WAVELENGTH_TEXT),
         "continued_rms_gradient": (grid[::2], gradients, "1", "gradient of the gap, extrapolated"),
         "continued_elastic_area_fraction": (
             grid, projected * brackets.interface_stretch(middle), "1", "elastic real over nominal area, extrapolated"
@@ -478,7 +478,7 @@ def spectral_resolution(
             "friction_coefficient": (
                 ("sliding", "wavelength"), np.array(friction), attributes_of("friction_coefficient"),
             ),
-            "plastic_wavelength": ((), reached, _attributes("µm", _AT_HARDNESS)),
+            "plastic_wavelength": ((), reached, _attributes("µm", _PLASTIC_WAVELENGTH_TEXT)),
         },
         coords={
             "wavelength": ("wavelength", lengths, _attributes("µm", "shortest included wavelength")),

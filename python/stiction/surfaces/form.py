@@ -16,7 +16,7 @@ RoundForm = Literal["circle", "sphere", "cylinder"]
 Points = tuple[Floats, Floats]  # coordinates (x, y) from the middle, µm
 _Model = Callable[[Floats, Points], Floats]
 _MIN_COSINE_SQUARED = 1e-6  # squared cosine of the slope at which the form is cut off, just before the equator
-_TOLERANCE = 1e-12  # relative change at which the fit has converged
+_FIT_TOLERANCE = 1e-12  # relative change at which the fit has converged
 
 
 def round_form(
@@ -49,7 +49,7 @@ def round_form(
     model, start = _MODELS[form], _start(form, inside, targets)
     scale = np.maximum(np.abs(start), _scales(form, inside, targets))
     result = least_squares(
-        lambda values: model(values * scale, inside) - targets, start / scale, xtol=_TOLERANCE, ftol=_TOLERANCE
+        lambda values: model(values * scale, inside) - targets, start / scale, xtol=_FIT_TOLERANCE, ftol=_FIT_TOLERANCE
     ).x * scale  # fmt: skip
     curvature = float(result[1])
     radius = "an infinite radius" if curvature == 0 else f"radius {with_unit(1 / abs(curvature), 'µm')}"

@@ -11,7 +11,7 @@ from stiction._checks import Floats
 MIN_HARMONIC_DISTANCE = 10  # bins between harmonics that are needed to assess the spectrum between them
 _MIN_PERIODS = 2.5  # smallest bin of a first harmonic: a Hann window spreads a line over two bins on each side
 _MAX_HARMONICS = 8  # largest number of harmonics that are compared with the spectrum between them
-_MIN_HARMONICS = 2  # smallest number of significant harmonics above the first; also at least a third of those compared
+_MIN_SIGNIFICANT_HARMONICS = 2  # above the first; also at least a third of those compared
 _MAX_CANDIDATES = 6  # largest number of peaks that are tried as the first harmonic
 _MIN_LINE_RATIO = 10.0  # density of a harmonic over the density between harmonics: about one bin in 1000 by chance
 _LOBE = 2.5  # half width of a windowed harmonic, in bins
@@ -33,7 +33,7 @@ def find_period(density: Floats) -> tuple[float, float]:
     padded = np.concatenate([[0.0], density])
     rising, falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, rising] & np.r_[falling, True])
-    peaks = peaks[(peaks > _MIN_PERIODS) & (peaks * (1 + _MIN_HARMONICS) <= size)]
+    peaks = peaks[(peaks > _MIN_PERIODS) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= size)]
     # Sort by slope variance: the first harmonics of a texture have most of it.
     order = np.argsort(-padded[peaks] * np.square(peaks))[:_MAX_CANDIDATES]
     best_score, result = 0.0, (math.nan, math.nan)
@@ -46,7 +46,7 @@ def find_period(density: Floats) -> tuple[float, float]:
             ratio = padded[np.minimum(bins, size)] / level
             scores = np.log(np.maximum(ratio, 1.0)).sum(axis=1)
             significant = ratio[int(np.argmax(scores))] > _MIN_LINE_RATIO
-            needed = max(_MIN_HARMONICS, significant.size // 3 + 1)
+            needed = max(_MIN_SIGNIFICANT_HARMONICS, significant.size // 3 + 1)
             if significant[0] and significant[1:].sum() >= needed and scores.max() > best_score:
                 best_score = float(scores.max())
                 period = float(first[scores == scores.max()].mean())

@@ -18,9 +18,9 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 _NEWTON_STEPS, _HALVINGS = 50, 30
 MAX_INTERVAL_WIDTH = 0.5  # largest width of the 95 % interval of H that is still informative
-MIN_HARMONICS = 8  # harmonics in a band
+MIN_BAND_HARMONICS = 8  # harmonics in a band
 _NO_BAND = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
-_ROUND_OFF = 1e-13  # residual of a subtracted straight line, over the largest height
+_TREND_ROUND_OFF = 1e-13  # residual of a subtracted straight line, over the largest height
 _NUM_WINDOWED_OUT = 2  # lowest harmonics after a Hann window, which contain the mean and longer wavelengths
 
 _HANN_CORRELATION = 35 / 18
@@ -243,8 +243,8 @@ def estimate_hurst_exponent(
             raise ValueError(f"band must be a shortest and a longest wavelength, got {band!r}")
         shortest = number("band", band[0], unit="µm", above=0)
         chosen, piece = in_band(wave_number, shortest, number("band", band[1], unit="µm", above=shortest)), None
-        if (count := int(chosen.sum())) < MIN_HARMONICS:
-            raise ValueError(f"band must hold at least {MIN_HARMONICS} harmonics, but {band!r} µm holds {count}")
+        if (count := int(chosen.sum())) < MIN_BAND_HARMONICS:
+            raise ValueError(f"band must hold at least {MIN_BAND_HARMONICS} harmonics, but {band!r} µm holds {count}")
     q, power = wave_number[chosen], power[chosen]
     bins = _Bins.of(q, power)
     exponent = PowerLaw(np.log(q), power, np.ones(q.size)).exponent
@@ -271,7 +271,7 @@ def _harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]
     if not periodic:
         place = np.arange(heights.size) - (heights.size - 1) / 2
         tilted = heights - place * (heights @ place / (place @ place))
-        if not np.abs(tilted).max() > _ROUND_OFF * np.abs(profile.heights).max():
+        if not np.abs(tilted).max() > _TREND_ROUND_OFF * np.abs(profile.heights).max():
             raise ValueError("a straight line has no roughness")
         heights = tilted
     scale = float(np.abs(heights).max())
@@ -329,7 +329,7 @@ class _Bins:
 
 def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _Bins]:
     """Find the harmonics of the widest self-affine piece of the spectrum; return also its bins with the roll-off."""
-    if q.size >= MIN_HARMONICS:
+    if q.size >= MIN_BAND_HARMONICS:
         bins = _Bins.of(q, power)
         weight = 1 / (variance_factor / bins.count + _BEND**2)
         starts, ends, exponents, losses = _pieces(bins, weight)
@@ -353,7 +353,7 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
                 first = int(bins.first[start])
                 last = (int(bins.first[end]) if end < bins.first.size else q.size) - 1
                 width = math.log(q[last] / q[first])
-                if width > widest and last - first + 1 >= MIN_HARMONICS:
+                if width > widest and last - first + 1 >= MIN_BAND_HARMONICS:
                     widest, best = width, (slice(first, last + 1), bins.part(whole, end))
             if best is not None:
                 return best
@@ -382,7 +382,7 @@ def _above_noise(q: Floats, power: Floats, variance_factor: float, chosen: slice
     # End the band where the noise reaches the accepted deviation from the power law.
     last = math.log(q[chosen][-1]) + min(0.0, math.log(_BEND / noise) / exponent)
     end = int(np.searchsorted(np.log(q), last, side="right"))
-    if end - chosen.start < MIN_HARMONICS or last - math.log(q[chosen.start]) < _MIN_BAND_WIDTH:
+    if end - chosen.start < MIN_BAND_HARMONICS or last - math.log(q[chosen.start]) < _MIN_BAND_WIDTH:
         raise ValueError(_NO_BAND)
     return slice(chosen.start, end), piece.part(0, int(np.searchsorted(piece.log_q, last, side="right")))
 

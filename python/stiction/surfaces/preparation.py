@@ -19,8 +19,8 @@ ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic"
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
 Align = Literal["start", "middle"]  # part of the larger body to keep
 GRID_TOLERANCE = 1e-9  # tolerance of positions on a grid, in spacings: 0.3 µm is point 3 at a spacing of 0.1 µm
-ROUND_OFF = 1e-14  # residual of a subtracted straight line, over the largest height
-_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
+LINE_ROUND_OFF = 1e-14  # residual of a subtracted straight line, over the largest height
+_TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
 _LEVELLED = {
@@ -77,12 +77,12 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
     """
     scan: Profile | Surface = as_body("body", body, spacing=spacing, unit=unit)
     check_choice("trend", trend, ProfileForm if isinstance(scan, Profile) else SurfaceForm)
-    if trend not in _DEGREES:
+    if trend not in _TREND_DEGREES:
         form, description = round_form(scan.heights, scan.spacings, scan.missing, trend)
         rest = scan.heights - form
         mean = rest.mean() if scan.missing is None else rest[~scan.missing].mean()
         return scan.changed(rest - mean, f"levelled by a {description}")
-    degree = _DEGREES[trend]
+    degree = _TREND_DEGREES[trend]
     axes = [_orthogonal(points, degree) for points in scan.heights.shape]
     if isinstance(scan, Profile):
         basis = axes[0]
@@ -114,7 +114,7 @@ def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | 
     for function in basis:
         norm = np.broadcast_to(np.square(function), heights.shape).sum()
         rest = rest - (rest * function).sum() / norm * function
-    return rest if np.abs(rest).max() > ROUND_OFF * np.abs(heights).max() else np.zeros(heights.shape)
+    return rest if np.abs(rest).max() > LINE_ROUND_OFF * np.abs(heights).max() else np.zeros(heights.shape)
 
 
 def flipped(body: AnyBody) -> AnyBody:

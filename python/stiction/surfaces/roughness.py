@@ -18,7 +18,7 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 Derivative = Literal["seven-point", "neighbours"]
 SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
 DECAY_LEVEL = 0.2  # autocorrelation that defines the decay lengths: the default of ISO 25178-3
-_DIRECTIONS = 720  # number of directions along which the autocorrelation is evaluated
+_NUM_DIRECTIONS = 720  # number of directions along which the autocorrelation is evaluated
 _SECTORS = 90  # number of angular sectors, of two degrees each, over which the spectral power is summed
 
 
@@ -289,14 +289,14 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
     """Shortest and longest distance at which the autocorrelation falls to 0.2; NaN where it does not."""
     correlation = autocorrelation(deviation)
     half = [points // 2 for points in deviation.shape]
-    angle = math.pi * np.arange(_DIRECTIONS) / _DIRECTIONS  # the other half is the same
+    angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS  # the other half is the same
     # Steps of half the finer spacing, up to where a direction leaves the half of the surface.
     towards = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))  # points per µm
     with np.errstate(divide="ignore"):
         furthest = np.min(np.array(half)[:, np.newaxis] / towards, axis=0)
     step = min(spacing) / 2
-    reached = np.full(_DIRECTIONS, np.nan)
-    before = np.ones(_DIRECTIONS)
+    reached = np.full(_NUM_DIRECTIONS, np.nan)
+    before = np.ones(_NUM_DIRECTIONS)
     for index in range(1, int(furthest.max() / step) + 1):
         open_still = np.flatnonzero(np.isnan(reached) & (index * step <= furthest))
         if not open_still.size:

@@ -12,8 +12,8 @@ from stiction.surfaces.profile import Profile, Side, reject_missing
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat
 
-_RINGS = 12  # rings of wave number per decade; empty rings are merged with their neighbours
-_SMOOTH = 2.0  # weight of the smoothness penalty, in harmonics: it dominates in rings of one or two harmonics
+_RINGS_PER_DECADE = 12  # rings of wave number per decade; empty rings are merged with their neighbours
+_PENALTY = 2.0  # weight of the smoothness penalty, in harmonics: it dominates in rings of one or two harmonics
 _FLOOR = 1e-14  # fraction of the largest density below which a spectrum is round-off
 _MAX_SCORING_STEPS = 1000  # largest number of iterations of the fit; about ten are typical
 _SETTLED = 1e-6  # convergence: largest change of the logarithm of a density in an iteration
@@ -225,7 +225,7 @@ def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     spectrum = power_spectrum(profile, periodic=periodic)
     # A harmonic covers half a step on both sides.
     k, step, limit = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
-    bins = np.floor(_RINGS * np.log10(k / k[0]) + 1e-9)
+    bins = np.floor(_RINGS_PER_DECADE * np.log10(k / k[0]) + 1e-9)
     first = np.flatnonzero(np.diff(bins, prepend=-1))
     edges = np.append(k[first] - step / 2, limit)
     index = np.searchsorted(edges, k, side="right") - 1
@@ -257,7 +257,7 @@ def _fit_densities(response: Floats, measured: Floats, count: Floats, density: F
 
     def cost(logarithm: Floats) -> float:
         made = response @ np.exp(logarithm)
-        return float(count @ (measured / made + np.log(made)) + _SMOOTH / 2 * np.square(bend @ logarithm).sum())
+        return float(count @ (measured / made + np.log(made)) + _PENALTY / 2 * np.square(bend @ logarithm).sum())
 
     bend = np.diff(np.eye(density.size), 2, axis=0)
     logarithm = np.log(density)
@@ -265,9 +265,9 @@ def _fit_densities(response: Floats, measured: Floats, count: Floats, density: F
     for _ in range(_MAX_SCORING_STEPS):
         parts = response * np.exp(logarithm)
         made = parts.sum(axis=1)
-        gradient = parts.T @ (count * (1 - measured / made) / made) + _SMOOTH * bend.T @ (bend @ logarithm)
+        gradient = parts.T @ (count * (1 - measured / made) / made) + _PENALTY * bend.T @ (bend @ logarithm)
         relative = parts / made[:, np.newaxis]
-        step = np.linalg.solve((relative.T * count) @ relative + _SMOOTH * bend.T @ bend, gradient)
+        step = np.linalg.solve((relative.T * count) @ relative + _PENALTY * bend.T @ bend, gradient)
         step *= min(1.0, 2 / np.abs(step).max())
         while (now := cost(logarithm - step)) > least and np.abs(step).max() > _SETTLED:
             step /= 2

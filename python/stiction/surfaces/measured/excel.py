@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Any
 
 from stiction.surfaces.measured.decode import decode
-from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, Channels, FormatError, Table, read_chunks
+from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, Channels, ColumnTable, FormatError, read_chunks
 from stiction.surfaces.measured.text import parse_table
 
 MAX_TAGS = 10_000_000  # XML tags in a workbook: a cell with a number has four, which gives 2.5 million heights
@@ -46,7 +46,7 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> Channels:
     layout = next((layout for layout in WORKBOOKS if layout.recognise(sheets)), None)
     if layout is not None:
         content = layout.read(sheets)
-        assert isinstance(content, Table)
+        assert isinstance(content, ColumnTable)
         return Channels(("DATA",), lambda _: _with_layout(content, layout.name), 0)
     filled = [name for name, rows in sheets.items() if _find_numeric_columns(rows)]
     if not filled:
@@ -56,16 +56,16 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> Channels:
     )
 
 
-def _with_layout(table: Table, layout: str) -> Table:
+def _with_layout(table: ColumnTable, layout: str) -> ColumnTable:
     return replace(table, source=replace(table.source, layout=layout))
 
 
-def parse_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> Table:
+def parse_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> ColumnTable:
     """Parse the numeric columns of a sheet and the header above them as a table."""
     columns = _find_numeric_columns(rows)
     lines = [_line(row, columns) for row in rows]
     content = parse_table(decode(("\n".join(lines) + "\n").encode(), words))
-    if not isinstance(content, Table):
+    if not isinstance(content, ColumnTable):
         raise FormatError("has a sheet with several tables below each other; leave one of them")
     column_numbers = columns[: content.values.shape[1]]
     return replace(content, places=tuple(column_numbers), source=replace(content.source, encoding="", separator=""))

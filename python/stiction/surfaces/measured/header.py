@@ -14,9 +14,9 @@ from stiction.surfaces.measured.split import Dialect
 _T = TypeVar("_T")
 COMMENT = "#%!/ "  # characters that start a comment line in some programs
 
-_DIGITS = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})?"
+_DECIMAL = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})?"
 _SEPARATOR = r"\s*(?:[:=,;\t]|\s)\s*"
-_UNIT = r"[^\W\d_]{1,12}"
+_UNIT_PATTERN = r"[^\W\d_]{1,12}"
 _LENGTHS = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
 _IN_CELL = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTHS})[\s,;]*$)|\s*)"
 """Space between a number and its unit, or the end of a cell if a unit of length fills the last one."""
@@ -25,14 +25,14 @@ _SPACING = re.compile(
     r"\W*(?:(?:measurement|x|lateral|horizontal|sampl\w*|point|data|scan)[\s_-]*)*"
     r"(spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch|dx|"
     r"Schrittweite|Punktabstand|Messpunktabstand|Abstand)\s*(?:[\[(]([^\])]{1,12})[\])])?\s*[:=,;\t ]\s*"
-    rf"({_DIGITS}){_IN_CELL}({_UNIT})?\s*(/|per\b)?",
+    rf"({_DECIMAL}){_IN_CELL}({_UNIT_PATTERN})?\s*(/|per\b)?",
     re.IGNORECASE,
 )
 _AXIS_SPACING = {
     axis: re.compile(
         rf"\W*(?:{axis}[\s_-]*(?:spacing|step(?:[ _-]?size)?|increment|interval|resolution|scale|pixel[ _-]?size|pitch|"
         rf"direction)|d{axis}|(?:spacing|step|pitch|pixel[ _-]?size)[\s_-]*(?:in |along )?{axis})"
-        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR}({_DIGITS}){_IN_CELL}[\"']?({_UNIT})?",
+        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR}({_DECIMAL}){_IN_CELL}[\"']?({_UNIT_PATTERN})?",
         re.IGNORECASE,
     )
     for axis in "yx"
@@ -45,7 +45,8 @@ _OWN_SPACINGS = tuple(
 
 _SIZES = tuple(
     re.compile(
-        rf"\W{{0,4}}(?:{name})\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR}({_DIGITS})\s*({_UNIT})?\s*", re.IGNORECASE
+        rf"\W{{0,4}}(?:{name})\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR}({_DECIMAL})\s*({_UNIT_PATTERN})?\s*",
+        re.IGNORECASE,
     )
     for name in (
         "height|h[öo]he|hauteur|altezza|altura|výška|wysokość|высота|高さ|高度|높이|"
@@ -66,7 +67,7 @@ _UNIT_OF_HEIGHTS = re.compile(
 )
 _FACTOR = re.compile(
     rf"\W*(?:(?:z|height|vertical|data|value)[\s_-]*)+(?:conversion[\s_-]*)?(?:factor|scale|scaling|multiplier)"
-    rf"\s*(?:\(\s*-?>?\s*({_UNIT})\s*\)|[\[(]({_UNIT})[^\])]{{0,20}}[\])])?{_SEPARATOR}({_DIGITS})\s*({_UNIT})?\W*.{{0,20}}",
+    rf"\s*(?:\(\s*-?>?\s*({_UNIT_PATTERN})\s*\)|[\[(]({_UNIT_PATTERN})[^\])]{{0,20}}[\])])?{_SEPARATOR}({_DECIMAL})\s*({_UNIT_PATTERN})?\W*.{{0,20}}",
     re.IGNORECASE,
 )
 _CONVERSION = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
@@ -74,16 +75,16 @@ _CONVERSION = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d
 
 _CODE = re.compile(
     rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
-    rf"(?:data|points?|pixels?|height)?[\s_-]*(values?|code|wert)?{_SEPARATOR}({_DIGITS})\W*",
+    rf"(?:data|points?|pixels?|height)?[\s_-]*(values?|code|wert)?{_SEPARATOR}({_DECIMAL})\W*",
     re.IGNORECASE,
 )
-_POINTS = re.compile(
+_NUM_POINTS = re.compile(
     r"\W*(?:(?:number|no\.?|anzahl) (?:of |der )?(?:data[ _-]?)?(?:points|punkte)|num[ _-]?points|data[ _-]?size|"
     r"points|datenpunkte|messpunkte)" + _SEPARATOR + r"([0-9]{1,9})\W*",
     re.IGNORECASE,
 )
 _TIP = re.compile(
-    rf"\W*(?:stylus|tip|probe)[\s,;:_-]*radius\s*(?:[\[(]({_UNIT})[\])])?{_SEPARATOR}({_DIGITS})\s*({_UNIT})?\W*",
+    rf"\W*(?:stylus|tip|probe)[\s,;:_-]*radius\s*(?:[\[(]({_UNIT_PATTERN})[\])])?{_SEPARATOR}({_DECIMAL})\s*({_UNIT_PATTERN})?\W*",
     re.IGNORECASE,
 )
 _HISTORY = "# history: "
@@ -149,7 +150,7 @@ def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> D
         unit, factor = _unit_of_factor(match), _float(match[3])
     code_lines = [match for line in lines if (match := _CODE.fullmatch(line))]
     is_count = [match[1] is None and _float(match[2]).is_integer() and _float(match[2]) >= 0 for match in code_lines]
-    points = next((int(match[1]) for line in lines if (match := _POINTS.fullmatch(line))), None)
+    points = next((int(match[1]) for line in lines if (match := _NUM_POINTS.fullmatch(line))), None)
     unitless = tuple(value for value in bare if value is not None)
     return Declarations(
         spacing=_first(_SPACING, lines, _spacing),
@@ -222,7 +223,7 @@ def _unit_of_factor(match: re.Match[str]) -> str | None:
 
 def _is_declaration(line: str) -> bool:
     """Return whether a line is a declaration, and therefore not a line of column names."""
-    full_patterns = (_UNIT_OF_HEIGHTS, _FACTOR, _CODE, _POINTS)
+    full_patterns = (_UNIT_OF_HEIGHTS, _FACTOR, _CODE, _NUM_POINTS)
     prefix_patterns = (_SPACING, *_AXIS_SPACING.values(), *_SIZES)
     return any(pattern.fullmatch(line) for pattern in full_patterns) or any(
         pattern.match(line) for pattern in prefix_patterns

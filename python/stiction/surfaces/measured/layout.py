@@ -14,7 +14,7 @@ from stiction.surfaces.measured.raw import Content, FormatError
 Sheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells by sheet name
 
 MAX_COUNT = 100_000_000  # largest number of points, or lines, that a header may declare
-_NUMBER = re.compile(r"\s*([+-]?[0-9]{0,40}(?:[.,][0-9]{0,40})?(?:[eE][+-]?[0-9]{1,5})?)(?![0-9.,])")
+_LEADING_NUMBER = re.compile(r"\s*([+-]?[0-9]{0,40}(?:[.,][0-9]{0,40})?(?:[eE][+-]?[0-9]{1,5})?)(?![0-9.,])")
 
 
 def number(header: Mapping[str, str], name: str, default: float | None = None) -> float:
@@ -22,7 +22,7 @@ def number(header: Mapping[str, str], name: str, default: float | None = None) -
     text = header.get(name.casefold())
     if text is None and default is not None:
         return default
-    match = _NUMBER.match(text or "")
+    match = _LEADING_NUMBER.match(text or "")
     try:
         value = float(match[1].replace(",", ".")) if match else math.nan
     except ValueError:

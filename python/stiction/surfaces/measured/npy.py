@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._text import printable
-from stiction.surfaces.measured.raw import FormatError, Raw, Source, Table
+from stiction.surfaces.measured.raw import ColumnTable, FormatError, Raw, Source
 from stiction.surfaces.profile import MAX_POINTS
 
 SPACINGS = ("spacing_y_um", "spacing_x_um")
@@ -28,7 +28,7 @@ def write_npy(file: Any, heights: Floats, spacing: tuple[float, ...], history: t
     np.save(file, np.array(history, dtype=np.str_))
 
 
-def read_npy(data: bytes) -> Table | Raw:
+def read_npy(data: bytes) -> ColumnTable | Raw:
     """Read an array, with the spacing and history that may follow; pickled objects are not loaded."""
     file = io.BytesIO(data)
     stored = _read_array(file, data)
@@ -50,7 +50,7 @@ def read_npy(data: bytes) -> Table | Raw:
             heights, unit="um", spacing=spacing, position_unit="um", history=history, source=Source("NumPy array")
         )
     values = heights.reshape(-1, 1) if heights.ndim == 1 else heights
-    return Table(values, area=True, source=Source("NumPy array"))
+    return ColumnTable(values, area=True, source=Source("NumPy array"))
 
 
 def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tuple[str, ...]] | None:

@@ -43,7 +43,7 @@ class Scan:
         return float(self.known.max() - self.known.min())
 
 
-class Check(NamedTuple):
+class PlausibilityCheck(NamedTuple):
     """Named check: a function that yields its findings, and the option or edit that settles them."""
 
     name: str
@@ -146,10 +146,12 @@ def _tall(scan: Scan) -> Iterator[str]:
 
 
 CHECKS = (
-    Check("repeated-extreme", _repeated_extremes, "--missing-value {} treats them as missing points"),
-    Check("whole-numbers", _whole_numbers, "multiply counts by their height first; see the header and the manual"),
-    Check("size", _sizes, "check the unit of the spacing, --unit and --spacing"),
-    Check("tall", _tall, "check the units of heights and spacing, --unit and --spacing"),
+    PlausibilityCheck("repeated-extreme", _repeated_extremes, "--missing-value {} treats them as missing points"),
+    PlausibilityCheck(
+        "whole-numbers", _whole_numbers, "multiply counts by their height first; see the header and the manual"
+    ),
+    PlausibilityCheck("size", _sizes, "check the unit of the spacing, --unit and --spacing"),
+    PlausibilityCheck("tall", _tall, "check the units of heights and spacing, --unit and --spacing"),
 )
 """Checks for all scans."""
 

@@ -94,7 +94,7 @@ class Raw:
 
 
 @dataclass(frozen=True)
-class Table:
+class ColumnTable:
     """Numbers in columns: one or two columns are a profile, or all columns are a map."""
 
     values: Floats  # (rows, columns), NaN at missing values
@@ -138,11 +138,11 @@ class Channels:
     """Several sets of heights in one file, each with a name."""
 
     names: tuple[str, ...]
-    read: Callable[[int], Raw | Table]  # returns the content of a channel by its index
+    read: Callable[[int], Raw | ColumnTable]  # returns the content of a channel by its index
     default: int | None  # channel to read by default; None if the caller must choose one
 
 
-Content = Raw | Table | Channels  # result of a reader
+Content = Raw | ColumnTable | Channels  # result of a reader
 
 
 def length_unit(text: str) -> str | None:

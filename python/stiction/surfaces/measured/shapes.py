@@ -13,7 +13,16 @@ from stiction._checks import Floats
 from stiction._text import printable
 from stiction.surfaces.measured.grid import to_grid
 from stiction.surfaces.measured.header import NON_HEIGHT_NAME
-from stiction.surfaces.measured.raw import LENGTH_UNITS, Caveat, Channels, Content, FormatError, Raw, Table, length_unit
+from stiction.surfaces.measured.raw import (
+    LENGTH_UNITS,
+    Caveat,
+    Channels,
+    ColumnTable,
+    Content,
+    FormatError,
+    Raw,
+    length_unit,
+)
 
 MAX_UNEVENNESS = 1e-3
 """Largest deviation of a point from a uniform grid, in spacings. It has no visible effect on the heights, and occurs in
@@ -50,7 +59,7 @@ def select_heights(content: Content, channel: Selection | None, columns: Sequenc
         return replace(raw, history=(step, *raw.history), source=replace(raw.source, column=column))
     if channel is not None:
         raise FormatError(f"has no channels to choose from, but channel is {channel!r}")
-    if isinstance(content, Table):
+    if isinstance(content, ColumnTable):
         table = _with_flags(content)
         raw = _select_columns(table, columns) if columns is not None else _by_shape(table)
         return replace(raw, history=(*table.history, *raw.history), caveats=(*table.caveats, *raw.caveats))
@@ -102,11 +111,11 @@ def list_names(names: Sequence[str], numbers: Sequence[int] | None = None) -> st
 # ---- Columns --------------------------------------------------------------------------------------------------------
 
 
-def _column_numbers(table: Table) -> Sequence[int]:
+def _column_numbers(table: ColumnTable) -> Sequence[int]:
     return range(table.values.shape[1]) if table.places is None else table.places
 
 
-def _select_columns(table: Table, chosen: Sequence[Selection]) -> Raw:
+def _select_columns(table: ColumnTable, chosen: Sequence[Selection]) -> Raw:
     """Return the heights in one column, optionally over positions in another column, or over x and y in two others."""
     numbers = _column_numbers(table)
     indices = [_find_column(table.names, item, numbers, "column") for item in chosen]
@@ -119,7 +128,7 @@ def _select_columns(table: Table, chosen: Sequence[Selection]) -> Raw:
     return replace(raw, history=(step, *raw.history))
 
 
-def _to_raw(table: Table, heights: Floats, unit: str | None, **changes: Any) -> Raw:
+def _to_raw(table: ColumnTable, heights: Floats, unit: str | None, **changes: Any) -> Raw:
     """Return heights of a table with all declarations of its header."""
     declared = table.declared
     counts = tuple(count for count in declared.counts if count > heights.size)  # too large to be a number of points
@@ -139,14 +148,14 @@ def _to_raw(table: Table, heights: Floats, unit: str | None, **changes: Any) -> 
     return replace(raw, history=(*raw.history, f"its header gives a tip radius of {tip.length:g} {tip.unit} (--tip)"))
 
 
-def _common_unit(table: Table, units: Sequence[str | None]) -> str | None:
+def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
     """Return the common unit of heights in several columns."""
     unit = units[0] if len(set(units)) == 1 else None
     declared = table.declared
     return declared.unit if declared.unit is not None and (unit is None or declared.factor is not None) else unit
 
 
-def _profile(table: Table, *places: int) -> Raw:
+def _profile(table: ColumnTable, *places: int) -> Raw:
     """Return the heights of one column, or the positions and heights of two columns over their common length."""
     heights, declared = table.values[:, places[-1]], table.declared
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
@@ -173,17 +182,17 @@ def _profile(table: Table, *places: int) -> Raw:
     )  # fmt: skip
 
 
-def _units(table: Table) -> tuple[str | None, ...]:
+def _units(table: ColumnTable) -> tuple[str | None, ...]:
     return table.units or (None,) * table.values.shape[1]
 
 
-def _describe_column(table: Table, place: int) -> str:
+def _describe_column(table: ColumnTable, place: int) -> str:
     number = _column_numbers(table)[place]
     name = f" ({printable(table.names[place])})" if table.names and table.names[place] else ""
     return f"column {number}{name}"
 
 
-def _height_unit(table: Table, place: int) -> str | None:
+def _height_unit(table: ColumnTable, place: int) -> str | None:
     """Return the unit of a height column. Raises `FormatError` if its name is that of another quantity."""
     unit = _units(table)[place]
     if unit is not None and length_unit(unit) is None:
@@ -215,7 +224,7 @@ def _without_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]
     return heights, ()
 
 
-def _first_number_caveat(table: Table) -> tuple[Caveat, ...]:
+def _first_number_caveat(table: ColumnTable) -> tuple[Caveat, ...]:
     """Return a caveat if the first number of a column has fewer decimals than all others."""
     if (
         table.values.shape != (table.values.size, 1)
@@ -230,7 +239,7 @@ def _first_number_caveat(table: Table) -> tuple[Caveat, ...]:
     return (Caveat("first-number", text, "delete it if it is a step or a size instead of a height, or accept it"),)
 
 
-def _numbering_caveat(table: Table, positions: Floats, place: int) -> tuple[Caveat, ...]:
+def _numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[Caveat, ...]:
     """Return a caveat if positions may be point numbers."""
     name = table.names[place] if table.names else ""
     if _units(table)[place] is not None or (name and not _NUMBERING.fullmatch(name.strip())):
@@ -252,7 +261,7 @@ def _numbering_caveat(table: Table, positions: Floats, place: int) -> tuple[Cave
     )
 
 
-def _with_flags(table: Table) -> Table:
+def _with_flags(table: ColumnTable) -> ColumnTable:
     """Apply a column of flags: remove it, and the heights that it marks as invalid."""
     for place, name in enumerate(table.names):
         flags = table.values[:, place]
@@ -281,7 +290,7 @@ def _with_flags(table: Table) -> Table:
     return table
 
 
-def _with_columns(table: Table, selection: Sequence[int], values: Floats | None = None) -> Table:
+def _with_columns(table: ColumnTable, selection: Sequence[int], values: Floats | None = None) -> ColumnTable:
     """Return a table with some of the columns."""
     digits, numbers = table.digits, _column_numbers(table)
     return replace(
@@ -300,11 +309,11 @@ class Shape:
     """Shape of a table: how it is recognised, and how it is read."""
 
     name: str
-    recognise: Callable[[Table], bool]
-    read: Callable[[Table], Raw]
+    recognise: Callable[[ColumnTable], bool]
+    read: Callable[[ColumnTable], Raw]
 
 
-def _by_shape(table: Table) -> Raw:
+def _by_shape(table: ColumnTable) -> Raw:
     """Return the heights of a table with the first shape that recognises it."""
     table, step = _without_numbering(table)
     empty = np.isnan(table.values).all(axis=0)
@@ -316,7 +325,7 @@ def _by_shape(table: Table) -> Raw:
     return replace(raw, history=(*step, *raw.history), source=source)
 
 
-def _without_numbering(table: Table) -> tuple[Table, tuple[str, ...]]:
+def _without_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
     """Return a table without row numbers and column numbers that a program has added."""
     rows, columns = table.values.shape
     if columns > 1 and table.names and _NUMBERING.fullmatch(table.names[0].strip()):
@@ -339,7 +348,7 @@ def _without_numbering(table: Table) -> tuple[Table, tuple[str, ...]]:
     return table, ()
 
 
-def _read_matrix(table: Table) -> Raw:
+def _read_matrix(table: ColumnTable) -> Raw:
     """Return a matrix of heights. Raises `FormatError` if its first row or column contains positions."""
     table, history = _without_positions(table)
     raw = _to_raw(table, table.values, _common_unit(table, _units(table)), history=history)
@@ -351,7 +360,7 @@ def _read_matrix(table: Table) -> Raw:
     )
 
 
-def _without_positions(table: Table) -> tuple[Table, tuple[str, ...]]:
+def _without_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
     """Remove a first column of positions that agree with the declared spacing; return the table and a history step.
 
     Raises `FormatError` if the first row or column contains other positions. A single row or column is heights.
@@ -430,7 +439,7 @@ def _counts_evenly_as_printed(values: Floats, digits: Callable[[], Floats] | Non
     return counts_evenly(values, float(np.max(digits()[1:])) * (1 + 1e-9))
 
 
-def _is_labelled(table: Table) -> bool:
+def _is_labelled(table: ColumnTable) -> bool:
     """Return whether the first row and column contain positions, with an empty corner."""
     values = table.values
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.area:
@@ -441,7 +450,7 @@ def _is_labelled(table: Table) -> bool:
     )
 
 
-def _read_labelled(table: Table) -> Raw:
+def _read_labelled(table: ColumnTable) -> Raw:
     x, y = table.values[0, 1:], table.values[1:, 0]
     dx, dy = (float(value[-1] - value[0]) / (value.size - 1) for value in (x, y))
     heights = table.values[1:, 1:][:: 1 if dy > 0 else -1, :: 1 if dx > 0 else -1]
@@ -452,7 +461,7 @@ def _read_labelled(table: Table) -> Raw:
     )  # fmt: skip
 
 
-def _xyz(table: Table) -> tuple[int, int, int] | None:
+def _xyz(table: ColumnTable) -> tuple[int, int, int] | None:
     """Return the columns of x, y and z in a list of points, by their names or as the only three."""
     columns = table.values.shape[1]
     if not any(table.names):
@@ -466,7 +475,7 @@ def _xyz(table: Table) -> tuple[int, int, int] | None:
     return (x[0], y[0], z[0]) if len(z) == 1 else None
 
 
-def _are_triplets(table: Table) -> bool:
+def _are_triplets(table: ColumnTable) -> bool:
     if table.area or table.values.shape[0] < 4 or (places := _xyz(table)) is None:
         return False
     x, y = (table.values[:, index] for index in places[:2])
@@ -480,7 +489,7 @@ def _are_triplets(table: Table) -> bool:
     )
 
 
-def _triplets(table: Table, *places: int) -> Raw:
+def _triplets(table: ColumnTable, *places: int) -> Raw:
     x, y, z = (table.values[:, index] for index in places)
     digits = [table.column_digits(index) for index in places[:2]]
     heights, spacing, step = to_grid(x, y, z, digits)
@@ -495,7 +504,7 @@ def _triplets(table: Table, *places: int) -> Raw:
     )  # fmt: skip
 
 
-def _is_line_of_points(table: Table) -> bool:
+def _is_line_of_points(table: ColumnTable) -> bool:
     """Return whether points x, y, z are a profile along x, with a single y."""
     places = _xyz(table)
     if places is None or table.area or (table.values.shape[1] != 3):
@@ -504,7 +513,7 @@ def _is_line_of_points(table: Table) -> bool:
     return bool(table.names) and np.unique(y).size == 1 and np.unique(x).size == x.size
 
 
-def _reject_columns(table: Table) -> Raw:
+def _reject_columns(table: ColumnTable) -> Raw:
     columns = table.values.shape[1]
     numbers = _column_numbers(table)
     names = f": {list_names(table.names, numbers)}" if table.names else ", numbered from 0"
@@ -515,7 +524,7 @@ def _reject_columns(table: Table) -> Raw:
     )
 
 
-def _also_missing(table: Table) -> str:
+def _also_missing(table: ColumnTable) -> str:
     """Return the other missing information of a table, as the end of a sentence."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _units(table)) and declared.unit is None:
@@ -531,7 +540,7 @@ def _also_missing(table: Table) -> str:
     return "".join(f"; {item}" for item in requirements)
 
 
-def _has_separate_columns(table: Table) -> bool:
+def _has_separate_columns(table: ColumnTable) -> bool:
     columns = table.values.shape[1]
     return not table.area and (columns < MIN_COLUMNS or len(set(_units(table))) > 1 or bool(table.names))
 

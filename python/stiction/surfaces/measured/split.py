@@ -65,22 +65,22 @@ class Dialect:
         return re.compile(rf"([+-]?)({whole})(?:{re.escape(point)}([0-9]{{0,400}}))?{_EXPONENT}", re.ASCII)
 
 
-_PLAIN = [
+_PLAIN_DIALECTS = [
     Dialect("\t", "."), Dialect("\t", ","), Dialect(";", "."), Dialect(";", ","), Dialect("|", "."), Dialect("|", ","),
     Dialect(",", "."), Dialect(None, "."), Dialect(None, ","),
 ]  # fmt: skip
-_QUOTED = [Dialect(",", ",")]
-_THOUSANDS = [
+_QUOTED_DIALECTS = [Dialect(",", ",")]
+_THOUSANDS_DIALECTS = [
     Dialect(separator, point, thousands)
     for separator in ("\t", ";", "|", None)
     for point, thousands in ((".", ","), (",", "."), (".", "'"), (",", "'"), (".", " "), (",", " "))
     if not (separator is None and thousands == " ")
 ]
-_QUOTED_THOUSANDS = [Dialect(",", ".", ","), Dialect(",", ",", ".")]
+_QUOTED_THOUSANDS_DIALECTS = [Dialect(",", ".", ","), Dialect(",", ",", ".")]
 
 
 @dataclass(frozen=True)
-class Block:
+class NumberBlock:
     """A matrix of numbers in a text."""
 
     text: Text
@@ -149,10 +149,10 @@ def detect_dialect(text: Text, first: int, last: int) -> Dialect:
     sample = [_truncate(text.line(item), width) for item in sample_lines.tolist()]
     sample = [line for line in sample if line.strip("\t")]
     quoted = any('"' in line for line in sample)
-    candidates = [*_PLAIN, *(_QUOTED if quoted else ())]
+    candidates = [*_PLAIN_DIALECTS, *(_QUOTED_DIALECTS if quoted else ())]
     counts = [sum(is_row(line, dialect, text) for line in sample) for dialect in candidates]
     if max(counts) < len(sample):
-        candidates += [*_THOUSANDS, *(_QUOTED_THOUSANDS if quoted else ())]
+        candidates += [*_THOUSANDS_DIALECTS, *(_QUOTED_THOUSANDS_DIALECTS if quoted else ())]
         counts += [sum(is_row(line, dialect, text) for line in sample) for dialect in candidates[len(counts) :]]
     if not counts or max(counts) == 0:
         raise FormatError(
@@ -248,7 +248,7 @@ def _reject_ambiguous_commas(text: Text, first: int, last: int, dialect: Dialect
 # ---- Numbers --------------------------------------------------------------------------------------------------------
 
 
-def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: bool = False) -> Block:
+def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: bool = False) -> NumberBlock:
     """Parse the numbers of a run of lines as a matrix.
 
     Lines of at most `MAX_COUNT_CELLS` cells at the beginning are sizes and counts, and are skipped. Other lines with an
@@ -296,7 +296,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
     while values.shape[1] > max(ends | {1}) and np.isnan(values[:, -1]).all():
         values = values[:, :-1]  # separators at the end of each line
     short = int(lines[np.argmax(wrong)]) if usual != 2 and wrong.any() else None
-    return Block(text, lines, dialect, values, short, omitted)
+    return NumberBlock(text, lines, dialect, values, short, omitted)
 
 
 def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
@@ -339,7 +339,7 @@ def _plain(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
     if text.has_words(lines):
         blob = text.missing.sub(b"nan", blob)
     if b"*" in blob or _has_dashes(blob):
-        blob = _MARKS.sub(b"nan", blob)
+        blob = _MISSING_MARKS.sub(b"nan", blob)
     separator = dialect.separator
     if b'"' in blob and separator is not None:
         reader = csv.reader(io.StringIO(blob.decode()), delimiter=separator, skipinitialspace=True)
@@ -363,7 +363,7 @@ def _plain(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
     return blob, separator.encode()
 
 
-_MARKS = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
+_MISSING_MARKS = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
 _TORN = re.compile(rb"[0-9.] +[-+0-9.]")  # a number with a blank in it
 
 

@@ -11,9 +11,16 @@ from stiction._text import printable
 from stiction.surfaces.measured.decode import TEXT, Text, decode
 from stiction.surfaces.measured.header import parse_column_heads, parse_declarations, parse_history
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import Channels, Content, FormatError, Raw, Source, Table
+from stiction.surfaces.measured.raw import Channels, ColumnTable, Content, FormatError, Raw, Source
 from stiction.surfaces.measured.shapes import counts_evenly
-from stiction.surfaces.measured.split import Block, Dialect, cell_kind, detect_dialect, find_number_runs, parse_block
+from stiction.surfaces.measured.split import (
+    Dialect,
+    NumberBlock,
+    cell_kind,
+    detect_dialect,
+    find_number_runs,
+    parse_block,
+)
 
 MAX_STEP_LENGTH, MAX_STEPS = 1000, 1000  # characters per history step in a header, and number of steps
 MAX_FOOTER_FRACTION = 0.1  # largest number of numeric lines below the data, over the lines of data
@@ -46,7 +53,7 @@ def with_source(content: Content, text: Text, layout: str) -> Content:
     return replace(content, source=replace(content.source, layout=layout, encoding=text.encoding))
 
 
-def parse_table(text: Text) -> Table | Channels:
+def parse_table(text: Text) -> ColumnTable | Channels:
     """Parse the largest run of numeric lines with the header above it as a table; several equal runs are channels."""
     runs = find_number_runs(text)
     if not runs:
@@ -74,7 +81,7 @@ def parse_table(text: Text) -> Table | Channels:
     return _table(text, block, 0)
 
 
-def _table(text: Text, block: Block, begin: int) -> Table:
+def _table(text: Text, block: NumberBlock, begin: int) -> ColumnTable:
     """Return a block with its header, which starts at line `begin`, and its footer as a table."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = text.lines(begin, first), text.lines(end, len(text)) if begin == 0 else []
@@ -86,7 +93,7 @@ def _table(text: Text, block: Block, begin: int) -> Table:
             f"{text.describe_line(block.short)} has fewer cells than the lines above it, and columns have no names; "
             "all lines of a matrix need the same number of cells"
         )
-    return Table(
+    return ColumnTable(
         block.values,
         names=heads.names,
         units=heads.units or (None,) * width,
@@ -101,7 +108,7 @@ def _table(text: Text, block: Block, begin: int) -> Table:
     )
 
 
-def describe_source(block: Block) -> Source:
+def describe_source(block: NumberBlock) -> Source:
     """Return the location and format of a block in its text."""
     text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     point = "." if block.dialect.pairs else block.dialect.point
@@ -178,7 +185,7 @@ def _to_channels(text: Text, runs: list[tuple[int, int]], dialect: Dialect) -> C
     if len(set(names)) < len(names):
         names = [f"{name}, line {first + 1}" for name, (first, _) in zip(names, runs, strict=True)]
 
-    def read(line: int) -> Raw | Table:
+    def read(line: int) -> Raw | ColumnTable:
         table = _table(text, parse_block(text, *runs[line], dialect, ragged=True), begins[line])
         return replace(table, source=replace(table.source, column=names[line]))
 

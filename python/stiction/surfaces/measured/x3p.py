@@ -20,7 +20,7 @@ from stiction.surfaces.profile import MAX_POINTS
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 _MAIN = "main.xml"
 
-_NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
+_XML_NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
 """Numbers of XML Schema: no underscores, and ASCII digits only."""
 
 _MAX_MAIN_BYTES = 4_000_000  # size of main.xml, in addition to the points that it lists
@@ -234,7 +234,7 @@ def _number(root: _MainXml, path: str, default: float) -> float:
 
 
 def _float(text: str) -> float:
-    if _NUMBER.fullmatch(text) is None:
+    if _XML_NUMBER.fullmatch(text) is None:
         raise FormatError(f"has {text[:40]!r} instead of a number")
     return float(text)
 

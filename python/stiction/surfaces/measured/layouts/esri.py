@@ -21,12 +21,23 @@ from stiction.surfaces.measured.raw import FormatError, Raw
 from stiction.surfaces.measured.split import detect_dialect, find_number_runs, parse_block
 from stiction.surfaces.measured.text import describe_source
 
-_KEYS = ("ncols", "nrows", "xllcorner", "yllcorner", "xllcenter", "yllcenter", "cellsize", "dx", "dy", "nodata_value")
+_HEADER_NAMES = (
+    "ncols",
+    "nrows",
+    "xllcorner",
+    "yllcorner",
+    "xllcenter",
+    "yllcenter",
+    "cellsize",
+    "dx",
+    "dy",
+    "nodata_value",
+)
 
 
 def _parse_header(text: Text) -> dict[str, str]:
     words = (line.replace("=", " ").split() for line in text.head[:12])
-    return {row[0].casefold(): " ".join(row[1:]) for row in words if row and row[0].casefold() in _KEYS}
+    return {row[0].casefold(): " ".join(row[1:]) for row in words if row and row[0].casefold() in _HEADER_NAMES}
 
 
 def _read(text: Text) -> Raw:

@@ -18,10 +18,12 @@ from dataclasses import replace
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.header import normalise_line, parse_length
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import Channels, Content, Table, length_unit
+from stiction.surfaces.measured.raw import Channels, ColumnTable, Content, length_unit
 from stiction.surfaces.measured.text import parse_table
 
-_LENGTH = re.compile(r"#\s*[^:=]{1,40}[:=]\s*([0-9]+(?:[.,][0-9]+)?(?:[eE][+-]?[0-9]+)?)\s*([^\W\d_]{1,12})\s*")
+_COMMENTED_LENGTH = re.compile(
+    r"#\s*[^:=]{1,40}[:=]\s*([0-9]+(?:[.,][0-9]+)?(?:[eE][+-]?[0-9]+)?)\s*([^\W\d_]{1,12})\s*"
+)
 _COMMENT_LINE = re.compile(r"#\s*[^:=]{1,40}[:=]\s*(\S.{0,80})?")
 
 
@@ -36,7 +38,7 @@ def _head(lines: Sequence[str]) -> list[str]:
 
 
 def _is_head(comments: Sequence[str]) -> bool:
-    lengths = [_LENGTH.fullmatch(line) for line in comments]
+    lengths = [_COMMENTED_LENGTH.fullmatch(line) for line in comments]
     return (
         len(comments) >= 3
         and lengths[0] is None
@@ -45,8 +47,8 @@ def _is_head(comments: Sequence[str]) -> bool:
     )
 
 
-def _with_header(table: Table, comments: Sequence[str]) -> Table:
-    width, height = (_LENGTH.fullmatch(line) for line in comments[1:3])
+def _with_header(table: ColumnTable, comments: Sequence[str]) -> ColumnTable:
+    width, height = (_COMMENTED_LENGTH.fullmatch(line) for line in comments[1:3])
     assert width is not None
     assert height is not None
     along_y, along_x = parse_length(*height.groups()), parse_length(*width.groups())
@@ -67,14 +69,14 @@ def _with_header(table: Table, comments: Sequence[str]) -> Table:
 
 def _read(text: Text) -> Content:
     content = parse_table(text)
-    if isinstance(content, Table):
+    if isinstance(content, ColumnTable):
         return _with_header(content, _head(text.head))
     assert isinstance(content, Channels)
     read_block = content.read
 
-    def channel(index: int) -> Table:
+    def channel(index: int) -> ColumnTable:
         table = read_block(index)
-        assert isinstance(table, Table)
+        assert isinstance(table, ColumnTable)
         assert table.source.lines is not None
         first = table.source.lines[0] - 1
         header_start = first

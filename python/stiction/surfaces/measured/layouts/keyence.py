@@ -27,7 +27,7 @@ from stiction.surfaces.measured.raw import Caveat, FormatError, Raw, length_unit
 from stiction.surfaces.measured.split import detect_dialect, find_number_runs, parse_block
 from stiction.surfaces.measured.text import describe_source
 
-_NUMBER = re.compile(r"[0-9]+(?:[.,][0-9]+)?")
+_UNSIGNED_NUMBER = re.compile(r"[0-9]+(?:[.,][0-9]+)?")
 
 
 def _cells(line: str) -> list[str]:
@@ -50,7 +50,7 @@ def _rows(text: Text) -> list[list[str]]:
 def _calibration(rows: list[list[str]]) -> int | None:
     """Return the row of three cells: a name, a length, and its unit."""
     for index, row in enumerate(rows):
-        if len(row) == 3 and _NUMBER.fullmatch(row[1]) and length_unit(row[2]) is not None:
+        if len(row) == 3 and _UNSIGNED_NUMBER.fullmatch(row[1]) and length_unit(row[2]) is not None:
             return index
     return None
 
@@ -69,7 +69,7 @@ def _read(text: Text) -> Raw:
     spacing = float(digits.replace(",", "."))
     pairs = [row for row in rows[index + 1 :] if len(row) == 2]
     counts = [int(row[1]) for row in pairs if re.fullmatch("[0-9]{1,6}", row[1])][:2]
-    height_unit = next((row[1] for row in pairs if is_unit(row[1]) and not _NUMBER.fullmatch(row[1])), None)
+    height_unit = next((row[1] for row in pairs if is_unit(row[1]) and not _UNSIGNED_NUMBER.fullmatch(row[1])), None)
     runs = find_number_runs(text)
     first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
     block = parse_block(text, first, last, detect_dialect(text, first, last))

@@ -17,7 +17,7 @@ from dataclasses import replace
 
 from stiction.surfaces.measured.excel import parse_sheet
 from stiction.surfaces.measured.layout import Sheets, WorkbookLayout
-from stiction.surfaces.measured.raw import Table, length_unit
+from stiction.surfaces.measured.raw import ColumnTable, length_unit
 
 _PARAMETER = re.compile(r"\s*[A-Z][\w(). ]{0,12}?\s+[+-]?[0-9.,]+\s*([^\W\d_]{1,3})\s*")
 _CUT_OFF = re.compile(r"\s*[0-9.,]+\s*([^\W\d_]{1,3})\s*")
@@ -41,7 +41,7 @@ def _cut_offs(sheets: Sheets) -> Iterator[str]:
                 yield cell
 
 
-def _read(sheets: Sheets) -> Table:
+def _read(sheets: Sheets) -> ColumnTable:
     table = parse_sheet(sheets["DATA"])
     cut_offs = (match for cell in _cut_offs(sheets) if (match := _CUT_OFF.fullmatch(cell)))
     lateral = next((unit for match in cut_offs if (unit := length_unit(match[1]))), None)

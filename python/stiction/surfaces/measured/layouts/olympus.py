@@ -20,15 +20,15 @@ import numpy as np
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.header import normalise_line
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import FormatError, Table, length_unit
+from stiction.surfaces.measured.raw import ColumnTable, FormatError, length_unit
 from stiction.surfaces.measured.text import parse_table
 
 _Z = re.compile(r"\W*Z\s*Resolution\s*[\[(]\s*([^\])]{1,12}?)\s*[\])].*", re.IGNORECASE)
 
 
-def _read(text: Text) -> Table:
+def _read(text: Text) -> ColumnTable:
     table = parse_table(text)
-    if not isinstance(table, Table):
+    if not isinstance(table, ColumnTable):
         raise FormatError("holds more than one map; export one in a file")
     rows = table.values.shape[0]
     if table.values.shape[1] < 3 or not np.array_equal(table.values[:, 0], table.values[0, 0] + np.arange(rows)):

@@ -24,7 +24,7 @@ from stiction.surfaces.measured.layout import Layout, integer, number
 from stiction.surfaces.measured.raw import FormatError, Raw, Source
 from stiction.surfaces.measured.split import numbers_in
 
-_FIRST = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
+_SDF_VERSION = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
 _DECLARATION = re.compile(r"([A-Za-z]{1,30})\s*=\s*(\S.{0,200})?")
 
 
@@ -57,4 +57,4 @@ def _read(text: Text) -> Raw:
     )  # fmt: skip
 
 
-LAYOUT = Layout("SDF", lambda text: _FIRST.fullmatch(text.line(0)) is not None, _read)
+LAYOUT = Layout("SDF", lambda text: _SDF_VERSION.fullmatch(text.line(0)) is not None, _read)

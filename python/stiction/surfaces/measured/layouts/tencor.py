@@ -23,7 +23,7 @@ import numpy as np
 
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import FormatError, Table
+from stiction.surfaces.measured.raw import ColumnTable, FormatError
 from stiction.surfaces.measured.text import parse_table
 
 _COUNT = re.compile(r"(?:Number of )?(Points|Traces)\s+([0-9]{1,7})\s*", re.IGNORECASE)
@@ -40,9 +40,9 @@ def _recognise(text: Text) -> bool:
     )
 
 
-def _read(text: Text) -> Table:
+def _read(text: Text) -> ColumnTable:
     counts, table = _counts(text), parse_table(text)
-    if not isinstance(table, Table):
+    if not isinstance(table, ColumnTable):
         raise FormatError("has its traces in several blocks; export them in one block with one trace per row")
     values, history = table.values, table.history
     rows, columns = values.shape

@@ -29,8 +29,8 @@ from stiction.surfaces.measured.raw import FormatError, Raw
 from stiction.surfaces.measured.split import Dialect, parse_block
 from stiction.surfaces.measured.text import describe_source
 
-_HEIGHTS = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")
-_FIRST = "Wyko ASCII Data File"
+_HEIGHT_BLOCKS = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")
+_FIRST_LINE = "Wyko ASCII Data File"
 
 
 def _read(text: Text) -> Raw:
@@ -38,13 +38,13 @@ def _read(text: Text) -> Raw:
     first = None
     for index in range(min(len(text), 2000)):
         key, *rest = text.line(index).split("\t") if "\t" in text.line(index) else re.split(r"\s{2,}", text.line(index))
-        if key.strip() in _HEIGHTS:
+        if key.strip() in _HEIGHT_BLOCKS:
             first = index + 1
             break
         if rest:
             header[key.strip().casefold()] = rest[-1].strip()
     if first is None:
-        raise FormatError(f"lacks a block of heights ({', '.join(_HEIGHTS)})")
+        raise FormatError(f"lacks a block of heights ({', '.join(_HEIGHT_BLOCKS)})")
     columns, rows = integer(header, "X Size"), integer(header, "Y Size")
     if first + columns > len(text):
         raise FormatError(f"declares {columns} lines of heights, but ends earlier")
@@ -68,4 +68,4 @@ def _read(text: Text) -> Raw:
     )  # fmt: skip
 
 
-LAYOUT = Layout("Wyko ASCII", lambda text: text.line(0).startswith(_FIRST), _read)
+LAYOUT = Layout("Wyko ASCII", lambda text: text.line(0).startswith(_FIRST_LINE), _read)
