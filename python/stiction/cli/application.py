@@ -186,7 +186,7 @@ class _Commands(TyperGroup):
         with exit_on_interrupt():
             import_module(f"stiction.cli.{modules[cmd_name]}")
         result = cast("_Command", typer.main.get_command(_APPLICATIONS[cmd_name]))
-        result.common = _COMMON_PARAMETERS.get(cmd_name, ())
+        result.common = _SHORT_HELP_PARAMETERS.get(cmd_name, ())
         return result
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
@@ -222,7 +222,7 @@ app = typer.Typer(
 )
 
 _APPLICATIONS: dict[str, typer.Typer] = {}  # by name of the command
-_COMMON_PARAMETERS: dict[str, Collection[str]] = {}  # parameters in the short help, by name of the command
+_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # parameters in the short help, by name of the command
 
 
 def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[Function], Function]:
@@ -231,7 +231,7 @@ def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[F
     If `common` is given, the short help lists only these parameters.
     """
     application = _APPLICATIONS[name] = typer.Typer(**_TYPER_OPTIONS)
-    _COMMON_PARAMETERS[name] = common
+    _SHORT_HELP_PARAMETERS[name] = common
     return application.command(name, cls=_Command, epilog=format_epilog(*lines))
 
 
