@@ -5,7 +5,7 @@ import sys
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from stiction import Surface, paired_lines, read_surface, self_affine, traverse, traverse_mean
+from stiction import Surface, pair, read_surface, self_affine
 from stiction.views.style import STYLE, WIDTH
 
 
@@ -22,10 +22,10 @@ def stand_in(side):
 
 
 upper, lower = map(read_surface, sys.argv[1:]) if len(sys.argv) == 3 else map(stand_in, ("upper", "lower"))
-uppers, lowers = paired_lines(upper, lower, lines=32)
 loads = np.geomspace(1e-4, 1e-1, 13)  # mN
-result = traverse(uppers, lowers, loads, mu0=0.2, tau0=0.05, effective_modulus=5.0, detection="gap-minimum")
-mean = traverse_mean(result).sel(shear="+x")
+options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "5 GPa", "cutoff": "none", "onset": 0}
+result = pair(upper, lower, load=loads, lines=32, **options)
+mean = result.at().sel(sliding="opposing", direction=0.0).isel(cut_off=0, mu0=0, tau0=0)
 for load in mean["load"].values[::4]:
     at = mean.sel(load=load)
     middle, least, most = at["friction_coefficient"].values

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from matplotlib.cbook import get_sample_data
-from stiction import Surface, levelled, nondimensional, paired_lines, traverse, traverse_mean
+from stiction import Surface, levelled, nondimensional, pair
 from stiction.views.characterisation import characterisation_text
 from stiction.views.figures.roughness import characterisation_figure
 
@@ -26,10 +26,12 @@ surface = levelled(
 print(characterisation_text(surface), end="")
 characterisation_figure(surface).savefig("fault_surface.png")
 
-# Lines against other lines, E* = 40 GPa; the dimensionless load is F/(E* L²) with the length L of a line.
-uppers, lowers = paired_lines(surface, surface, lines=24)
-loads = np.geomspace(1e-7, 1e-4, 4) * 40.0 * uppers[0].extent ** 2
-mean = traverse_mean(traverse(uppers, lowers, loads, mu0=0.6, effective_modulus=40.0))
-for at in nondimensional(mean, length=uppers[0].extent).sel(shear="+x").transpose("load", ...)["friction_coefficient"]:
+# Its lines on other lines, as rock of E* = 40 GPa; a load without unit is F/(E* L²), with L the length of a line.
+length = surface.extent[1]
+loads = np.geomspace(1e-7, 1e-4, 4) * 40.0 * length**2
+options = {"effective_modulus": "40 GPa", "mu0": 0.6, "cutoff": "none", "onset": 0}
+result = pair(surface, surface, load=loads, lines=24, **options)
+mean = nondimensional(result.at()[["friction_coefficient"]], length=length)["friction_coefficient"]
+for at in mean.sel(sliding="opposing", direction=0.0).squeeze().transpose("load", ...):
     middle, lower, upper = at.values
     print(f"F/(E* L²) = {float(at['load']):.0e}: mu_s = {middle:.2f} [{lower:.2f}, {upper:.2f}]")

@@ -5,15 +5,17 @@ import matplotlib
 matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from stiction import Surface, cropped, levelled, on_common_grid, pressed_maps, rotated, self_affine_surface
-from stiction.studies.traverse import overlap_area
+from stiction import Surface, cropped, levelled, on_common_grid, pair, rotated, self_affine_surface
 from stiction.views.style import AREA, STRENGTHS, STYLE
 
 plt.rcParams.update(STYLE)
 
 ANGLES = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 90.0])
 SIDE = 38.4  # µm
-STEEL = {"mu0": 0.2, "tau0": [0.0, 0.5], "effective_modulus": 115.0}  # GPa
+OPTIONS = {
+    "load": "20 MPa", "mu0": 0.2, "tau0": "0 MPa,500 MPa", "effective_modulus": "115 GPa", "shifts": 12,
+    "direction": [0, 90, 180, 270], "cutoff": "none", "onset": 0,
+}  # fmt: skip
 
 
 def ground(side):
@@ -33,35 +35,29 @@ for angle in ANGLES:
     turned = rotated(upper, angle)
     corner = tuple((extent - SIDE) / 2 for extent in turned.extent)
     above = cropped(turned, corner, tuple(each + SIDE for each in corner))
-    pair = on_common_grid(above, cropped(lower, (0.0, 0.0), (SIDE, SIDE)))
-    load = 0.02 * overlap_area(*pair)  # 20 MPa
-    rows.append(pressed_maps(*pair, [load], shifts=12, directions=[0.0, 90.0, 180.0, 270.0], **STEEL))
-
-
-def mean_over_shifts(values):
-    """Return the mean and twice its standard error."""
-    return float(values.mean()), 2 * float(values.std("repetition", ddof=1)) / np.sqrt(values.sizes["repetition"])
+    faces = on_common_grid(above, cropped(lower, (0.0, 0.0), (SIDE, SIDE)))
+    rows.append(pair(*faces, **OPTIONS).at().isel(cut_off=0, load=0, mu0=0))
 
 
 figure, (top, bottom) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")
 for tau0, colour in zip((0.0, 0.5), STRENGTHS, strict=True):
-    for ways, style, words in (([0.0, 180.0], "-", "across the lower grooves"), ([90.0, 270.0], "--", "along them")):
-        chosen = {"sliding": "opposing", "tau0": tau0, "direction": ways}
-        # Mean of both directions, so that asymmetric slopes cancel.
-        found = [each["friction_coefficient"].sel(chosen).squeeze().mean("direction") for each in rows]
-        middle, error = np.transpose([mean_over_shifts(each) for each in found])
-        top.fill_between(ANGLES, middle - error, middle + error, color=colour, alpha=0.15, linewidth=0)
+    for axis, style, words in ((0.0, "-", "across the lower grooves"), (90.0, "--", "along them")):
+        # Both senses of an axis together, so that slopes that lean one way do not count.
+        chosen = {"sliding": "opposing", "tau0": tau0, "axis": axis}
+        middle, low, high = np.transpose([at["friction_by_axis"].sel(chosen) for at in rows])
+        top.fill_between(ANGLES, low, high, color=colour, alpha=0.15, linewidth=0)
         label = rf"{words}, $\tau_0$ = {1000 * tau0:.0f} MPa"
         top.plot(ANGLES, middle, style, color=colour, marker="o", markersize=3, label=label)
-area, error = np.transpose([mean_over_shifts(100 * each["contact_area_fraction"].squeeze()) for each in rows])
-bottom.fill_between(ANGLES, area - error, area + error, color=AREA, alpha=0.2, linewidth=0)
+area, low, high = 100 * np.transpose([at["contact_area_fraction"] for at in rows])
+bottom.fill_between(ANGLES, low, high, color=AREA, alpha=0.2, linewidth=0)
 bottom.plot(ANGLES, area, "o-", markersize=3, color=AREA)
 top.set(ylabel=r"$\mu_s$, opposing contacts rub", ylim=(0, None))
 bottom.set(xlabel="angle between the lays (degrees)", ylabel="true area (%)", ylim=(0, None))
 figure.legend(
     loc="outside lower center", ncols=2, handlelength=3,
-    title=r"ground steel on ground steel, $\mu_0$ = 0.2, 20 MPa; shaded: two standard errors",
+    title=r"ground steel on ground steel, $\mu_0$ = 0.2, 20 MPa; shaded: 95 % of positions",
 )  # fmt: skip
 figure.savefig("ground_faces.png", dpi=200)
-for angle, percent, each, own in zip(ANGLES, area, error, rows, strict=True):
-    print(f"{angle:3.0f} degrees: A/A0 = {percent:.2f} +- {each:.2f} %, h' = {float(own['rms_gradient'].mean()):.3f}")
+for angle, percent, at in zip(ANGLES, area, rows, strict=True):
+    gradient = float(at["rms_gradient"].sel(statistic="mean"))
+    print(f"{angle:3.0f} degrees: A/A0 = {percent:.2f} %, h' = {gradient:.3f}")

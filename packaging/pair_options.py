@@ -42,6 +42,7 @@ WORDS = {
     "Count": "int",
     "Seed": "int",
     "Degrees": "float",
+    "Positions": "str or float, or several",
     "SurrogateChoice": "int or str",
     "str": "str",
     "bool": "bool",
@@ -121,7 +122,7 @@ def parameters_of_command() -> str:
         is_switch = PairOptions.model_fields[name].annotation is bool
         kind = "bool" if is_switch else "list[str]" if option.is_repeatable else "str"
         kind += "" if is_switch or not default_of(name) else " | None"
-        lines.append(f'    {name}: Annotated[{kind}, option_of("{name}")]{default_of(name)},\n')
+        lines.append(f'    {name}: Annotated[{kind}, pair_option("{name}")]{default_of(name)},\n')
     return "".join(lines)
 
 
@@ -130,7 +131,7 @@ def parameters_of_reader() -> str:
     lines = []
     for name in ReadingOptions.model_fields:
         once = ", repeatable=False" if OPTIONS[name].is_repeatable else ""
-        lines.append(f'    {name}: Annotated[str | None, option_of("{name}"{once})] = None,\n')
+        lines.append(f'    {name}: Annotated[str | None, pair_option("{name}"{once})] = None,\n')
     return "".join(lines)
 
 

@@ -22,7 +22,6 @@ from stiction import (
     pair,
     power_spectrum,
     press,
-    pressed_maps,
     read_surface,
     roughness_parameters,
     self_affine_surface,
@@ -33,6 +32,7 @@ from stiction import (
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load, member_values
+from stiction.studies.pair import pair_study
 from stiction.views.rows import answer_record
 from support.command import call_stiction, check_stiction
 
@@ -216,13 +216,13 @@ its name because that is the word of `Result.at`, of study files and of tables, 
 
 def datasets(upper, lower, by_function, folder):
     """Yield a dataset of every kind that public functions return or store."""
-    maps = {"mu0": 0.3, "shifts": 3, "mechanics": "asperities"}
-    pressed = pressed_maps(upper, lower, ["1 mN"], **maps)
-    lines = stiction.traverse(upper.row(0), lower.row(0), "10 uN", mu0=0.3)
+    options = {"mu0": 0.3, "effective_modulus": 10.0}
+    areas = stiction.run(pair_study(upper, lower, load="1 mN", shifts=3, mechanics="asperities", **options))
+    lines = stiction.run(pair_study(upper.row(0), lower.row(0), load="10 uN", positions=[0.0], **options))
     small = {"ensemble.repetitions": 2, "surfaces.points": 3000, "contact.approach": ["5 nm", "20 nm", "40 nm"]}
     ran = stiction.run(stiction.Study.named("quick").with_changes(small)).dataset
     loads = [1e-3, 2e-3]
-    created = [pressed, stiction.pressed_maps_mean(pressed), lines, stiction.traverse_mean(lines), ran]
+    created = [each for one in (areas, lines) for each in (one.at(), one.at(per_member=True))] + [ran]
     created += [stiction.friction_map(ran, loads), stiction.area_map(ran, loads), stiction.stiffness_map(ran, loads)]
     created += [stiction.nondimensional(ran), at_load(ran, loads), member_values(ran, loads)]
     created += [stiction.resolution(upper, lower, [1.0], hardness=1.0, effective_modulus=10.0, cut_offs=[0.8])]
@@ -370,8 +370,6 @@ def test_measured_surface_requires_modulus(upper, scan):
         lambda: contacts(upper, scan, "10 nm"),
         lambda: press(candidates(upper, scan, deepest=0.02), "10 nm"),
         lambda: half_space(upper, scan, "1 mN"),
-        lambda: pressed_maps(upper, scan, "1 mN", mu0=0.3),
-        lambda: stiction.traverse(upper.row(0), scan.row(0), "1 mN", mu0=0.3),
         lambda: stiction.resolution(upper, scan, [1.0], hardness=None),
         lambda: stiction.approach_at_load(upper, scan, "1 mN", mu0=0.3),
     ):
@@ -384,13 +382,11 @@ def test_measured_surface_requires_modulus(upper, scan):
 
 def test_press_warns_about_surface_on_itself(scan, lower):
     mirrored = Surface(0.3 - scan.heights, spacing=scan.spacing, history=(*scan.history, "turned over"))
-    maps = {"mu0": 0.3, "effective_modulus": 10.0, "shifts": 2, "mechanics": "asperities"}
     for call, words in (
         (lambda: half_space(scan, scan, "1 mN", effective_modulus=10.0), "face the same way"),
         (lambda: half_space(lower, lower, "1 mN"), "fit into each other everywhere"),
         (lambda: half_space(mirrored, scan, "1 mN", effective_modulus=10.0), "is the mirror image of lower"),
         (lambda: press(flipped(lower), lower, "5 nm"), "slopes along y cancel"),
-        (lambda: pressed_maps(scan, scan, "1 mN", **maps), "face the same way"),
     ):
         with pytest.warns(UserWarning, match=words):
             call()
@@ -400,7 +396,7 @@ def test_press_accepts_two_surfaces_without_warning(scan, upper, lower):
     with warnings.catch_warnings(action="error"):
         press(upper, lower, "5 nm")
         press(flipped(scan), upper, "5 nm", effective_modulus=10.0)
-        pressed_maps(flipped(scan), scan, "1 mN", mu0=0.3, effective_modulus=10.0, shifts=2, mechanics="asperities")
+        stiction.pair(scan, scan, load="1 mN", mu0=0.3, effective_modulus=10.0, shifts=2, mechanics="asperities")
 
 
 def test_mirrored_surface_has_no_elastic_tangential_load(lower):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import tamaas
-from stiction import approach_at_load, flipped, half_space, paired_lines, press, self_affine_surface, traverse
+from stiction import approach_at_load, flipped, half_space, pair, press, self_affine_surface
 from stiction._core import patches_of
 
 OUT = Path(__file__).parent.parent / "generated/lines_or_areas.md"
@@ -39,17 +39,15 @@ def answers(upper, lower):
     share = patches_of(np.ascontiguousarray(model.traction), periodic=True, hardness=np.inf)[2]
     computed["tamaas, points under pressure"] = share.size / model.traction.size, np.nan
     computed["tamaas, less what edges add"] = share.sum() / model.traction.size, np.nan
-    uppers, lowers = paired_lines(flipped(upper), lower, lines=LINES)
-    length = uppers[0].extent
     for name, law, curvature in (
         ("32 lines: spheres on a strip 1 µm thick", "hertz-sphere", "convex"),
         ("32 lines: cylinders", "hertz-cylinder", "signed"),
     ):  # fmt: skip
-        result = traverse(
-            uppers, lowers, [PRESSURE * length], mu0=MU0, law=law, curvature=curvature, detection="gap-minimum"
-        )
-        friction = result["friction_coefficient"].where(result["status"] == "ok")
-        computed[name] = float(result["contact_area"].mean()) / length, float(friction.mean())
+        scan = flipped(upper).changed(-upper.heights, "scan of the upper body")
+        options = {"law": law, "curvature": curvature, "lines": LINES, "cutoff": "none", "onset": 0}
+        result = pair(scan, lower, load=f"{PRESSURE} GPa", mu0=MU0, effective_modulus="10 GPa", **options)
+        at = result.at().sel(statistic="mean", sliding="opposing").squeeze()
+        computed[name] = float(at["contact_area_fraction"]), float(at["friction_all_round"])
     return computed
 
 

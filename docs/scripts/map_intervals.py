@@ -3,19 +3,22 @@
 from pathlib import Path
 
 import numpy as np
-from stiction import pressed_maps, pressed_maps_mean, self_affine_surface
-from stiction.studies.traverse import overlap_area
+from stiction import Result, run, self_affine_surface
+from stiction.studies.evaluation import at_load, member_values
+from stiction.studies.pair import pair_study
 
 OUT = Path(__file__).parent.parent / "generated/map_intervals.md"
 PAIRS, SHIFTS, TAKEN = 40, 400, 16
-PRESSURE = 0.03  # GPa
-MATERIAL = {"mu0": 0.3, "tau0": 0.1, "directions": [0.0], "mechanics": "asperities"}
+OPTIONS = {
+    "load": "30 MPa", "mu0": 0.3, "tau0": "100 MPa", "effective_modulus": "10 GPa", "direction": [0],
+    "mechanics": "asperities", "cutoff": "none",
+}  # fmt: skip
 
 
 def numbers(dataset):
-    """Return A/A0 and mu_s along +x for both rules, along the last axis."""
-    friction = dataset["friction_coefficient"].isel(direction=0, load=0, mu0=0, tau0=0)
-    area = dataset["contact_area_fraction"].isel(load=0)
+    """Return A/A0, and mu_s to +x by both rules, over members or statistics."""
+    friction = dataset["friction_coefficient"].isel(cut_off=0, direction=0, load=0, mu0=0, tau0=0)
+    area = dataset["contact_area_fraction"].isel(cut_off=0, load=0)
     return np.stack([area, friction.sel(sliding="opposing"), friction.sel(sliding="all")])
 
 
@@ -29,12 +32,12 @@ def main():
             )
             for side in ("upper", "lower")
         )  # fmt: skip
-        load = [PRESSURE * overlap_area(upper, lower)]
-        result = pressed_maps(upper, lower, load, shifts=SHIFTS, surrogates=TAKEN, seed=pair, **MATERIAL)
-        populations.append(np.nanmean(numbers(result.isel(repetition=slice(SHIFTS))), axis=-1))
-        shifts = pressed_maps_mean(result.isel(repetition=np.arange(TAKEN)))  # prefixes are the results of fewer shifts
-        intervals["shifts"].append(numbers(shifts))
-        intervals["surrogates"].append(numbers(pressed_maps_mean(result, surrogates=True)))
+        result = run(pair_study(upper, lower, shifts=SHIFTS, surrogates=TAKEN, seed=pair, **OPTIONS))
+        loads = result.default_loads
+        populations.append(np.nanmean(numbers(member_values(result, loads, of="shifts")), axis=-1))
+        first = Result(result.dataset.isel(repetition=slice(2 * TAKEN)))  # surrogates, and as many shifts
+        for kind, computed in intervals.items():
+            computed.append(numbers(at_load(first, loads, of=kind)))
         if pair:
             OUT.write_text(table(np.array(populations), intervals), encoding="utf-8")
 

@@ -31,7 +31,6 @@ _PUBLIC_NAMES = {
     "stiction.studies.result": "Result open_result",
     "stiction.studies.runner": "run",
     "stiction.studies.study": "Study study_names",
-    "stiction.studies.traverse": "pressed_maps pressed_maps_mean traverse traverse_mean",
     "stiction.surfaces.cut_off": "cut_off",
     "stiction.surfaces.filters": "filtered",
     "stiction.surfaces.fractal": (

@@ -54,7 +54,6 @@ from stiction.mechanics.closed_forms import (
 from stiction.studies.interfaces import Ball as Ball, FrictionTest as FrictionTest, Interface as Interface
 from stiction.studies.calibration import calibrate as calibrate
 from stiction.studies.friction_table import friction_table as friction_table, table_study as table_study
-from stiction.studies.traverse import pressed_maps as pressed_maps, pressed_maps_mean as pressed_maps_mean
 from stiction.studies.interfaces import (
     interface as interface,
     interfaces as interfaces,
@@ -67,7 +66,6 @@ from stiction.studies.members import pair_of as pair_of
 from stiction.studies.result import Result as Result, open_result as open_result
 from stiction.studies.runner import run as run
 from stiction.studies.study import Study as Study, study_names as study_names
-from stiction.studies.traverse import traverse as traverse, traverse_mean as traverse_mean
 from stiction.surfaces.cut_off import cut_off as cut_off
 from stiction.surfaces.filters import filtered as filtered
 from stiction.surfaces.fractal import (

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import stiction
-from stiction import Profile, Study, Surface, pair, pressed_maps, resolution, run, traverse
+from stiction import Profile, Study, Surface, pair, resolution, run
 from stiction.mechanics.friction import RATIOS, SIX_SUMS, Sums, SurfaceValidity, Validity
 from stiction.mechanics.quantities import (
     ADHESION,
@@ -21,6 +21,7 @@ from stiction.mechanics.quantities import (
 )
 from stiction.studies.contact_statistics import OF_CONTACTS
 from stiction.studies.evaluation import at_load
+from stiction.studies.pair import pair_study
 from stiction.studies.study import study_of
 from stiction.studies.summary import summarize
 from stiction.views.rows import table_of
@@ -136,14 +137,16 @@ def test_intervals_at_a_load_are_within_the_bounds_of_the_table(at_loads):
             assert not (ends > max(high, float(mean.max()))).any(), f"{name} of {title}"
 
 
-def test_functions_on_bodies_in_memory_return_quantities_of_the_table():
+def test_values_of_members_are_quantities_of_the_table():
     options = {"mu0": 0.2, "effective_modulus": 10.0}
     longer = Profile(heights((600,), 5), spacing=0.5)
     result = {
-        "traverse": traverse(lines()[0], longer, [1e-3], offsets=[0.0, 5.0], **options),
-        "pressed_maps": pressed_maps(*maps(), [1.0], shifts=2, mechanics="asperities", **options),
+        "lines": run(pair_study(lines()[0], longer, load=[1e-3], positions=[0.0, 5.0], **options)),
+        "areas": run(pair_study(*maps(), load=[1.0], shifts=2, mechanics="asperities", **options)),
     }
-    for title, name, item in variables_of(result):
+    values = {title: one.at(per_member=True) for title, one in result.items()}
+    assert "lateral_load" in values["areas"]
+    for title, name, item in variables_of(values):
         if name not in LAYOUT:
             assert name in QUANTITIES, f"{name} of {title}"
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"

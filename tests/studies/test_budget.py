@@ -10,7 +10,7 @@ from stiction import Study, Surface, cut_off, pair
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
 from stiction.studies.budget import _numbers_at, _Point, add_uncertainty
-from stiction.studies.evaluation import PerLoad, areas_of, at_load, six_at
+from stiction.studies.evaluation import PerLoad, areas_of, at_load, member_sums
 from stiction.studies.executors import threads
 from stiction.studies.hardness import choose_area_nodes, compute_areas_over_hardness, find_inputs
 from stiction.studies.input_uncertainty import Z_95, parse_input
@@ -95,7 +95,7 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
     assert choose_area_nodes(result.study)[1].size == (3 if modulus.startswith("48") else 1)
     at = result.at_study_loads
     where = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
-    six, areas = six_at(result.source, at["load"].values), areas_of(at, result.source)
+    six, areas = member_sums(result.source, at["load"].values), areas_of(at, result.source)
     friction = PerLoad.of(six.sel(sliding="all").mean())
     one = _Point(_numbers_at(at, where), where, result.study, inputs, friction, areas)
     one.names, one.places = tuple(inputs), {}  # the scan as it is, at these positions

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from stiction import Study, area_map, friction_map, run, stiffness_map, traverse, traverse_mean
+from stiction import Study, approach_at_load, area_map, friction_map, press, run, stiffness_map
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import intervals
 from stiction.studies.contact_tables import AROUND_AREAS, ladder
@@ -27,21 +27,24 @@ def lines(tmp_path_factory):
     return study, run(study).dataset
 
 
-def test_at_load_of_profiles_equals_traverse(lines):
+def test_at_load_of_profiles_equals_press_of_each_position(lines):
     study, result = lines
-    members = [bodies_of(study).member(index, 0.0) for index in range(12)]
-    slider = members[0].pair[0]
-    track = bodies_of(study).members(0.0).pairs.pair(0)[1]
-    offsets = sorted(member.x for member in members)
-    chosen = {"mu0": 0.3, "tau0": 0.05, "offsets": offsets, "effective_modulus": 100.0}
-    for load in ("elastic", "normal"):
-        own = traverse_mean(traverse(slider, track, [0.05], load=load, **chosen))
-        point = at_load(result, [0.05], reading=load).sel(tau0=0.05, mu0=0.3)
-        here = point["friction_coefficient"].sel(sliding="opposing").isel(cut_off=0, load=0).values
-        np.testing.assert_allclose(here, own["friction_coefficient"].isel(load=0).values, rtol=2e-3)
+    pairs = [bodies_of(study).member(index, 0.0).pair for index in range(12)]
+    order = np.argsort(result["x"].values)  # neighbours share asperities
+    material = {"mu0": 0.3, "tau0": 0.05}
+    for load, mu0, tau0 in (("elastic", 0.0, 0.0), ("normal", *material.values())):
+        point = at_load(result, [0.05], reading=load).sel(material).isel(cut_off=0, load=0)
+        for angle, shear in ((0.0, "+x"), (180.0, "-x")):
+            model = {"effective_modulus": 100.0, "detection": "gap-minimum", "shear": shear}
+            curves = [
+                press(*pair, approach_at_load(*pair, [0.05], mu0=mu0, tau0=tau0, **model), **model) for pair in pairs
+            ]
+            own = np.array([curve.friction_coefficient(**material)[0] for curve in curves])[order]
+            computed = point["friction_coefficient"].sel(sliding="opposing", direction=angle).values
+            np.testing.assert_allclose(computed, intervals.neighbors_mean(own), rtol=2e-3)
         if load == "elastic":  # areas are read off at the elastic load, whatever the reading
-            area = own["contact_area"].isel(load=0, shear=0)
-            np.testing.assert_allclose(point["contact_area"].isel(cut_off=0, load=0), area, rtol=1e-9)
+            area = np.array([curve.contact_area[0] for curve in curves])[order]
+            np.testing.assert_allclose(point["contact_area"], intervals.neighbors_mean(area), rtol=1e-9)
 
 
 def test_readings_agree_for_small_slopes(areas):

@@ -87,6 +87,7 @@ def pair(
     shifts: Annotated[str | None, pair_option("shifts")] = None,
     offsets: Annotated[str | None, pair_option("offsets")] = None,
     travel: Annotated[str | None, pair_option("travel")] = None,
+    positions: Annotated[str | None, pair_option("positions")] = None,
     surrogates: Annotated[str | None, pair_option("surrogates")] = None,
     seed: Annotated[str | None, pair_option("seed")] = None,
     unit: Annotated[list[str] | None, pair_option("unit")] = None,

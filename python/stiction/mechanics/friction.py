@@ -221,7 +221,7 @@ class FrictionCurve(PlotRepr):
 def combine_status(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Combine boolean conditions, which are broadcast, to the status of curves, ensembles and traverses.
+    """Combine boolean conditions, which are broadcast, to the status of curves, ensembles and members.
 
     `locked` refers to the last step, `below` to a first step that already supports more than the load.
     """

@@ -54,7 +54,7 @@ def approach_at_load(
     ndarray, µm
         Approaches of the shape of the loads, at which F_N first reaches the load from below. NaN if the load is not
         reached before all points touch, because friction locks the contacts or there are none, and if more than the
-        load is supported at an approach of 0. `traverse` distinguishes these cases.
+        load is supported at an approach of 0. `Result.at` distinguishes these cases.
 
     Notes
     -----

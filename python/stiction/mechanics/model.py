@@ -32,7 +32,7 @@ _SAME_HEIGHT_TOLERANCE = 1e-9  # largest difference of equal heights, over their
 
 @dataclass(frozen=True, kw_only=True)
 class ContactModel:
-    """Parameters of a contact calculation: the argument `model` of `contacts`, `press`, `approach_at_load`, `traverse`.
+    """Parameters of a contact calculation: the argument `model` of `contacts`, `press` and `approach_at_load`.
 
     Keyword arguments of these functions take precedence over the model.
 
@@ -268,8 +268,8 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
         raise ValueError(f"upper and lower must have equal spacings, got {upper.spacing!r} and {lower.spacing!r} µm")
 
 
-def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface, *, moved: bool = False) -> None:
-    """Warn if a surface is pressed on itself, or on its own mirror image unless it was `moved`."""
+def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> None:
+    """Warn if a surface is pressed on itself, or on its own mirror image."""
     source, is_same = _source(upper), _source(upper) == _source(lower)
     flips = [body.history.count(FLIPPED_STEP) % 2 for body in (upper, lower)]
     message = ""
@@ -279,7 +279,7 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface, *, mov
         return
     elif upper is lower or (is_same and source and _differ_by_a_constant(upper.heights, lower.heights)):
         message = "upper and lower are the same and fit into each other everywhere: press flipped(upper) on lower"
-    elif is_same and not moved and (source or (flips[0] and isinstance(upper, Surface))):
+    elif is_same and (source or (flips[0] and isinstance(upper, Surface))):
         if _differ_by_a_constant(upper.heights, -lower.heights):
             message = (
                 "upper is the mirror image of lower: its summits meet themselves, so their slopes cancel; move "

@@ -18,7 +18,7 @@ from stiction._checks import Floats
 from stiction.mechanics.brackets import friction_bracket
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.quantities import attributes_of
-from stiction.studies.evaluation import PerLoad, areas_of, member_values, six_at
+from stiction.studies.evaluation import PerLoad, areas_of, member_sums, member_values
 from stiction.studies.hardness import Areas, find_creep, find_inputs, find_junction_growth, relative_modulus
 from stiction.studies.input_uncertainty import NUM_SAMPLES, Z_95, UncertainInput, stratified_points
 from stiction.studies.interfaces import HARDNESS, find_interface
@@ -96,7 +96,7 @@ def add_uncertainty(
     whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited, seizing = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
-    six, areas = six_at(result, at["load"].values).mean(("repetition", "direction")), areas_of(at, result)
+    six, areas = member_sums(result, at["load"].values).mean(("repetition", "direction")), areas_of(at, result)
     read, pressures = at[[name for name in _READ if name in at]], at["load"].values / float(at["nominal_area"])
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))

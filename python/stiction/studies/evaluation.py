@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -50,6 +50,7 @@ from stiction.studies.study import Study, step_of, study_of
 if TYPE_CHECKING:
     import xarray
 
+LATERAL_SUMS = ("lateral_elastic", "lateral_frictional", "lateral_adhesive")
 STATISTIC = ["mean", "lower", "upper"]
 SPREAD = (0.1, 0.9)  # quantiles of single members that are reported as spread_low and spread_high
 NO_LOAD = 0.01
@@ -406,8 +407,9 @@ def member_values(
     -------
     xarray.Dataset
         Over cells, repetition, sliding and direction (of one element where the result has no list), load, mu0 and tau0:
-        friction_coefficient, normal_load and tangential_load (mN), and status; the other quantities over cells,
-        repetition and load (and fraction_below), read off at the elastic load.
+        friction_coefficient, normal_load and tangential_load (mN), status, and of maps by asperities at elastic loads
+        lateral_load (mN); the other quantities over cells, repetition and load (and fraction_below), read off at the
+        elastic load.
     """
     if reading == "mean":
         raise ValueError("reading must be 'elastic' or 'normal': members have no mean load")
@@ -415,10 +417,15 @@ def member_values(
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     material = material_of(result.head, mu0, tau0)
     members = _members_before_growth(result, values, *material, reading, of)
-    study = result.study
-    if not study.contact.junction_growth:
-        return members
-    return _with_growth(members, result, _areas_of_members(members, result), of)
+    if result.study.contact.junction_growth:
+        members = _with_growth(members, result, _areas_of_members(members, result), of)
+    if reading == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
+        sums = member_sums(result, values, LATERAL_SUMS, of=of)
+        parts = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
+        lateral = compute_load("lateral", parts, material[0][:, np.newaxis], material[1])
+        dims = (*sums[LATERAL_SUMS[0]].dims, "mu0", "tau0")
+        members = members.assign(lateral_load=(dims, lateral, attributes_of("lateral_load")))
+    return members
 
 
 def _members_before_growth(
@@ -484,7 +491,7 @@ def _with_growth(members: xarray.Dataset, result: Result, areas: Areas, of: Kind
     factor = np.stack([grown[rule] for rule in members["sliding"].values.tolist()])
     with np.errstate(invalid="ignore"):
         more = xarray.Variable(("sliding", "load", "mu0", "tau0"), np.where(tau0 > 0, tau0 * (factor - 1), 0.0))
-    six = six_at(result, members["load"].values, of=of)
+    six = member_sums(result, members["load"].values, of=of)
     dims = members["friction_coefficient"].dims
     loads = {
         f"{name}_load": members[f"{name}_load"] + (more * six[f"{name}_adhesive"].variable).transpose(*dims)
@@ -508,12 +515,17 @@ def _with_growth(members: xarray.Dataset, result: Result, areas: Areas, of: Kind
     return members.assign(changed)
 
 
-def six_at(result: Result | xarray.Dataset, loads: Floats, *, of: Kind | None = None) -> xarray.Dataset:
-    """The six sums of each member at loads (mN) of its own, over cells, repetition, sliding, direction and load."""
+def member_sums(
+    result: Result | xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, of: Kind | None = None
+) -> xarray.Dataset:
+    """Return sums of each member at its own elastic loads (mN), by default those of the normal and tangential load.
+
+    The dimensions are cells, repetition, sliding, direction and load.
+    """
     import xarray
 
-    def six(piece: xarray.Dataset) -> xarray.Dataset:
-        sums, off = _curves(piece, loads, ratio=step_of(piece) == "load")
+    def read(piece: xarray.Dataset) -> xarray.Dataset:
+        sums, off = _curves(piece, loads, names, ratio=step_of(piece) == "load")
         dims = (*cells_of(piece), "repetition", *MOTIONS, "load")
         values = np.broadcast_arrays(*map(off.at, sums.values()))
         kept = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
@@ -521,7 +533,7 @@ def six_at(result: Result | xarray.Dataset, loads: Floats, *, of: Kind | None = 
             {name: (dims, each) for name, each in zip(sums, values, strict=True)}, _motions_of(piece) | kept
         )
 
-    return _of_all(Result.of(result), of, six)
+    return _of_all(Result.of(result), of, read)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -633,14 +645,16 @@ def piece_at(
     return xarray.Dataset(_with_derived(variables, piece.coords.get("nominal_area")), coordinates, piece.attrs)
 
 
-def _curves(piece: xarray.Dataset, loads: Floats, *, ratio: bool) -> tuple[dict[str, Floats], Crossing]:
-    """The six sums of members over sliding, direction and step, and where their elastic load reaches loads."""
+def _curves(
+    piece: xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, ratio: bool
+) -> tuple[dict[str, Floats], Crossing]:
+    """Return sums of members over sliding, direction and step, and where their elastic loads reach the given loads."""
     step = step_of(piece)
     lead = (*cells_of(piece), "repetition")
     there = piece.variables  # without coordinates, which take longer to carry along than the numbers to compute
     elastic = _over(there["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
-    sums = {name: _over(there[name], (*lead, *MOTIONS, step), missing=True) for name in SIX_SUMS}
+    sums = {name: _over(there[name], (*lead, *MOTIONS, step), missing=True) for name in names}
     return sums, Crossing.of(curve, loads, ratio=ratio).without_gaps(curve, loads)
 
 

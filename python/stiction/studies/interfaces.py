@@ -29,7 +29,7 @@ from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, 
 from stiction.mechanics.friction import SIX_SUMS, FrictionCurve
 from stiction.mechanics.model import Sliding
 from stiction.studies.elasticity import Elasticity
-from stiction.studies.evaluation import PerLoad, areas_of, member_values, six_at
+from stiction.studies.evaluation import PerLoad, areas_of, member_sums, member_values
 from stiction.studies.hardness import Areas, find_creep, find_inputs, find_junction_growth, relative_modulus
 from stiction.studies.input_uncertainty import UncertainInput, draw_samples, parse_input, parse_study_input
 from stiction.studies.moduli import Moduli, elasticity_and_moduli
@@ -613,7 +613,7 @@ def _of_curve(curve: FrictionCurve, load: float) -> _Friction:
 def _of_members(result: Any, load: float, sliding: Sliding) -> _Friction:
     """Means of a result over members and directions, and the scatter of the adhesive sum over members."""
     dataset = getattr(result, "dataset", result)
-    there = six_at(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
+    there = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
     six = {str(name): each.mean("direction").values.reshape(-1) for name, each in there.data_vars.items()}
     reached = np.isfinite(list(six.values())).all(axis=0)
     if not reached.any():

@@ -1,4 +1,4 @@
-"""95 % intervals of means: over independent repetitions at a load, and over the positions of a traverse.
+"""95 % intervals of means: over independent repetitions at a load, and over neighbouring positions.
 
 What they cover, and how wide they are beside the best that is possible, is measured by docs/scripts/intervals.py.
 """

@@ -172,10 +172,10 @@ def nondimensional(
     Parameters
     ----------
     result : xarray.Dataset
-        Of `run`, `friction_map`, `area_map`, `stiffness_map`, `traverse` or `traverse_mean`.
+        The dataset of a result, or what `friction_map`, `area_map`, `stiffness_map` or `Result.at` returns.
     length : float, µm, optional
-        L; by default the length scale of the result's study, or the longest wavelength of self-affine surfaces. A
-        traverse has none, so it must be given.
+        L; by default the length scale of the result's study, or the longest wavelength of self-affine surfaces.
+        Measured bodies have no length scale, so L must be given.
     effective_modulus : float, GPa, optional
         E*; by default that of the result.
 

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, get_args
 
 import numpy as np
-from pydantic import ConfigDict, Field, PlainValidator, model_validator
+from pydantic import AfterValidator, ConfigDict, Field, PlainValidator, model_validator
 
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
@@ -25,11 +25,14 @@ from stiction.studies.values import (
     CutOffs,
     Length,
     LengthOrZero,
+    SignedLength,
     Table,
     array_of,
     as_tuple,
     as_written,
+    fault_at,
     read_length,
+    require_different,
     written,
 )
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
@@ -55,7 +58,7 @@ from stiction.surfaces.pairing import (
     to_joined_spectrum,
 )
 from stiction.surfaces.preparation import ProfileTrend, SurfaceTrend, flipped, levelled, rotated
-from stiction.surfaces.profile import Along, Profile, index_mask
+from stiction.surfaces.profile import Along, Profile
 from stiction.surfaces.surface import Surface, parse_lengths
 
 Column = int | str
@@ -229,12 +232,7 @@ class MeasuredFile(Table):
                 heights, spacing=spacing[0] if kind is Profile else parse_lengths("spacing", spacing), history=history,
                 missing=missing,
             )  # fmt: skip
-        return cls(file=name, sha256=_checksum([body]), body=InMemory(body))
-
-    @classmethod
-    def of_lines(cls, lines: Sequence[Profile], name: str) -> MeasuredFile:
-        """Several profiles in memory, which no file can hold."""
-        return cls(file=name, sha256=_checksum(lines), body=InMemory(tuple(lines)))
+        return cls(file=name, sha256=_checksum(body), body=InMemory(body))
 
     def kept(self, folder: Path, side: str) -> MeasuredFile:
         """The same in files: that of a body in memory is written into the folder, under its checksum."""
@@ -345,25 +343,21 @@ class MeasuredFile(Table):
 
 
 def _with_heights_times(factor: float, body: Any) -> Any:
-    """Return a body, or the lines of one, with heights times a factor."""
+    """Return a body with heights times a factor."""
     if factor == 1:
         return body
-    if isinstance(body, tuple):
-        return tuple(_with_heights_times(factor, one) for one in body)
     if isinstance(body, JoinedSpectrum):
         return dataclasses.replace(body, density=body.density * factor**2)
     return body.changed(body.heights * factor, f"heights times {factor:g}")
 
 
-def _checksum(bodies: Sequence[Any]) -> str:
-    """SHA-256 of bodies in memory, with their grids and histories."""
-    found = hashlib.sha256()
-    for body in bodies:
-        if isinstance(body, JoinedSpectrum):
-            found.update(repr(body.history).encode() + body.density.tobytes())
-        else:
-            found.update(repr((body.spacing, body.history)).encode() + heights_with_nan(body).tobytes())
-    return found.hexdigest()
+def _checksum(body: Body) -> str:
+    """Return the SHA-256 of a body in memory, with its grid and history."""
+    if isinstance(body, JoinedSpectrum):
+        content = repr(body.history).encode() + body.density.tobytes()
+    else:
+        content = repr((body.spacing, body.history)).encode() + heights_with_nan(body).tobytes()
+    return hashlib.sha256(content).hexdigest()
 
 
 @functools.lru_cache(maxsize=16)
@@ -447,10 +441,6 @@ class MeasuredBodies(Case):
         description="Waves shorter than this are taken off both bodies (Gaussian); 0 keeps all. "
         "A list is a dimension of the result, whose first value is quoted.",
     )
-    prepared: Literal[True] | None = Field(
-        default=None, description="Said of bodies that are as they are pressed: level, the upper one turned over."
-    )
-
     vouched: Literal[True] | None = Field(
         default=None, description="Said of bodies whose waves are all the surface's, whatever the spectrum looks like."
     )
@@ -536,21 +526,33 @@ class MeasuredLines(MeasuredBodies):
         default="none", description="Which of the two is replaced by its surrogate, a new one for each line."
     )
 
-    positions: tuple[int, ...] | None = Field(
-        default=None, description="Points of the lower of two prepared profiles before the slider, one position each."
-    )
+    positions: (
+        Annotated[
+            tuple[LengthOrZero, ...], as_tuple, Field(min_length=1, max_length=MOST_OFFSETS),
+            AfterValidator(require_different),
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="Positions of the slider on the lower line, in place of `offsets` and `travel`; the slider is "
+        "shortened if it would reach beyond the end.",
+    )  # fmt: skip
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Lines | LinesAt:
-        """Lines of both scans, or of what replaces them, at positions on each other."""
-        if self.positions is not None:
-            uppers, lowers = (scan if isinstance(scan, tuple) else (scan,) for scan in scans)
-            return LinesAt(uppers, lowers, self.positions)
+    @model_validator(mode="after")
+    def _has_one_source_of_positions(self) -> Self:
+        if self.positions is not None and (self.offsets > 1 or self.travel is not None):
+            raise fault_at("positions", "must not be given with offsets or travel")
+        return self
+
+    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Lines:
+        """Lines of both scans, or of their surrogates, at positions on each other."""
         upper, lower = self.filtered(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
-        travel = None if self.travel is None else float(self.travel)
+        positions = None if self.positions is None else tuple(map(float, self.positions))
+        travel = max(positions) if positions else None if self.travel is None else float(self.travel)
         several = self.replace != "none" or isinstance(upper, Surface) or isinstance(lower, Surface)
         pairs = LinePairs(upper, lower, travel, level, self.along, self.replace, seed, several=several)
-        return Lines(pairs, scans, self.offsets)
+        return Lines(pairs, scans, self.offsets, positions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -560,16 +562,21 @@ class Lines:
     pairs: LinePairs
     scans: tuple[Body, Body]
     offsets: int = 1  # positions on each pair, where there are several pairs; of one pair every member is a position
+    positions: tuple[float, ...] | None = None  # positions (µm) on each pair, instead of a quasi-random sequence
 
     def member(self, index: int) -> Member:
-        """A slider at a position on what it is carried over."""
-        pairs, offsets = self.pairs, self.offsets
+        """Return a slider and the part of its counterface below it."""
+        pairs, offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
         line, place = divmod(index, offsets) if pairs.several else (0, index)
         most = pairs.max_count()
         if most is not None and line >= most:
             raise ValueError(f"the surfaces have {most} pairs of lines, and member {index} is on pair {line + 1}")
         slider, track = pairs.pair(line)
         room = len(track) - len(slider)
+        if self.positions is not None:
+            if place >= offsets:
+                raise ValueError(f"surfaces.positions has {offsets} positions, and member {index} is beyond them")
+            return self._member_at(slider, track, round(self.positions[place] / slider.spacing), line)
         if room == 0 and place > 0:
             raise ValueError("several positions need a travel, for which the slider is shortened")
         # A line on itself is no pair at 0; several lines are not on themselves.
@@ -580,34 +587,18 @@ class Lines:
             steps = room  # one position: the travel that was asked for
         else:
             steps = 1 + min(int(quasi_random_point(place + 1, 1)[0] * room), room - 1)
+        return self._member_at(slider, track, steps, line)
+
+    def _member_at(self, slider: Profile, track: Profile, steps: int, line: int) -> Member:
+        """Return the member whose slider is a number of points from the start of its counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(track, offset, slider)
-        return Member(pair, offset, pairs.place(line), line=line, surrogate=pairs.surrogates != "none")
+        return Member(pair, offset, self.pairs.place(line), line=line, surrogate=self.pairs.surrogates != "none")
 
     def facts(self) -> Facts:
         """What all members share."""
         slider, track = self.pairs.pair(0)
         return _facts_of_lines(slider, track, len(slider) / len(track), self.scans)
-
-
-@dataclass(frozen=True, eq=False)
-class LinesAt:
-    """Members that are profiles as they are: each upper one at given positions (points) on the lower of its place."""
-
-    uppers: tuple[Any, ...]
-    lowers: tuple[Any, ...]
-    positions: tuple[int, ...]
-
-    def member(self, index: int) -> Member:
-        """A slider at one of the positions, those of a pair one after the other."""
-        line, place = divmod(index, len(self.positions))
-        slider, offset = self.uppers[line], self.positions[place] * self.uppers[line].spacing
-        return Member((slider, piece_below_slider(self.lowers[line], offset, slider)), offset, 0.0, line=line)
-
-    def facts(self) -> Facts:
-        """What all members share, those of the first pair."""
-        slider, track = self.uppers[0], self.lowers[0]
-        return _facts_of_lines(slider, track, 1.0, (slider, track))
 
 
 def _facts_of_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> Facts:
@@ -637,34 +628,36 @@ class MeasuredAreas(MeasuredBodies):
     gap: Literal[True] | None = Field(
         default=None, description="Said of one file that is both: the gap of two faces, pressed as it is."
     )
-    positions: tuple[tuple[int, int], ...] | None = Field(
-        default=None, description="Rows and columns by which the upper of two prepared maps lies beyond the lower one."
-    )
+    positions: (
+        Annotated[
+            tuple[Annotated[tuple[SignedLength, SignedLength], as_tuple], ...], as_tuple,
+            Field(min_length=1, max_length=MOST_OFFSETS), AfterValidator(require_different),
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="Shifts (x, y) of the first point of the upper map from that of the lower one; all members have "
+        "the size of the smallest overlap.",
+    )  # fmt: skip
 
     @property
     def first_scanned(self) -> int:
         """Number of the first member that is a pair of pieces of the maps."""
         return self.surrogates
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Areas | AreasAt:
-        """Pieces of two maps at relative positions, the first ones of their surrogates."""
+    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Areas | GapMember:
+        """Return pieces of two maps at relative positions, the first ones of their surrogates, or the gap."""
         upper, lower = self.filtered(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press: "areas" are of two maps, and one of the files is a profile')
         if self.gap:
-            # A flat face, and a rough one from which it is as far as two faces are from each other.
             gap = levelled(lower, self.level)
             grid: dict[str, Any] = {"spacing": gap.spacing, "missing": gap.missing}
             flat = Surface(np.zeros_like(gap.heights), history=("a flat face",), **grid)
             rough = Surface(0.0 - gap.heights, history=(*gap.history, "a gap, below a flat face"), **grid)
-            return AreasAt(flat, rough, ((0, 0),))
-        if self.positions is not None:
-            return AreasAt(upper, lower, self.positions)
-        pairs = (
-            MapPairs(upper, lower, self.level, seed)
-            if self.prepared
-            else pairs_of_maps(upper, lower, self.level, seed, turned=self.rotate)
-        )
+            return GapMember(flat, rough)
+        shifts = None if self.positions is None else tuple((float(x), float(y)) for x, y in self.positions)
+        pairs = pairs_of_maps(upper, lower, self.level, seed, turned=self.rotate, shifts=shifts)
         return Areas(pairs, scans, self.surrogates)
 
 
@@ -693,16 +686,17 @@ class MeasuredSurrogates(MeasuredBodies):
             return Areas(pairs_of_maps(upper, lower, self.level, seed), scans)
         if not (isinstance(upper, Profile) and isinstance(lower, Profile)):
             raise ValueError('surfaces.press: "surrogates" are of two maps or of two profiles, not of one of each')
-        if self.prepared:
-            return Areas(IsotropicPairs(upper, lower, self.level, seed), scans)
         trend: ProfileTrend = "line" if self.level == "plane" else self.level
         return Areas(IsotropicPairs(flipped(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans)
 
 
-def pairs_of_maps(upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, turned: float = 0.0) -> MapPairs:
-    """Pieces of two maps, both levelled, the upper one turned in its plane by an angle (degrees), and over."""
+def pairs_of_maps(
+    upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, turned: float = 0.0,
+    shifts: tuple[tuple[float, float], ...] | None = None,
+) -> MapPairs:  # fmt: skip
+    """Return pairs of pieces of two maps, both levelled, the upper one rotated by an angle (degrees) and flipped."""
     above = levelled(upper, level)
-    return MapPairs(flipped(rotated(above, turned) if turned else above), levelled(lower, level), level, seed)
+    return MapPairs(flipped(rotated(above, turned) if turned else above), levelled(lower, level), level, seed, shifts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -735,41 +729,24 @@ class Areas:
 
 
 @dataclass(frozen=True, eq=False)
-class AreasAt:
-    """Members that are what of two maps lies above each other, as they are, at given positions in rows and columns."""
+class GapMember:
+    """The only member of a gap: a flat face, and a rough face at the measured distance from it."""
 
-    upper: Surface
-    lower: Surface
-    positions: tuple[tuple[int, int], ...]
+    flat: Surface
+    rough: Surface
 
     def member(self, index: int) -> Member:
-        """The maps at one of the positions."""
-        dy, dx = self.lower.spacing
-        rows, columns = self.positions[index]
-        return Member(overlap(self.upper, self.lower, (rows, columns)), columns * dx, rows * dy)
+        """Return the pair of faces."""
+        if index > 0:
+            raise ValueError(f"a gap has one member, got member {index}")
+        return Member((self.flat, self.rough), 0.0, 0.0)
 
     def facts(self) -> Facts:
-        """What the first member is; others may have another size."""
-        piece, both = self.member(0).pair[0], (self.upper, self.lower)
-        assert isinstance(piece, Surface)
+        """Return the facts that all members share."""
+        both = self.flat, self.rough
         return Facts(
-            *both, float(np.prod(piece.extent)), piece.heights.shape, piece.spacing,
-            [piece.heights.size / body.heights.size for body in both], both,
+            *both, float(np.prod(self.rough.extent)), self.rough.heights.shape, self.rough.spacing, [1.0, 1.0], both
         )  # fmt: skip
-
-
-def overlap(upper: Surface, lower: Surface, place: tuple[int, int]) -> tuple[Surface, Surface]:
-    """What of two maps lies above each other when the upper is moved by rows and columns over the lower."""
-    of_upper, of_lower = [], []
-    for size_upper, size_lower, moved in zip(upper.heights.shape, lower.heights.shape, place, strict=True):
-        first, last = max(0, moved), min(size_lower, moved + size_upper)
-        of_lower.append(slice(first, max(first, last)))
-        of_upper.append(slice(first - moved, max(first, last) - moved))
-    one, other = (
-        Surface(body.heights[at], spacing=body.spacing, history=body.history, missing=index_mask(body.missing, at))
-        for body, at in ((upper, tuple(of_upper)), (lower, tuple(of_lower)))
-    )
-    return one, other
 
 
 Measured = MeasuredAreas | MeasuredLines | MeasuredSurrogates

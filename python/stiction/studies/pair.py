@@ -420,6 +420,8 @@ class Pair:
         if press == "areas":
             table |= {"rotate": float(self.options.rotate or 0.0), "surrogates": self._number_of_surrogates(0)}
             table |= {} if self.options.gap is None else {"gap": True}
+        if (positions := self._listed_positions) is not None:
+            table["positions"] = positions
         if press == "lines":
             replaced = "none" if self.options.surrogates is None else str(self.options.surrogates)
             if replaced not in get_args(Surrogates):
@@ -427,7 +429,8 @@ class Pair:
                 raise ArgumentError(
                     f"{{surrogates}} of lines must be one of {allowed}, got {{got}}", got=repr(replaced)
                 )
-            table |= {"along": self.options.along or "x", "replace": replaced, "offsets": self._positions()[1]}
+            table |= {"along": self.options.along or "x", "replace": replaced}
+            table |= {"offsets": self._positions()[1]} if self._listed_positions is None else {}
             if self.options.travel is not None:
                 table["travel"] = self._quantity("travel", self.options.travel)
         return table
@@ -466,26 +469,42 @@ class Pair:
         elif self.press == "surrogates":
             repetitions = self._number_of_surrogates(SURROGATES)
         else:
-            repetitions = (
-                1 if self.options.gap is not None else self.options.shifts or SHIFTS
-            ) + self._number_of_surrogates(0)
-        pairs = (
-            1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
-        )  # each as often
+            shifts = 1 if self.options.gap is not None else self.options.shifts or SHIFTS
+            listed = self._listed_positions
+            repetitions = (shifts if listed is None else len(listed)) + self._number_of_surrogates(0)
+        # Each pair of scans has equally many members.
+        pairs = 1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
+        if self._listed_positions is not None:
+            repetitions *= pairs
         return {
             "repetitions": -(-repetitions // pairs) * pairs,
             "seed": SEED if self.options.seed is None else self.options.seed,
         }
 
+    @cached_property
+    def _listed_positions(self) -> list[Any] | None:
+        """Positions (µm) of the slider on the counterface, (x, y) of maps; None where they follow from a number."""
+        if self.options.positions is None:
+            return None
+        found = self._quantities("positions", self.options.positions)
+        if self.press == "lines":
+            return list(reject_negative("positions", found, self.options.positions))
+        if len(found) % 2:
+            raise ArgumentError("{positions} of maps must be x and y of each, got {got} values", got=str(len(found)))
+        return [list(pair) for pair in zip(found[::2], found[1::2], strict=True)]
+
     def _positions(self) -> tuple[int, int]:
         """How many pairs of lines there are, and how many positions on each."""
         lines, offsets = self.options.lines or DEFAULT_LINES, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
-            return 1, OFFSETS if offsets is None else offsets
+            listed = self._listed_positions
+            return 1, len(listed) if listed is not None else OFFSETS if offsets is None else offsets
         if not self.has_surrogates:
             axis = 1 if self.options.along == "y" else 0
             lines = min(lines, *(scan.heights.shape[axis] for scan in self.bodies if isinstance(scan, Surface)))
-        if (offsets or 1) > 1 and self.options.travel is None:
+        if self._listed_positions is not None:
+            offsets = len(self._listed_positions)
+        elif (offsets or 1) > 1 and self.options.travel is None:
             raise ArgumentError(f"{{offsets}} {offsets} needs a {{travel}} LENGTH, for which the slider is shortened")
         return lines, offsets or 1
 

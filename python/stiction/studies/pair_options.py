@@ -85,6 +85,16 @@ def _read_degrees(value: object) -> float:
         raise ValueError(f"must be a finite number of degrees, got {short_repr(scalar(value))}") from None
 
 
+def _read_positions(value: object) -> object:
+    """Return lengths, or the lengths x and y of each position in a row."""
+    value = scalar(value)
+    items = value.tolist() if isinstance(value, np.ndarray) else value
+    if not isinstance(items, (list, tuple)):
+        return _read_values(items)
+    rows = [item if isinstance(item, (list, tuple)) else (item,) for item in items]
+    return [_read_value(item) for row in rows for item in row]
+
+
 def _read_surrogates(value: object) -> object:
     value = scalar(value)
     if isinstance(value, bool) or not isinstance(value, (str, int)):
@@ -106,6 +116,10 @@ Values: TypeAlias = Annotated[
     str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_read_values)
 ]  # fmt: skip
 """One value or several; a text may have several between commas."""
+Positions: TypeAlias = Annotated[
+    str | float | Sequence[str | float | Sequence[str | float]] | NDArray[np.float64], PlainValidator(_read_positions)
+]  # fmt: skip
+"""Positions along profiles, or positions (x, y) of maps, also as a flat list."""
 Count: TypeAlias = Annotated[int, PlainValidator(_read_count)]
 Seed: TypeAlias = Annotated[int, PlainValidator(_read_number_from_0)]
 Degrees: TypeAlias = Annotated[float, PlainValidator(_read_degrees)]
@@ -258,6 +272,18 @@ def presses_areas(pair: PairFacts) -> bool:
 def moves_areas(pair: PairFacts) -> bool:
     """Return whether the members are areas."""
     return pair.press != "lines"
+
+
+@condition("is for lines, or for the areas of two maps")
+def presses_scans(pair: PairFacts) -> bool:
+    """Return whether lines or areas of the scans are pressed."""
+    return pair.press != "surrogates"
+
+
+@condition("must not be given with {positions}")
+def has_no_positions(pair: PairFacts) -> bool:
+    """Return whether the relative positions are not listed."""
+    return pair.options.positions is None
 
 
 @condition("is for {surrogates}")
@@ -646,21 +672,26 @@ class ContactOptions(Options):
 
 
 class EnsembleOptions(Options):
-    """Options of how many relative positions and surrogates are pressed."""
+    """Options of the relative positions and surrogates."""
 
     title: ClassVar[str] = "Ensemble"
 
     shifts: Annotated[Count | None, Option(
         "N", "Relative positions of two maps.", usual="16", key="ensemble.repetitions",
-        applies=(has_two_bodies, presses_areas), field=FormField(label="positions", keyboard="numeric", example="16"),
+        applies=(has_two_bodies, presses_areas, has_no_positions),
+        field=FormField(label="positions", keyboard="numeric", example="16"),
     )] = None  # fmt: skip
     offsets: Annotated[Count | None, Option(
         "N", "Positions along the lower profile.", usual="64, or 1 for several lines", key="surfaces.offsets",
-        applies=(presses_lines,),
+        applies=(presses_lines, has_no_positions),
     )] = None  # fmt: skip
     travel: Annotated[Value | None, Option(
         "LENGTH", "The largest offset.", kind="length", usual="half the length", key="surfaces.travel",
-        applies=(presses_lines,),
+        applies=(presses_lines, has_no_positions),
+    )] = None  # fmt: skip
+    positions: Annotated[Positions | None, Option(
+        "LENGTHS", 'Positions of the slider on the counterface, "0 um,5 um"; of maps x and y of each.', kind="length",
+        usual="spread evenly", key="surfaces.positions", applies=(has_two_bodies, presses_scans),
     )] = None  # fmt: skip
     surrogates: Annotated[SurrogateChoice | None, Option(
         "N|none|upper|lower|both", "For areas, press this many pairs of random surfaces of equal spectrum as well; "

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from stiction._checks import Floats
 from stiction._files import NotReadableError, describe_os_error, read_content
 from stiction._text import MAX_PATH_LENGTH, printable, printable_path
-from stiction._units import Quantity, exact_quantity, exact_text, quantity, short_repr
+from stiction._units import Quantity, exact_text, quantity, short_repr
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, HALF_SPACE_SUMS, ONSET, SUMS
 from stiction.studies.contact_tables import (
@@ -555,15 +554,3 @@ def study_from_text(text: str, source: str) -> Study:
     except ValueError as error:
         raise StudyError(f"{printable_path(source)}: is not TOML: {printable(error, MAX_PATH_LENGTH)}") from None
     return validated(Study, data, source)
-
-
-def given_study(
-    surfaces: Measured, contact: dict[str, Any], loads: Floats, *, repetitions: int, seed: int = SEED
-) -> Study:
-    """The study of bodies in memory that are pressed to these loads (mN) and no others."""
-    load = [exact_quantity(load, "mN") for load in loads.tolist()]
-    data = {
-        "surfaces": surfaces, "contact": contact | {"load": load}, "friction": {"mu0": [0.0], "load": load[:1]},
-        "ensemble": {"repetitions": repetitions, "seed": seed},
-    }  # fmt: skip
-    return validated(Study, data, "bodies in memory")

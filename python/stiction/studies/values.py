@@ -68,6 +68,7 @@ def _increasing(values: tuple[float, ...]) -> tuple[float, ...]:
 
 as_written = PlainSerializer(written)
 Length = Annotated[Quantity, PlainValidator(read_length), as_written]
+SignedLength = Annotated[Quantity, PlainValidator(lambda text: quantity(text, "length")), as_written]
 LengthOrZero = Annotated[Quantity, PlainValidator(_reader("length", zero=True)), as_written]
 Modulus = Annotated[Quantity, PlainValidator(_reader("pressure")), as_written]
 Strength = Annotated[Quantity, PlainValidator(_reader("pressure", zero=True)), as_written]
@@ -80,7 +81,11 @@ Dimension = Annotated[float, Field(ge=1, lt=2)]
 Coefficient = Annotated[float, Field(ge=0, le=MAX_NUMBER)]
 
 
-def _different(values: tuple[float, ...]) -> tuple[float, ...]:
+_Item = TypeVar("_Item")
+
+
+def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
+    """Return a tuple unchanged; a `ValueError` if two of its elements are equal."""
     if len(set(values)) < len(values):
         raise ValueError("must differ from each other, but two are equal")
     return values
@@ -97,7 +102,10 @@ Loads = Annotated[tuple[Force, ...], *_values]
 Strengths = Annotated[tuple[Strength, ...], *_few_values]
 Coefficients = Annotated[tuple[Coefficient, ...], *_few_values]
 CutOffs = Annotated[
-    tuple[LengthOrZero, ...], as_tuple, Field(min_length=1, max_length=MOST_MATERIALS), AfterValidator(_different)
+    tuple[LengthOrZero, ...],
+    as_tuple,
+    Field(min_length=1, max_length=MOST_MATERIALS),
+    AfterValidator(require_different),
 ]
 _none_or_few = (as_tuple, Field(max_length=MOST_MATERIALS), AfterValidator(_increasing))
 LoadsOfInterest = Annotated[tuple[Force, ...], *_none_or_few]

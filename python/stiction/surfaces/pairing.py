@@ -106,8 +106,8 @@ class LinePairs:
         if left < 0 or 2 * slider < min(points, track) - 1:
             max_travel = (track - min(points, track) // 2) * spacing
             raise ValueError(
-                f"travel must be from 0 to {max_travel:g} µm, which leaves half of the shorter profile as slider, "
-                f"got {self.travel!r}"
+                f"travel, the largest position, must be from 0 to {max_travel:g} µm, which leaves half of the shorter "
+                f"profile as slider, got {self.travel!r}"
             )
         short = above if slider == points else cropped(above, 0.0, slider * spacing)
         return short if self.level is None else levelled(short, self.level)
@@ -150,7 +150,7 @@ def paired_lines(
     surrogates: Surrogates = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Convert two scans to the arguments of `traverse`: flipped sliders and their counterfaces, one pair per line.
+    """Convert two scans to pairs of profiles that `press` takes: flipped sliders and their counterfaces.
 
     Parameters
     ----------
@@ -244,6 +244,7 @@ class MapPairs:
     lower: Surface
     level: SurfaceTrend = "plane"  # trend to subtract from every piece
     seed: int = 2016  # of surrogates
+    shifts: tuple[tuple[float, float], ...] | None = None  # (x, y) of the upper map, µm, instead of a sequence
 
     @cached_property
     def spacing(self) -> tuple[float, float]:
@@ -263,11 +264,32 @@ class MapPairs:
         )
 
     @cached_property
+    def _steps(self) -> tuple[tuple[int, int], ...]:
+        """Shifts of the upper map along y and x in whole rows and columns."""
+        dy, dx = self.spacing
+        return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
+
+    def _overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
+        """Return the first row and column of the overlap on the lower map, and its numbers of rows and columns."""
+        first = tuple(max(0, step) for step in steps)
+        ends = (min(lower, step + upper) for upper, lower, step in zip(*self._points, steps, strict=True))
+        return first, tuple(end - start for end, start in zip(ends, first, strict=True))  # type: ignore[return-value]
+
+    @cached_property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of every piece. Raises ValueError if there are too few."""
-        rows, columns = (
-            (least := min(lengths)) - least // SHIFT_DIVISOR for lengths in zip(*self._points, strict=True)
-        )
+        if self.shifts is not None:
+            sizes = [self._overlap(steps)[1] for steps in self._steps]
+            rows, columns = (min(lengths) for lengths in zip(*sizes, strict=True))
+        else:
+            rows, columns = (
+                (least := min(lengths)) - least // SHIFT_DIVISOR for lengths in zip(*self._points, strict=True)
+            )
+        if self.shifts is not None and min(rows, columns) < MIN_PIECE_POINTS:
+            raise ValueError(
+                f"positions must leave at least {MIN_PIECE_POINTS} rows and columns of both maps above each other, got "
+                f"an overlap of {max(rows, 0)} by {max(columns, 0)} points"
+            )
         if min(rows, columns) < MIN_PIECE_POINTS:
             raise ValueError(
                 f"at least {MIN_PIECE_POINTS} rows and columns must lie above each other, got maps of "
@@ -288,12 +310,19 @@ class MapPairs:
 
     def max_count(self) -> int:
         """Return the number of different relative positions that the shifts can reach."""
+        if self.shifts is not None:
+            return len(self.shifts)
         margins = [max(upper, lower) - size for upper, lower, size in zip(*self._points, self.shape, strict=True)]
         equal_size = self._points[0] == self._points[1]
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
         """Return the first row and column of the upper and of the lower piece, on the finer spacing."""
+        if self.shifts is not None:
+            first, size = self._overlap(self._steps[index])
+            below = tuple(start + (n - m) // 2 for start, n, m in zip(first, size, self.shape, strict=True))
+            above = tuple(start - step for start, step in zip(below, self._steps[index], strict=True))
+            return above, below  # type: ignore[return-value]
         margins = [(upper - size, lower - size) for upper, lower, size in zip(*self._points, self.shape, strict=True)]
         if self._points[0] == self._points[1]:
             along_x, along_y = quasi_random_point(index, 2)

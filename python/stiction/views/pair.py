@@ -26,6 +26,7 @@ from stiction.studies.pair_options import (
     Mechanics,
     PairOptions,
     Part,
+    Positions,
     Seed,
     SurrogateChoice,
     Value,
@@ -78,6 +79,7 @@ def pair(
     shifts: Count | None = None,
     offsets: Count | None = None,
     travel: Value | None = None,
+    positions: Positions | None = None,
     surrogates: SurrogateChoice | None = None,
     seed: Seed | None = None,
     unit: Values | None = None,
@@ -179,6 +181,8 @@ def pair(
         Positions along the lower profile. By default 64, or 1 for several lines.
     travel : str or float, µm, optional
         The largest offset. By default half the length.
+    positions : str or float, or several, µm, optional
+        Positions of the slider on the counterface, "0 um,5 um"; of maps x and y of each. By default spread evenly.
     surrogates : int or str, optional
         For areas, press this many pairs of random surfaces of equal spectrum as well; for lines, the body to replace by
         random ones. By default none.
@@ -290,6 +294,7 @@ def pair(
                 shifts=shifts,
                 offsets=offsets,
                 travel=travel,
+                positions=positions,
                 surrogates=surrogates,
                 seed=seed,
                 unit=unit,

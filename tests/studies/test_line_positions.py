@@ -1,3 +1,5 @@
+"""Profiles at listed positions along each other: the same numbers as pressing each position by itself."""
+
 import numpy as np
 import pytest
 import stiction
@@ -13,12 +15,12 @@ from stiction import (
     nondimensional,
     paired_lines,
     press,
+    run,
     self_affine,
     surrogate,
-    traverse,
-    traverse_mean,
 )
 from stiction.studies import intervals
+from stiction.studies.pair import pair_study
 
 LOADS = [0.003, 0.03]
 FRICTION = {"mu0": 0.3, "tau0": 0.1}
@@ -38,19 +40,39 @@ def pair():
     return cropped(flipped(scan("upper")), 0, 20), scan("lower")
 
 
+STEPS = (0.03, 0.3, 0.6, 0.72, 0.8, 0.87, 0.93, 1.0, 1.07, 1.15, 1.25, 1.4, 1.8, 3.0, 30.0)
+"""Elastic loads over a normal load, close together where friction on slopes adds little."""
+
+
+def study_of(upper, lower, loads, **options):
+    """Return the study of a slider, whose heights are upwards, on a counterface, both unchanged."""
+    unchanged = {"level": "none", "cutoff": "none", "positions": [0.0], "effective_modulus": 10.0}
+    return pair_study(flipped(upper), lower, load=list(loads), **unchanged | options)
+
+
+def run_pair(upper, lower, loads, **options):
+    return run(study_of(upper, lower, loads, **options))
+
+
+def at_positions(result, **arguments):
+    """Return the values of members by the rule of opposing contacts, without dimensions of one element."""
+    at = result.at(per_member=True, **arguments).sel(sliding="opposing").isel(cut_off=0)
+    return at.swap_dims(repetition="x").squeeze(("mu0", "tau0"))
+
+
 @pytest.fixture(scope="module")
 def result(pair):
-    return traverse(*pair, LOADS, offsets=[0.0, 4.0, 10.0], **FRICTION)
+    return run_pair(*pair, LOADS, positions=[0.0, 4.0, 10.0], **FRICTION)
 
 
 @pytest.mark.parametrize("shear", ["+x", "-x"])
 @pytest.mark.parametrize("offset", [0.0, 4.0, 10.0])
-def test_traverse_equals_press_at_each_position(pair, result, shear, offset):
+def test_pair_at_positions_equals_press_at_each(pair, result, shear, offset):
     upper, lower = pair
     beneath = cropped(lower, offset, offset + 20)
     choices = {"detection": "gap-minimum", "shear": shear}
-    elastic = traverse(upper, lower, LOADS, offsets=[offset], load="elastic", **FRICTION)
-    at = elastic.sel(shear=shear, offset=offset, line=0)
+    where = {"x": offset, "direction": 0.0 if shear == "+x" else 180.0}
+    at = at_positions(result).sel(where)
     approaches = approach_at_load(upper, beneath, LOADS, mu0=0.0, **choices)
     curve = press(upper, beneath, approaches, **choices)
     np.testing.assert_allclose(at["approach"], approaches, rtol=EXACT)
@@ -62,13 +84,11 @@ def test_traverse_equals_press_at_each_position(pair, result, shear, offset):
     for index, approach in enumerate(approaches):
         ends = press(upper, beneath, [0.98 * approach, 1.02 * approach], **choices).normal_elastic
         assert float(at["normal_stiffness"][index]) == pytest.approx((ends[1] - ends[0]) / (0.04 * approach))
-    at = result.sel(shear=shear, offset=offset, line=0)
+    at = at_positions(result, reading="normal").sel(where)
     approaches = approach_at_load(upper, beneath, LOADS, **FRICTION, **choices)
     curve = press(upper, beneath, approaches, **choices)
     np.testing.assert_allclose(at["friction_coefficient"], curve.friction_coefficient(**FRICTION), rtol=BETWEEN)
     np.testing.assert_allclose(at["tangential_load"], at["friction_coefficient"] * LOADS, rtol=EXACT)
-    np.testing.assert_allclose(at["approach"], approaches, rtol=BETWEEN)
-    np.testing.assert_allclose(at["contact_area"], curve.contact_area, rtol=BETWEEN)
     assert (at["status"] == "ok").all()
 
 
@@ -76,78 +96,93 @@ def test_traverse_equals_press_at_each_position(pair, result, shear, offset):
 def test_load_jumps_are_interpolated_linearly(rough_pair, load, within, share):
     upper, lower = rough_pair(1.5, repetition=1)
     loads = np.geomspace(1e-4, 3e-3, 12)
-    at = traverse(upper, lower, loads, detection="cell", load=load, **FRICTION).isel(line=0, offset=0)
+    steps = [f"{step} mN" for step in np.unique(np.outer(loads, STEPS))]
+    study = study_of(upper, lower, loads, detection="cell", **FRICTION).with_changes({"contact.load": steps})
+    at = at_positions(run(study), reading=load).isel(x=0)
     carrying = {"mu0": 0.0} if load == "elastic" else FRICTION
     off = []
-    for shear in ("+x", "-x"):
+    for shear, angle in (("+x", 0.0), ("-x", 180.0)):
         approaches = approach_at_load(upper, lower, loads, detection="cell", shear=shear, **carrying)
-        for place in np.flatnonzero(at["status"].sel(shear=shear) == "ok"):
+        for place in np.flatnonzero(at["status"].sel(direction=angle) == "ok"):
             both = approaches[place] * np.array([1 - 1e-10, 1])
             curve = press(upper, lower, both, detection="cell", shear=shear)
             normal, tangential = curve.normal_load(**carrying), curve.tangential_load(**FRICTION)
             if normal[1] > 1.001 * normal[0]:
-                computed = float(at["tangential_load"].sel(shear=shear)[place])
+                computed = float(at["tangential_load"].sel(direction=angle)[place])
                 off.append(abs(computed - np.interp(loads[place], normal, tangential)) / loads[place])
     assert len(off) > 4
     assert np.quantile(off, share) < within
 
 
-def test_traverse_rounds_offset_to_nearest_point(pair):
+def test_positions_are_rounded_to_the_nearest_point(pair):
     upper, lower = pair
     assert 0.29 / 0.01 < 29  # by round-off
-    at = traverse(upper, lower, [0.01], offsets=[0.29], **FRICTION).sel(shear="+x")
+    at = at_positions(run_pair(upper, lower, [0.01], positions=[0.29], **FRICTION)).sel(direction=0.0)
     beneath = Profile(lower.heights[29 : 29 + len(upper)], spacing=0.01)
-    expected = approach_at_load(upper, beneath, 0.01, detection="gap-minimum", shear="+x", **FRICTION)
-    assert float(at["approach"].squeeze()) == pytest.approx(float(expected), rel=BETWEEN)
-    assert float(at["offset"].squeeze()) == pytest.approx(0.29)
+    expected = approach_at_load(upper, beneath, 0.01, detection="gap-minimum", shear="+x", mu0=0.0)
+    assert float(at["approach"].squeeze()) == pytest.approx(float(expected), rel=EXACT)
+    assert float(at["x"].squeeze()) == pytest.approx(0.29)
+
+
+def test_slider_is_shortened_to_reach_the_last_position(pair):
+    _, lower = pair
+    result = run_pair(flipped(lower), lower, [0.01], positions=[1.0, 12.0], **FRICTION)
+    assert result.dataset.attrs["shape"].tolist() == [1800]
+    assert float(result.dataset["nominal_area"]) == pytest.approx(18.0)
 
 
 def test_stiffness_of_two_arcs_equals_hertz(circular_arc):
     upper, lower = (circular_arc(0.5003, 1.0, 1e-3, 1001, side) for side in ("upper", "lower"))
     load = 0.01
-    at = traverse(upper, lower, [load], mu0=0.0).isel(line=0, offset=0, load=0)
+    at = at_positions(run_pair(upper, lower, [load], mu0=0.0)).isel(x=0, load=0)
     overlap = (load / (4 / 3 * 10.0 * np.sqrt(0.5))) ** (2 / 3)
     # dF/dδ = 3/2 F/δ; over 2 % of the approach on both sides it is wrong by 1/24 of their square.
     np.testing.assert_allclose(at["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
 
 
-def test_traverse_result_has_units_names_and_history(result):
-    assert result["contact_area"].attrs["units"] == "um^2"
-    assert result["normal_stiffness"].attrs["units"] == "mN/um"
-    assert result["load"].attrs["units"] == "mN"
-    assert float(result["nominal_area"]) == pytest.approx(20.0)
-    assert (float(result["mu0"]), float(result["tau0"]), float(result["effective_modulus"])) == (0.3, 0.1, 10.0)
-    assert result.attrs["detection"] == "gap-minimum"
-    assert "turned over" in result.attrs["upper"]
-    assert result.attrs["stiction_version"] == stiction.__version__
+def test_values_of_members_have_units_names_and_history(result):
+    at = result.at(per_member=True)
+    assert at["contact_area"].attrs["units"] == "um^2"
+    assert at["normal_stiffness"].attrs["units"] == "mN/um"
+    assert at["load"].attrs["units"] == "mN"
+    assert result.nominal_area == pytest.approx(20.0)
+    assert (float(at["mu0"][0]), float(at["tau0"][0]), float(at["effective_modulus"])) == (0.3, 0.1, 10.0)
+    assert result.study.contact.detection == "gap-minimum"
+    assert "turned over" in at.attrs["upper"]
+    assert at.attrs["stiction_version"] == stiction.__version__
 
 
-def test_nondimensional_traverse_is_invariant_under_scaling(pair):
+def test_nondimensional_values_are_invariant_under_scaling(pair):
+    def scaled(bodies, loads, length, **options):
+        at = run_pair(*bodies, loads, detection="gap-minimum", mu0=0.3, **options).at(per_member=True)
+        names = [name for name in at.data_vars if at[name].attrs.get("units") in ("1", "mN", "um", "um^2", "GPa")]
+        return nondimensional(at[names], length=length)
+
     larger = [Profile(3 * item.heights, spacing=3 * item.spacing) for item in pair]
-    one = nondimensional(traverse(*pair, [0.01], offsets=[0.0, 5.0], **FRICTION), length=1.0)
-    other = traverse(
-        *larger, [0.01 * 9 * 2], offsets=[0.0, 15.0], mu0=0.3, tau0=0.2, effective_modulus=20.0
-    )  # fmt: skip
-    other = nondimensional(other, length=3.0)
+    one = scaled(pair, [0.01], 1.0, positions=[0.0, 5.0], tau0=0.1)
+    other = scaled(larger, [0.01 * 9 * 2], 3.0, positions=[0.0, 15.0], tau0=0.2, effective_modulus=20.0)
     assert set(one.variables) == set(other.variables)
+    assert {"friction_coefficient", "normal_load", "contact_area", "approach"} <= set(one.data_vars)
     for name in one.variables:
-        if one[name].dtype.kind == "f" and name != "nominal_area":  # of the same thickness
+        if one[name].dtype.kind == "f" and name not in ("nominal_area", "contact_area_fraction", "nominal_pressure"):
             np.testing.assert_allclose(other[name], one[name], rtol=1e-6, atol=1e-12, err_msg=name)
-            assert one[name].attrs["units"] == "1"
-    assert one["load"].attrs["long_name"] == "normal load / (E* L²)"
+            assert one[name].attrs["units"] in ("1", "degree")
+    assert one["load"].attrs["long_name"].endswith("/ (E* L²)")
 
 
 def test_nondimensional_requires_modulus_and_known_units(result):
+    at = result.at(per_member=True)[["contact_area"]]
     with pytest.raises(ValueError, match="length must be given"):
-        nondimensional(result)
+        nondimensional(at)
     with pytest.raises(ValueError, match=r"length must be .* above 0"):
-        nondimensional(result, length=-1.0)
+        nondimensional(at, length=-1.0)
+    without = at.drop_attrs(deep=False).drop_vars("effective_modulus")
     with pytest.raises(ValueError, match="effective_modulus must be given"):
-        nondimensional(result.drop_vars("effective_modulus"), length=1.0)
-    result = result.copy()
-    result["contact_area"].attrs["units"] = "acre"
+        nondimensional(without, length=1.0)
+    at = at.copy()
+    at["contact_area"].attrs["units"] = "acre"
     with pytest.raises(ValueError, match="contact_area has the unit 'acre'"):
-        nondimensional(result, length=1.0)
+        nondimensional(at, length=1.0)
 
 
 # ---- Statuses and means ----------------------------------------------------------------------------------------------
@@ -156,53 +191,43 @@ def test_nondimensional_requires_modulus_and_known_units(result):
 def test_positions_without_result_have_status_and_are_left_out_of_mean():
     x = np.arange(2001) * 0.01 - 10.0
     flat, ball = Profile(np.zeros(2001), spacing=0.01), Profile(-0.05 * x**2, spacing=0.01)
-    reached = traverse(flat, ball, [1e-3, 1e9], mu0=0.3)
-    assert reached["status"].values[0, 0, 0].tolist() == ["ok", "not-reached"]
-    nothing = traverse(flat, flat, [1.0], mu0=0.3)
-    assert (nothing["status"] == "no-contact").all()
+    reached = run_pair(flat, ball, [1e-3, 1e9], mu0=0.3)
+    assert at_positions(reached)["status"].isel(x=0, direction=0).values.tolist() == ["ok", "not-reached"]
+    nothing = run_pair(flat, flat, [1.0], mu0=0.3)
+    assert (nothing.at(per_member=True)["status"] == "no-contact").all()
     # Two bows on a slope of 3, up which the upper body is pushed, or down.
     upper, lower = (Profile(3 * x + bow * x**2, spacing=0.01) for bow in (0.05, -0.05))
     for mu0, status in ((0.3, "ok"), (0.34, "self-locked")):  # mu0 tan θ = 1 at 1/3
-        assert traverse(upper, lower, [1e-3], mu0=mu0)["status"].values.ravel().tolist() == [status, "ok"]
-    grazed = Profile(-0.05 * (x - 0.005) ** 2, spacing=0.01)
-    at_once = traverse(flat, grazed, [1e-12], mu0=0.3)
-    assert (at_once["status"] == "below-range").all()
-    assert np.isnan(at_once["approach"]).all()
-    mean = traverse_mean(reached)
-    assert mean["ok"].sel(shear="+x").values.tolist() == [1, 0]
-    assert np.isnan(mean["friction_coefficient"].sel(shear="+x").values[1]).all()
-    values = mean["contact_area"].sel(shear="+x").values[0]
+        at = at_positions(run_pair(upper, lower, [1e-3], mu0=mu0))
+        assert at["status"].isel(x=0).values.ravel().tolist() == [status, "ok"]
+    grazed = run_pair(flat, Profile(-0.05 * (x - 0.005) ** 2, spacing=0.01), [1e-12], mu0=0.3)
+    at = grazed.at(per_member=True)
+    assert (at["status"] == "below-range").all()
+    assert at["approach"].isnull().all()
+    mean = reached.at().sel(sliding="opposing", direction=0.0).isel(cut_off=0, mu0=0, tau0=0)
+    assert mean["ok"].values.tolist() == [1, 0]
+    assert mean["friction_coefficient"][1].isnull().all()
+    values = mean["contact_area"][0]
     assert np.isfinite(values[0])
-    assert np.isnan(values[1:]).all()  # one position has no interval
+    assert values[1:].isnull().all()  # one position has no interval
 
 
 def test_several_materials_equal_single_materials(pair):
-    both = traverse(*pair, LOADS, mu0=[0.3, 0.5], tau0=[0.0, 0.1], offsets=np.arange(9.0))
-    assert both["friction_coefficient"].dims == ("shear", "line", "offset", "load", "mu0", "tau0")
-    mean = traverse_mean(both)
-    for m, mu0 in enumerate([0.3, 0.5]):
-        for t, tau0 in enumerate([0.0, 0.1]):
-            alone = traverse(*pair, LOADS, mu0=mu0, tau0=tau0, offsets=np.arange(9.0))
-            assert both.isel(mu0=m, tau0=t).identical(alone)
-            assert mean.isel(mu0=m, tau0=t).equals(traverse_mean(alone))
-    several = traverse(*pair, LOADS, mu0=[0.3], offsets=[0.0])
-    assert dict(several.sizes) == {"shear": 2, "line": 1, "offset": 1, "load": 2, "mu0": 1}
+    both = run_pair(*pair, LOADS, mu0=[0.3, 0.5], tau0=[0.0, 0.1], positions=np.arange(9.0))
+    values, mean = both.at(per_member=True), both.at()
+    for mu0 in (0.3, 0.5):
+        for tau0 in (0.0, 0.1):
+            alone = both.at(mu0=mu0, tau0=tau0, per_member=True)
+            assert values.sel(mu0=[mu0], tau0=[tau0]).identical(alone)
+            selected = mean.sel(mu0=mu0, tau0=tau0)["friction_coefficient"]
+            np.testing.assert_array_equal(selected, both.at(mu0=mu0, tau0=tau0)["friction_coefficient"][..., 0, 0, :])
 
 
-def test_traverse_mean_accounts_for_correlated_positions(pair):
-    upper, lower = pair
-    one = traverse([upper] * 8, [lower] * 8, [0.01], offsets=[0.0, 2.0, 4.0, 6.0], **FRICTION)
-    lines = np.array([10.0, 11.0, 13.0, 9.0, 12.0, 14.0, 8.0, 10.5])
-    one["contact_area"] = (one["contact_area"].dims, lines[:, np.newaxis, np.newaxis] + np.zeros((2, 8, 4, 1)))
-    area = traverse_mean(one)["contact_area"].values
-    np.testing.assert_allclose(area[0, 0], intervals.neighbors_mean(lines))
-    # Fewer answers of a line weigh less.
-    one["status"][:, 7, 1:] = "not-reached"
-    mean, low, high = traverse_mean(one)["contact_area"].values[0, 0]
-    assert mean == pytest.approx((4 * lines[:7].sum() + lines[7]) / 29)
-    assert low < mean < high
-    one["status"][:, 1:] = "not-reached"
-    assert traverse_mean(one)["contact_area"].values[0, 0, 0] == 10.0
+def test_mean_accounts_for_correlated_positions(pair):
+    at = run_pair(*pair, [0.01], positions=np.arange(10.0), **FRICTION)
+    values = at_positions(at)["friction_coefficient"].isel(load=0).sel(direction=0.0).values
+    mean = at.at()["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", direction=0.0)
+    np.testing.assert_allclose(mean, intervals.neighbors_mean(values))
 
 
 # ---- From scans to pairs ---------------------------------------------------------------------------------------------
@@ -291,29 +316,30 @@ def test_surrogates_replace_the_selected_surface():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"offsets": [1.0, 0.0]}, "offsets must be numbers .* that rise"),
-        ({"offsets": [0.0, 0.001]}, "at least a spacing apart"),
-        ({"offsets": [11.0]}, "slider must be over the lower profile"),
-        ({"loads": [0.0]}, "loads must be"),
-        ({"mu0": -1.0}, "mu0 must not be negative"),
-        ({"shear": "+x"}, "shear must not be given"),
-        ({"direction": "-x"}, "direction must not be given"),
-        ({"upper": [1, 2]}, "upper must be a Profile or a list"),
+        ({"positions": [1.0, 1.0]}, "positions must differ"),
+        ({"positions": [-1.0]}, "positions must be at least 0"),
+        ({"positions": [26.0]}, "leaves half of the shorter profile as slider"),
+        ({"positions": ["2 mN"]}, "positions has the unit 'mN'"),
+        ({"positions": [0.0], "offsets": 3}, "offsets must not be given with positions"),
+        ({"positions": [0.0], "travel": "1 um"}, "travel must not be given with positions"),
+        ({"load": [0.0]}, "load must be"),
+        ({"mu0": -1.0}, "mu0 must be at least 0"),
+        ({"direction": [0]}, "direction is for areas"),
     ],
 )
-def test_traverse_rejects_bad_arguments(pair, arguments, words):
+def test_pair_rejects_bad_positions_of_profiles(pair, arguments, words):
     upper, lower = pair
-    options = {"upper": upper, "lower": lower, "loads": [0.01], "mu0": 0.3} | arguments
+    options = {"load": [0.01], "mu0": 0.3, "effective_modulus": 10.0, "positions": [0.0]} | arguments
     with pytest.raises(ValueError, match=words):
-        traverse(options.pop("upper"), options.pop("lower"), options.pop("loads"), **options)
+        stiction.pair(Profile(upper.heights, spacing=0.01), lower, **options)
 
 
-def test_traverse_rejects_lists_of_different_lengths(pair):
-    upper, lower = pair
-    with pytest.raises(ValueError, match="as many profiles, got 2 and 1"):
-        traverse([upper, upper], lower, [0.01], mu0=0.3)
-    with pytest.raises(ValueError, match="same grid"):
-        traverse([upper, cropped(upper, 0, 10)], [lower, lower], [0.01], mu0=0.3)
+def test_study_rejects_members_beyond_its_positions(pair):
+    study = study_of(*pair, [0.01], mu0=0.3, positions=[0.0, 1.0])
+    with pytest.raises(ValueError, match="positions has 2 positions, and member 2 is beyond them"):
+        run(study.with_changes({"ensemble.repetitions": 3}))
+    with pytest.raises(ValueError, match="must not be given with offsets or travel"):
+        study.with_changes({"surfaces.travel": "1 um"})
 
 
 @pytest.mark.parametrize(
@@ -333,20 +359,18 @@ def two_rough_profiles():
     )
 
 
-@pytest.mark.parametrize("sliding", ["opposing", "all"])
-def test_opposing_load_fraction_equals_that_of_contacts(sliding):
+def test_opposing_load_fraction_equals_that_of_contacts():
     upper, lower = two_rough_profiles()
     slider = cropped(upper, 0, 15)
-    result = traverse(slider, lower, [0.3], mu0=0.3, offsets=[1.0], sliding=sliding, load="elastic")
-    assert result.attrs["sliding"] == sliding
-    for shear in ("+x", "-x"):
-        at = result.sel(shear=shear, line=0, offset=1.0, load=0.3)
+    result = at_positions(run_pair(slider, lower, [0.3], mu0=0.3, positions=[1.0])).isel(x=0, load=0)
+    for shear, angle in (("+x", 0.0), ("-x", 180.0)):
+        at = result.sel(direction=angle)
         computed = contacts(slider, cropped(lower, 1, 16), float(at["approach"]), detection="gap-minimum", shear=shear)
         load = computed.force * computed.normal[:, 2]
         share = load[computed.opposing].sum() / load.sum()
         assert 0.05 < share < 0.95
         assert np.isclose(float(at["share_opposing"]), share, rtol=1e-6)
-    np.testing.assert_allclose(result["share_opposing"].sum("shear"), 1.0, atol=0.02)  # but for what friction adds
+    assert float(result["share_opposing"].sum()) == pytest.approx(1.0, abs=0.02)  # but for squares of slopes
 
 
 # ---- Half-planes -----------------------------------------------------------------------------------------------------
@@ -360,41 +384,37 @@ def small_pair():
 
 
 @pytest.mark.parametrize("sliding", ["opposing", "all"])
-def test_traverse_of_half_planes_equals_half_space(small_pair, sliding):
+def test_pair_of_half_planes_at_positions_equals_half_space(small_pair, sliding):
     upper, lower = small_pair
-    arguments = {"compliance_share": 0.3, "effective_modulus": 8.0, "sliding": sliding}
-    result = traverse(upper, lower, LOADS, offsets=[0.0, 2.5], mechanics="half-space", **FRICTION, **arguments)
-    assert (result["status"] == "ok").all()
+    model = {"mechanics": "half-space", "effective_modulus": 8.0}
+    result = run_pair(upper, lower, LOADS, positions=[0.0, 2.5], **FRICTION, **model)
+    arguments = {"effective_modulus": 8.0, "sliding": sliding}
+    values = result.at(per_member=True).sel(sliding=sliding).isel(cut_off=0, mu0=0, tau0=0).swap_dims(repetition="x")
+    assert (values["status"] == "ok").all()
     for offset in (0.0, 2.5):
-        for shear in ("+x", "-x"):
-            at = result.sel(shear=shear, offset=offset, line=0)
-            curve = half_space(upper, cropped(lower, offset, offset + 2), LOADS, direction=shear, **arguments)
-            np.testing.assert_allclose(at["tangential_load"], curve.tangential_load(**FRICTION), rtol=SAME)
-            np.testing.assert_allclose(at["friction_coefficient"], curve.friction_coefficient(**FRICTION), rtol=SAME)
-            np.testing.assert_allclose(at["contact_area"], curve.contact_area, rtol=SAME)
-            np.testing.assert_array_equal(at["contact_count"], curve.contact_count)
-    both = result["share_opposing"].sum("shear").values
+        for shear, angle in (("+x", 0.0), ("-x", 180.0)):
+            at = values.sel(x=offset, direction=angle)
+            steps = [float(load) for load in result.study.contact.load]
+            curve = half_space(upper, cropped(lower, offset, offset + 2), steps, direction=shear, **arguments)
+            asked = [steps.index(load) for load in LOADS]
+            np.testing.assert_allclose(at["tangential_load"], curve.tangential_load(**FRICTION)[asked], rtol=SAME)
+            coefficient = curve.friction_coefficient(**FRICTION)[asked]
+            np.testing.assert_allclose(at["friction_coefficient"], coefficient, rtol=SAME)
+            np.testing.assert_allclose(at["contact_area"], curve.contact_area[asked], rtol=SAME)
+            np.testing.assert_array_equal(at["contact_count"], curve.contact_count[asked])
+    both = values["share_opposing"].sum("direction").values
     np.testing.assert_allclose(both, 1, atol=0.02)  # every patch opposes one of the two, but for squares of slopes
-    for name in ("approach", "normal_stiffness", "relative_overlap", "share_below_grid"):
-        assert np.isnan(result[name]).all()
-    assert result.attrs["mechanics"] == "half-space"
-    assert "law" not in result.attrs
+    for name in ("approach", "normal_stiffness"):
+        assert values[name].isnull().all()
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         ({"mechanics": "half-plane"}, "mechanics must be"),
-        ({"mechanics": "half-space", "law": "hertz-cylinder"}, "law must not be given for half-planes"),
-        ({"mechanics": "half-space", "compliance_share": 1.5}, "compliance_share must be from 0 to 1, got 1.5"),
+        ({"mechanics": "half-space", "law": "hertz-cylinder"}, "law is for mechanics asperities"),
     ],
 )
-def test_traverse_of_half_planes_rejects_asperity_options(small_pair, arguments, words):
+def test_pair_of_half_planes_rejects_asperity_options(small_pair, arguments, words):
     with pytest.raises(ValueError, match=words):
-        traverse(*small_pair, LOADS, **FRICTION, **arguments)
-
-
-def test_traverse_rejects_half_space_for_surfaces():
-    flat = Surface(np.zeros((20, 20)), spacing=0.1)
-    with pytest.raises(ValueError, match="mechanics of surfaces must be 'asperities', got 'half-space'"):
-        traverse(flat, flat, LOADS, mechanics="half-space", **FRICTION)
+        pair_study(*small_pair, load=LOADS, effective_modulus=10.0, **FRICTION, **arguments)
