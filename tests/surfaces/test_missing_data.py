@@ -137,6 +137,17 @@ def test_find_outliers_detects_groups_and_edge_points(shape):
     assert np.array_equal(find_outliers(heights), spikes)
 
 
+@pytest.mark.parametrize(("size", "is_outlier"), [(4, True), (5, False)])
+def test_find_outliers_detects_groups_of_at_most_four_points(size, is_outlier):
+    heights = filtered_noise(np.random.default_rng(1), (96, 96), 0.8)
+    group = np.zeros(heights.shape, bool)
+    group[[40, 41, 40, 41, 42][:size], [50, 51, 52, 53, 52][:size]] = True
+    signs = np.where(np.arange(size) % 2 == 0, 1.0, -1.0)
+    heights[group] += 100 * signs * float(np.abs(np.diff(heights)).mean())
+    assert find_outliers(heights)[group].all() == is_outlier
+    assert find_outliers(heights)[group].any() == is_outlier
+
+
 @pytest.mark.parametrize("kind", CLEAN)
 def test_find_outliers_has_few_false_positives(kind):
     result = sum(int(find_outliers(CLEAN[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
