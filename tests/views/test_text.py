@@ -155,6 +155,16 @@ def test_overview_has_a_row_for_each_cell_and_marks_invalid_values():
     assert "* outside the model" in text
 
 
+def test_overview_counts_caveats_beyond_its_lines():
+    at = generated(dimensions=(1.1, 1.2), contact_count=3.0)
+    at["share_beyond_hertz"].loc[{"fractal_dimension": 1.2}] = 0.6
+    summary = summarize(at, generated_study())
+    text, short = overview_text(summary), overview_text(summary, 1)
+    assert " more: see" not in text
+    assert short.splitlines()[-1].endswith(" more: see the report or --json")
+    assert len(short.splitlines()) < len(text.splitlines())
+
+
 def test_quantities_of_several_cells_name_the_cell_that_they_are_of():
     for dimensions, words in (((1.1, 1.2), "D = 1.1, mean [95 %]"), ((1.1,), "mean [95 %]")):
         text = result_text(summarize(generated(dimensions=dimensions), generated_study()))

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 
-MAX_CAVEAT_LINES = 5  # printed by `pair`, so that the values and the assessment fit on a terminal of 24 lines
+MAX_CAVEAT_LINES = 5  # printed by `pair` and `run`, so that the values and the assessment fit on a terminal of 24 lines
 
 
 def open_with_warning(directory: Path) -> Result:
@@ -61,7 +61,7 @@ def print_values(
     if not as_json:
         max_lines = MAX_CAVEAT_LINES if command == "pair" else None
         answer = text.answer_text(summary, verbose=verbose, most=max_lines) if study.is_measured else ""
-        print_output(answer or text.overview_text(summary))
+        print_output(answer or text.overview_text(summary, MAX_CAVEAT_LINES))
 
     def print_remainder() -> None:
         complete_summary = result.summary()  # with the studies that were computed in the meantime

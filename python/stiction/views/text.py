@@ -525,10 +525,10 @@ def first_text(summary: Summary) -> str:
 # ---- Overview --------------------------------------------------------------------------------------------------------
 
 
-def overview_text(summary: Summary) -> str:
+def overview_text(summary: Summary, most: int | None = None) -> str:
     """Tables of mu_s of generated surfaces, one for each sliding rule and amplitude: a row for each cell of the study.
 
-    Columns are loads; mu0 and tau0 are columns too where the study has several. Caveats follow.
+    Columns are loads; mu0 and tau0 are columns too where the study has several. Caveats follow, in `most` lines.
     """
     at, study, found = summary.at, summary.study, summary.headlines
     chosen = at if _num_rows(at) <= MAX_OVERVIEW_ROWS else _ends_and_middle(at)
@@ -555,7 +555,7 @@ def overview_text(summary: Summary) -> str:
         tables.append(fitted(note))
     if left_out := _left_out(at, whole, study):
         tables.append(fitted(left_out))
-    return "\n".join(tables) + f"\n\n{doubts_text(found)}"
+    return "\n".join(tables) + f"\n\n{doubts_text(found, most)}"
 
 
 MAX_OVERVIEW_ROWS = 40  # rows of an overview, of all mu0, tau0 and cells, above which it shows a few mu0 and tau0
