@@ -17,6 +17,7 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     Parameters
     ----------
     body : Profile or Surface
+        Body to filter.
     wavelength : float, µm
         Cutoff wavelength, at which half of the amplitude is transmitted. From two points (of the finer spacing) to a
         third of the shortest side.
@@ -25,13 +26,23 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
 
     Returns
     -------
-    Profile or Surface
+    smooth : Profile or Surface
         The filtered body on the same grid, with the step added to its history.
+
+    Raises
+    ------
+    ValueError
+        If the wavelength is outside its range.
+
+    See Also
+    --------
+    filtered : L-filters and robust filters.
+    instrument_limit : Shortest wavelength of a scan that can be trusted.
 
     Notes
     -----
-    Same as the S-filter of `filtered`: it transmits the fraction :math:`\exp[-\ln 2\,(λ_c/λ)^2]` of the amplitude at
-    wavelength λ.
+    This is the S-filter of `filtered` (ISO 16610-21 and ISO 16610-61). At wavelength λ it transmits the fraction
+    :math:`\exp[-\ln 2\,(λ_c/λ)^2]` of the amplitude.
 
     Examples
     --------

@@ -45,17 +45,22 @@ def filtered(
     robust : bool
         Estimate the mean line with Tukey's biweight, which limits the influence of deep valleys, scratches and spikes.
     periodic : bool
-        Whether the body is periodic. Not available with `robust`.
+        Whether the body is periodic. Must be False if `robust` is True.
 
     Returns
     -------
-    Profile or Surface
+    result : Profile or Surface
         The filtered body on the same grid, with the step added to its history.
 
     Raises
     ------
     ValueError
         If the cutoff is outside its range, or the robust iteration does not converge.
+
+    See Also
+    --------
+    cut_off : S-filter with a shorter call.
+    levelled : Removal of tilt and form.
 
     Notes
     -----

@@ -22,24 +22,36 @@ SIDE_KEY = {"lower": 0, "upper": 1}
 def random_phases(
     seed: int, *, repetition: int = 0, side: Side = "lower", directions: int = 40, frequencies: int = 40
 ) -> Floats:
-    """Return independent random phases of one surface, uniform on [0, 2π).
-
-    The phases depend only on (seed, repetition, side). They are the upper 53 bits of the 64-bit
-    words of ``PCG64(SeedSequence([seed, repetition, side]))`` times 2π/2^53, in row-major order, with side 0 for the
-    lower and 1 for the upper body. NumPy guarantees these words across versions, unlike the streams of its
-    ``Generator``.
+    """Return the random phases of one Weierstrass-Mandelbrot surface.
 
     Parameters
     ----------
     seed, repetition : int
-        At least 0.
+        Numbers, at least 0, that select the surface.
     side : {"lower", "upper"}
+        Body of the pair.
     directions, frequencies : int
-        M and n_max of Eq. 1, at least 1.
+        Shape of the array: M and n_max of Eq. 1, at least 1.
 
     Returns
     -------
-    (directions, frequencies) ndarray of float, rad
+    phases : (directions, frequencies) ndarray of float, rad
+        Independent random numbers, uniform on [0, 2π).
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    See Also
+    --------
+    weierstrass_mandelbrot : Profile with these phases.
+
+    Notes
+    -----
+    The phases depend only on (seed, repetition, side). They are the upper 53 bits of the 64-bit words of
+    ``PCG64(SeedSequence([seed, repetition, side]))`` times 2π/2^53, in row-major order, with side 0 for the lower and 1
+    for the upper body. NumPy guarantees these words across versions, unlike the streams of its ``Generator``.
 
     Examples
     --------
@@ -78,42 +90,43 @@ def weierstrass_mandelbrot_family(
     convention: Convention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Floats:
-    r"""Compute heights of Eq. 1 for one set of phases and several fractal dimensions, unscaled, with y(0) = 0.
+    r"""Compute the heights of Weierstrass-Mandelbrot profiles with several fractal dimensions and the same phases.
 
     Parameters
     ----------
     phases : (directions, frequencies) array_like of float, rad
+        Phases φ, such as those of `random_phases`; the shape is (M, n_max).
     fractal_dimensions : (k,) array_like of float
-        Each at least 1 and below 2.
+        D of every profile, at least 1 and below 2.
     length_scale : float, µm
         L, the longest wavelength.
     gamma : float
-        Ratio of successive frequencies, above 1.
+        γ, ratio of successive frequencies, above 1.
     extent : float, µm
-        Length of the profile; point j lies at j extent / points.
+        Length of the profiles; point j lies at j extent / points.
     points : int
-        At least 4.
-    convention : {"paper", "classical"}
-        Definition of the fractal dimension D: the Hurst exponent is 4 - 2D ("paper") or 2 - D ("classical").
-    band_limit : {None, "nyquist"}
-        None keeps the harmonics above the grid's Nyquist frequency, as the paper does; they are aliased.
-        "nyquist" drops them.
+        Number of points, at least 4.
+    convention, band_limit
+        As for `weierstrass_mandelbrot`.
 
     Returns
     -------
-    (k, points) ndarray of float, µm
+    heights : (k, points) ndarray of float, µm
+        Unscaled heights with y(0) = 0, one row per fractal dimension.
 
     Raises
     ------
     ValueError
         If an argument is outside its range, or the phases of the highest frequencies cannot be resolved.
 
+    See Also
+    --------
+    weierstrass_mandelbrot : Single profile, with the equation.
+
     Notes
     -----
-    .. math:: y(x) = L^H \ln γ \sum_{m,n} γ^{-(n-1)H}
-              \left\{\cos φ_{mn} - \cos\left[\frac{2πγ^{n-1}x}{L} \cos\frac{πm}{M} + φ_{mn}\right]\right\}
-
-    Hanaor, Gan & Einav, Tribology International 93 (2016) 229, Eq. 1.
+    The rows have the phases in common, so they differ by the fractal dimension alone. Hanaor, Gan & Einav, Tribology
+    International 93 (2016) 229, Eq. 1.
 
     Examples
     --------
@@ -170,7 +183,49 @@ def weierstrass_mandelbrot(
     convention: Convention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Profile:
-    """Generate a profile of Eq. 1, unscaled. The arguments are those of `weierstrass_mandelbrot_family`.
+    r"""Generate a Weierstrass-Mandelbrot profile (Eq. 1 of the paper).
+
+    Parameters
+    ----------
+    phases : (directions, frequencies) array_like of float, rad
+        Phases φ, such as those of `random_phases`; the shape is (M, n_max).
+    fractal_dimension : float
+        D, at least 1 and below 2.
+    length_scale : float, µm
+        L, the longest wavelength.
+    gamma : float
+        γ, ratio of successive frequencies, above 1.
+    extent : float, µm
+        Length of the profile; point j lies at j extent / points.
+    points : int
+        Number of points, at least 4.
+    convention : {"paper", "classical"}
+        Definition of the fractal dimension D: the Hurst exponent is 4 - 2D ("paper") or 2 - D ("classical").
+    band_limit : {None, "nyquist"}
+        None keeps the harmonics above the grid's Nyquist frequency, as the paper does; they are aliased.
+        "nyquist" drops them.
+
+    Returns
+    -------
+    profile : Profile
+        Unscaled heights (µm) with y(0) = 0; see `Profile.with_amplitude`.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or the phases of the highest frequencies cannot be resolved.
+
+    See Also
+    --------
+    weierstrass_mandelbrot_family : Heights for several fractal dimensions.
+    weierstrass_mandelbrot_surface : Equation 1 over an area.
+
+    Notes
+    -----
+    .. math:: y(x) = L^H \ln γ \sum_{m,n} γ^{-(n-1)H}
+              \left\{\cos φ_{mn} - \cos\left[\frac{2πγ^{n-1}x}{L} \cos\frac{πm}{M} + φ_{mn}\right]\right\}
+
+    Hanaor, Gan & Einav, Tribology International 93 (2016) 229, Eq. 1.
 
     Examples
     --------
@@ -197,29 +252,42 @@ def weierstrass_mandelbrot_surface(
     convention: Convention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Surface:
-    r"""Surface of Eq. 1 over an area, unscaled, y(0, 0) = 0.
+    r"""Generate a Weierstrass-Mandelbrot surface (Eq. 1 of the paper over an area).
 
-    Without a band limit its first row is the profile of the same phases.
+    Without a band limit, the first row is the profile with the same phases.
 
     Parameters
     ----------
     phases : (directions, frequencies) array_like of float, rad
+        Phases φ, such as those of `random_phases`; the shape is (M, n_max).
     fractal_dimension : float
-        That of the profiles, at least 1 and below 2; see `weierstrass_mandelbrot_family` for this and what follows.
+        D of the profiles, at least 1 and below 2.
     shape : (int, int)
         Rows (along y) and columns (along x).
     extent : float or (float, float), µm
         Lengths along y and x; one number for both. Rows are extent_y / rows apart, columns extent_x / columns.
     length_scale : float, µm
+        L, the longest wavelength.
     gamma : float
+        γ, ratio of successive frequencies, above 1.
     convention : {"paper", "classical"}
+        As for `weierstrass_mandelbrot`.
     band_limit : {None, "nyquist"}
-        "nyquist" drops the harmonics above the Nyquist frequency of either axis.
+        As for `weierstrass_mandelbrot`; "nyquist" drops the harmonics above the Nyquist frequency of either axis.
+
+    Returns
+    -------
+    surface : Surface
+        Unscaled heights (µm) with y(0, 0) = 0; see `Surface.with_amplitude`.
 
     Raises
     ------
     ValueError
         If an argument is outside its range, or the phases of the highest frequencies cannot be resolved.
+
+    See Also
+    --------
+    weierstrass_mandelbrot : Profile, with the equation.
 
     Notes
     -----
@@ -260,20 +328,41 @@ def weierstrass_mandelbrot_moments(
     convention: Convention = "paper",
     shortest_wavelength: float = 0.0,
 ) -> ProfileMoments:
-    """Compute the exact spectral moments of Eq. 1: the sum of a² k^(2j) / 2 over the harmonics, j = 0, 1, 2.
+    """Compute the exact spectral moments of Weierstrass-Mandelbrot profiles.
 
     Parameters
     ----------
     fractal_dimension : float
-        At least 1 and below 2.
+        D, at least 1 and below 2.
     directions, frequencies : int
-        M and n_max.
+        M and n_max, at least 1.
     length_scale : float, µm
+        L, the longest wavelength.
     gamma : float
+        γ, ratio of successive frequencies, above 1.
     convention : {"paper", "classical"}
+        As for `weierstrass_mandelbrot`.
     shortest_wavelength : float, µm
         Harmonics shorter than this are excluded: use twice the spacing for ``band_limit="nyquist"``, 0 to include all.
         Aliasing on a grid is not considered.
+
+    Returns
+    -------
+    moments : ProfileMoments
+        Variances of height (µm²), slope and curvature (1/µm²) along x.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    See Also
+    --------
+    spectral_moments : Moments of a given profile.
+
+    Notes
+    -----
+    With amplitudes a and wave numbers k of the harmonics, the moments are Σ a² k^(2j) / 2 for j = 0, 1, 2.
 
     Examples
     --------

@@ -171,22 +171,34 @@ def estimate_hurst_exponent(
     spacing: Any = None,
     unit: str = "um",
 ) -> HurstEstimate:
-    r"""Estimate the Hurst exponent of a profile or a surface from its spectrum by maximum likelihood.
+    r"""Estimate the Hurst exponent of a profile or a surface by maximum likelihood.
 
     Parameters
     ----------
     body : Profile, Surface or array_like
-        Heights in an array need their `spacing` (µm, or text such as "39 nm"), and have the `unit`.
-        The least-squares line or plane is subtracted unless the body is periodic.
+        Heights. The least-squares line or plane is subtracted unless the body is periodic.
     band : (float, float), µm, optional
         Shortest and longest wavelength to fit. By default the widest self-affine band of the spectrum; see Notes.
     periodic : bool
-        As in `power_spectrum`.
+        As for `power_spectrum`.
+    spacing : float (µm) or str, or a pair (y, x) of either
+        Distance between the points of an array, such as 0.5 or "39 nm"; required for arrays.
+    unit : str
+        Unit of the heights of an array.
+
+    Returns
+    -------
+    estimate : HurstEstimate
+        Exponent with its 95 % interval, and the fitted band (µm).
 
     Raises
     ------
     ValueError
         If the body is flat, if the band has too few harmonics, or if no self-affine band is found.
+
+    See Also
+    --------
+    line_roughness : Exponents of the lines of a surface.
 
     Notes
     -----

@@ -189,17 +189,27 @@ def joined_spectrum(
     per_decade : int
         Number of wave number bins per decade.
 
+    Returns
+    -------
+    joined : JoinedSpectrum
+        Spectrum C2D (µm⁴) over the wave number (1/µm), with the band and the contribution of every scan.
+
     Raises
     ------
     ValueError
         If there is no scan, if a scan is flat or has no reliable band, or if an option has the wrong length.
 
+    See Also
+    --------
+    surface_spectrum : Spectrum of a single map.
+    write_spectrum : Storage in a file.
+
     Notes
     -----
     The band of a scan extends from its limit by pixels, noise or tip (see `instrument_limit`) to a third of its
     shortest side. A constant factor between scans (`disagreement`) indicates a wrong height calibration. A ratio that
-    decreases towards short wavelengths indicates the optics, a filter or a worn tip: specify a shortest wavelength
-    then.
+    decreases towards short wavelengths indicates an optical limit, a filter or a worn tip; in that case specify the
+    shortest wavelength of the scan.
 
     Jacobs, Junge & Pastewka, Surface Topography: Metrology and Properties 5 (2017) 013001.
 

@@ -81,16 +81,25 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
     Parameters
     ----------
     surface : Surface
-        Not flat. Levelling has no effect, because every line is levelled separately.
+        Surface, not flat. Levelling has no effect, because every line is levelled separately.
     along : {"x", "y"}
         Direction of the lines: "x" for the rows, "y" for the columns.
     band : (float, float), µm, optional
-        Shortest and longest wavelength to fit Hurst exponents to.
+        Shortest and longest wavelength for the fit of the Hurst exponents; by default the median band of the lines.
+
+    Returns
+    -------
+    roughness : LineRoughness
+        Rms height (µm) and slope over all lines, their mean spectrum, and their Hurst exponents.
 
     Raises
     ------
     ValueError
         If the surface is flat, if its lines have fewer than 7 points, or if a given band has too few harmonics.
+
+    See Also
+    --------
+    lines_along_both : Lines along x and along y in a common band.
 
     Notes
     -----
@@ -151,11 +160,26 @@ def lines_along_both(
     Parameters
     ----------
     surface : Surface
+        Surface, not flat.
     band : (float, float), µm, optional
-        By default, the bands of both directions are combined if they agree within a factor of 1.5 at both ends and at
-        least one mean spectrum follows its power law there within a factor of 1.5. Otherwise the band is taken from
-        `estimate_hurst_exponent` of the surface. If that finds no band, or one too narrow for single lines, each
-        direction keeps its own band.
+        Shortest and longest wavelength for the fit of the Hurst exponents. By default, the bands of both directions are
+        combined if they agree within a factor of 1.5 at both ends and at least one mean spectrum follows its power law
+        there within a factor of 1.5. Otherwise the band is taken from `estimate_hurst_exponent` of the surface. If no
+        band is found, or the band is too narrow for single lines, each direction keeps its own band.
+
+    Returns
+    -------
+    along_x, along_y : LineRoughness
+        Roughness of the rows and of the columns.
+
+    Raises
+    ------
+    ValueError
+        As for `line_roughness`.
+
+    See Also
+    --------
+    line_roughness : Lines along one axis.
 
     Examples
     --------

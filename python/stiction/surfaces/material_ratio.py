@@ -17,13 +17,28 @@ EXTREME_PEAK_RATIOS = 0.025, 0.5  # material ratios for the extreme peak height:
 
 
 def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
-    """Return the heights (µm) at given material ratios, from the highest point at 0 to the lowest point at 1.
+    """Return the heights at given material ratios: the bearing curve of Abbott and Firestone.
 
     Parameters
     ----------
     body : Profile or Surface
+        Body whose heights are evaluated, with the interpolated heights of missing points.
     ratios : array_like of float
         Material ratios from 0 to 1, of any shape.
+
+    Returns
+    -------
+    heights : ndarray of float, µm
+        Heights with the shape of `ratios`. At 0 it is the highest point, at 1 the lowest.
+
+    Raises
+    ------
+    ValueError
+        If a ratio is outside the range 0 to 1.
+
+    See Also
+    --------
+    material_ratio : Inverse function.
 
     Examples
     --------
@@ -39,15 +54,32 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
 
 
 def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
-    """Return the material ratios at given heights (µm), on the scale of the body's own heights.
-
-    For a body whose mean height is 0 they are Rmr(c) or Smr(c).
+    """Return the material ratios at given section heights.
 
     Parameters
     ----------
     body : Profile or Surface
+        Body whose heights are evaluated, with the interpolated heights of missing points.
     heights : array_like of float, µm
-        Section heights c, of any shape.
+        Section heights c on the scale of the heights of `body`, of any shape.
+
+    Returns
+    -------
+    ratios : ndarray of float
+        Material ratios from 0 to 1, with the shape of `heights`.
+
+    Raises
+    ------
+    ValueError
+        If a height is not finite.
+
+    See Also
+    --------
+    bearing_curve : Inverse function.
+
+    Notes
+    -----
+    The ratios are Rmr(c) of ISO 21920-2 or Smr(c) of ISO 25178-2 if the mean height of the body is 0.
 
     Examples
     --------

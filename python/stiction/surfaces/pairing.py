@@ -150,7 +150,7 @@ def paired_lines(
     surrogates: Surrogates = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Convert two scans to pairs of profiles that `press` takes: flipped sliders and their counterfaces.
+    """Convert two scans to pairs of profiles for `press`: flipped sliders and their counterfaces.
 
     Parameters
     ----------
@@ -174,13 +174,18 @@ def paired_lines(
 
     Returns
     -------
-    (list of Profile, list of Profile)
-        Sliders and counterfaces, all with equal spacing.
+    sliders, counterfaces : list of Profile
+        Flipped upper lines and lower lines, as many of each as there are pairs, all with equal spacing.
 
     Raises
     ------
     ValueError
         If an argument is outside its range, or if travel leaves less than half of the shorter profile as a slider.
+
+    See Also
+    --------
+    press : Loads and contact area of a pair.
+    pair : Friction of two scans at many relative positions.
 
     Examples
     --------

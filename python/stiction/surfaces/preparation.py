@@ -47,18 +47,30 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
     Parameters
     ----------
     body : Profile, Surface or array_like
-        Missing points have no weight. An array requires `spacing` (µm, or text such as "39 nm"); its heights are in
-        `unit`.
+        Heights. Missing points have no weight.
     trend : str
         For a profile "mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic" or "circle"; for a surface
         "plane" instead of "line", and "sphere" or "cylinder" instead of "circle". A line or a plane removes
-        the tilt of the instrument. A polynomial of higher degree (total degree in x and y) also removes the bow of its
-        guide or the form of the body. A circle, a sphere and a cylinder include a tilt.
+        the tilt of the instrument. A polynomial of higher degree (total degree in x and y) also removes the form error
+        of its guide or the form of the body. A circle, a sphere and a cylinder include a tilt.
+    spacing : float (µm) or str, or a pair (y, x) of either
+        Distance between the points of an array, such as 0.5 or "39 nm"; required for arrays.
+    unit : str
+        Unit of the heights of an array.
 
     Returns
     -------
-    Profile or Surface
+    result : Profile or Surface
         The body minus the trend, with a mean of zero over the measured points; the step is added to its history.
+
+    Raises
+    ------
+    ValueError
+        If the trend is not one of the names.
+
+    See Also
+    --------
+    filtered : Removal of waviness.
 
     Notes
     -----
@@ -118,9 +130,18 @@ def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | 
 
 
 def flipped(body: AnyBody) -> AnyBody:
-    """Flip a profile or a surface for use as the upper body: heights out of the material then point down.
+    """Flip a profile or a surface for use as the upper body.
 
-    The body is rotated by 180° about the x axis: x is unchanged, and the last row of a surface becomes the first.
+    Parameters
+    ----------
+    body : Profile or Surface
+        Heights that increase out of the material.
+
+    Returns
+    -------
+    upper : Profile or Surface
+        The body rotated by 180° about the x axis: its heights have the opposite sign, x is unchanged, and the last row
+        of a surface becomes the first. The step is added to the history.
 
     Examples
     --------
@@ -139,23 +160,28 @@ def cropped(body: Profile, start: float = ..., stop: float | None = ...) -> Prof
 @overload
 def cropped(body: Surface, start: tuple[float, float] = ..., stop: tuple[float, float] | None = ...) -> Surface: ...
 def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Profile | Surface:
-    """Crop a profile to start <= x < stop, or a surface along y and x; adjacent pieces share no point.
+    """Crop a profile along x, or a surface along y and x.
 
     Parameters
     ----------
     body : Profile or Surface
+        Body to crop.
     start, stop : float, µm, or (float, float) for a surface
         Positions within the extent, along y and x for a surface; by default to the end.
 
     Returns
     -------
-    Profile or Surface
-        The piece, with x (and y) starting at zero; the step is added to its history.
+    piece : Profile or Surface
+        The selected points, with x (and y) starting at 0; the step is added to the history.
 
     Raises
     ------
     ValueError
         If the positions are not ascending within the extent, or if fewer than 4 points remain along an axis.
+
+    Notes
+    -----
+    The piece contains the points with start <= x < stop, so adjacent pieces share no point.
 
     Examples
     --------
@@ -209,16 +235,17 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
     Parameters
     ----------
     a, b : Profile, or both Surface
+        Bodies to resample.
     align : {"start", "middle"}
         Part of the longer body to keep along each axis: the part from 0, or the middle part (to half a spacing), which
         is useful after a rotation.
 
     Returns
     -------
-    (Profile, Profile) or (Surface, Surface)
-        Bodies with equal spacing and number of points along each axis. Heights on the finer grid are unchanged; the
-        coarser body is interpolated by natural cubic splines, which the contact models use as well, along one axis
-        after the other. The steps are added to their histories.
+    a, b : Profile, or both Surface
+        Bodies with equal spacing and number of points along each axis. Heights on the finer grid are unchanged. The
+        coarser body is interpolated along one axis after the other by natural cubic splines, as in the contact models.
+        The steps are added to the histories.
 
     Raises
     ------
@@ -333,17 +360,19 @@ def _splined(heights: Any, actual: float, spacing: float, points: int, axis: int
 
 
 def rotated(surface: Surface, angle: float) -> Surface:
-    """Rotate a surface in its plane by an angle from +x towards +y.
+    """Rotate a surface in its plane.
 
     Parameters
     ----------
     surface : Surface
+        Surface to rotate.
     angle : float, degrees
-        Multiples of 90 preserve every height; other angles require interpolation.
+        Angle of rotation, from +x towards +y. Multiples of 90 preserve every height; other angles require
+        interpolation.
 
     Returns
     -------
-    Surface
+    result : Surface
         The largest axis-parallel rectangle within the rotated surface, with the same spacings (exchanged at odd
         multiples of 90). The fraction that was cut off is added to its history.
 

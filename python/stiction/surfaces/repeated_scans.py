@@ -87,13 +87,22 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     Parameters
     ----------
     first, second : Profile or Surface
-        Two profiles or two surfaces with equal spacings that overlap by more than half.
+        Two profiles or two surfaces with equal spacings that overlap by more than half, without missing points.
+
+    Returns
+    -------
+    comparison : RepeatedScans
+        Mean of both scans, their shift (µm), and the noise and the common heights (µm) per octave of the wavelength.
 
     Raises
     ------
     ValueError
         If types or spacings differ, if points are missing, if both scans are identical, or if they are not of the same
         area.
+
+    See Also
+    --------
+    instrument_limit : Noise from a single scan.
 
     Notes
     -----

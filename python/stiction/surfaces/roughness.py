@@ -51,23 +51,35 @@ class RoughnessParameters(ParameterSet):
 def roughness_parameters(
     profile: BodyLike, *, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> RoughnessParameters:
-    """Compute the P-parameters of a profile about its mean. The caller levels and filters the profile.
+    """Compute the P-parameters of a profile about its mean (ISO 21920-2).
 
     Parameters
     ----------
     profile : Profile or array_like
-        Heights; not flat, and at least 7 points. An array requires `spacing` (µm, or text such as "39 nm"); its
-        heights are in `unit`.
+        Heights; not flat, and at least 7 points. Level and filter the profile first.
     derivative : {"seven-point", "neighbours"}
         Slope formula for Pdq. "seven-point" is the formula of ISO 4287 and of instruments. It is evaluated at points
         with three neighbours on each side, and attenuates wavelengths near twice the spacing. "neighbours" is the
         difference of two neighbours over the spacing, the usual formula of contact models.
-    spacing, unit : optional
-        Distance between the points of an array, and the unit of its heights.
+    spacing : float (µm) or str
+        Distance between the points of an array, such as 0.5 or "39 nm"; required for arrays.
+    unit : str
+        Unit of the heights of an array.
+
+    Returns
+    -------
+    parameters : RoughnessParameters
+        Heights Pa, Pq and Pt (µm), and Psk, Pku and Pdq (dimensionless).
+
+    Raises
+    ------
+    ValueError
+        If the profile is flat or has fewer than 7 points, or an array has no spacing.
 
     See Also
     --------
     section_parameters : R- and W-parameters, after the filters that drawings specify.
+    surface_parameters : Parameters of a map.
 
     Notes
     -----
@@ -124,25 +136,36 @@ class SurfaceParameters(ParameterSet):
 def surface_parameters(
     surface: BodyLike, *, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> SurfaceParameters:
-    r"""Compute the parameters of a surface about its mean. The caller levels and filters the surface.
+    r"""Compute the parameters of a surface about its mean (ISO 25178-2).
 
     Parameters
     ----------
     surface : Surface or array_like
-        Heights; not flat, and at least 7 by 7 points. An array requires `spacing` (µm, or text such as "39 nm"); its
-        heights are in `unit`.
+        Heights; not flat, and at least 7 by 7 points. Level and filter the surface first.
     derivative : {"seven-point", "neighbours"}
         Slope formula for Sdq, as for `roughness_parameters`. Slopes are computed along rows and columns, and their
         mean squares are added.
-    spacing, unit : optional
-        Distance between the points of an array, and the unit of its heights.
+    spacing : float (µm) or str, or a pair (y, x) of either
+        Distance between the points of an array, such as 0.5 or "39 nm"; required for arrays.
+    unit : str
+        Unit of the heights of an array.
 
     Returns
     -------
-    SurfaceParameters
-        Sal is NaN if the autocorrelation does not decrease to 0.2 within half of the surface. Str is NaN if that is so
-        in any direction; Str is then below Sal over half of the shorter side. S5p, S5v and S10z are NaN if there are
-        fewer than five peaks or pits.
+    parameters : SurfaceParameters
+        Parameters with the names of ISO 25178-2, in µm and its powers, angles in degrees. Sal is NaN if the
+        autocorrelation does not decrease to 0.2 within half of the surface. Str is NaN if this happens in any
+        direction; Str is then below Sal over half of the shorter side. S5p, S5v and S10z are NaN if there are fewer
+        than five peaks or pits.
+
+    Raises
+    ------
+    ValueError
+        If the surface is flat or has fewer than 7 by 7 points, or an array has no spacing.
+
+    See Also
+    --------
+    roughness_parameters : Parameters of a profile.
 
     Notes
     -----

@@ -161,10 +161,27 @@ def scale_dependent_roughness(
     Parameters
     ----------
     body : Profile, Surface or array_like
-        An array requires `spacing` (µm, or text such as "39 nm"); its heights are in `unit`. The least-squares line or
-        plane is subtracted unless the body is periodic.
+        Heights. The least-squares line or plane is subtracted unless the body is periodic.
     periodic : bool
         As for `power_spectrum`.
+    spacing : float (µm) or str, or a pair (y, x) of either
+        Distance between the points of an array, such as 0.5 or "39 nm"; required for arrays.
+    unit : str
+        Unit of the heights of an array.
+
+    Returns
+    -------
+    roughness : ScaleDependentRoughness
+        Rms slope h' and curvature h'' (1/µm) over the shortest included wavelength (µm).
+
+    Raises
+    ------
+    ValueError
+        If the body is flat, or an array has no spacing.
+
+    See Also
+    --------
+    spectral_resolution : Contact area and friction from this roughness.
 
     Notes
     -----
@@ -288,6 +305,7 @@ def instrument_limit(
     Parameters
     ----------
     body : Profile or Surface
+        Scan, not filtered.
     tip_radius : float, µm, optional
         Radius of the stylus or probe tip.
     periodic : bool
@@ -295,6 +313,22 @@ def instrument_limit(
     texture : bool
         Whether lines and humps in the spectrum are known to belong to the surface, for example a turned or milled one.
         A flat end of the spectrum is attributed to the instrument in any case.
+
+    Returns
+    -------
+    limit : InstrumentLimit
+        Wavelength (µm) with its reason, and the wavelengths at which pixels, noise and tip become the limit.
+
+    Raises
+    ------
+    ValueError
+        If the body is flat, or the tip radius is not above 0.
+
+    See Also
+    --------
+    cut_off : Low-pass filter at that wavelength.
+    compare_repeated_scans : Noise from two scans of the same area.
+    tip_reconstructed : Correction for the shape of the tip.
 
     Notes
     -----

@@ -129,20 +129,20 @@ def section_parameters(
     sections: int = DEFAULT_SECTIONS, robust: bool = False, derivative: Derivative = "seven-point",
     spacing: Any = None, unit: str = "um",
 ) -> SectionParameters:  # fmt: skip
-    r"""Compute the R- and W-parameters of a profile as specified on drawings (ISO 21920-2, defaults of ISO 21920-3).
+    r"""Compute the R- and W-parameters of a profile as specified on drawings.
 
     Parameters
     ----------
     profile : Profile or array_like of float
         Profile without form (see `levelled`). Missing points have no weight in the filters; the parameters use their
         interpolated heights.
-    lc : float, µm, optional
+    lc : float (µm) or str, optional
         Cutoff wavelength λc of the L-filter, which is also the section length. The default is that of the setting class
-        (0.08, 0.25, 0.8, 2.5 or 8 mm), the larger of those for Ra (up to 0.02, 0.1, 2, 10 µm and above) and for
+        (0.08, 0.25, 0.8, 2.5 or 8 mm), the larger of the lengths for Ra (up to 0.02, 0.1, 2, 10 µm and above) and for
         RSm (up to 0.04, 0.13, 0.4, 1.3 mm and above). The search starts at 0.8 mm, or at the longest section length
         that fits the profile, and continues until the parameters belong to the class they were computed with. If two
         neighbouring classes qualify, the shorter is used.
-    ls : float, µm, optional
+    ls : float (µm) or str, optional
         Cutoff wavelength λs of the S-filter; 0 for none. The default is that of the setting class, 2.5, 8 or 25 µm.
         There is no S-filter by default if λs is below two points or the section length belongs to no class.
     sections : int
@@ -151,20 +151,30 @@ def section_parameters(
         Use the robust Gaussian regression filter for λc.
     derivative : {"seven-point", "neighbours"}
         As for `roughness_parameters`.
-    spacing, unit : optional
-        Distance between the points of an array, and the unit of its heights.
+    spacing : float (µm) or str
+        Distance between the points of an array, such as 0.5 or "39 nm"; required for arrays.
+    unit : str
+        Unit of the heights of an array.
 
     Returns
     -------
-    SectionParameters
+    parameters : SectionParameters
+        R- and W-parameters (heights and widths in µm), and the filters that were used.
 
     Raises
     ------
     ValueError
         If the profile is shorter than one section length, or a cutoff is outside its range.
 
+    See Also
+    --------
+    roughness_parameters : P-parameters, without filters.
+    filtered : The filters.
+
     Notes
     -----
+    The parameters are those of ISO 21920-2, with the defaults of ISO 21920-3.
+
     The waviness profile is the mean line of the L-filter, and the roughness profile is the deviation from it. Heights
     are measured from the mean line, not from their own mean. Rz, Rp and Rv are means over the sections; other
     R-parameters refer to the evaluation length. W-parameters refer to the whole profile, from which the form was

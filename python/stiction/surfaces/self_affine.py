@@ -32,22 +32,19 @@ def self_affine(
 ) -> Profile:
     r"""Generate a self-affine Gaussian profile by Fourier synthesis.
 
-    The spectrum is C1D ∝ q^(-1-2H) between two wavelengths, constant above the longest (roll-off) and zero below the
-    shortest (cutoff).
-
     Parameters
     ----------
     seed, repetition : int
-    side : {"lower", "upper"}
-        The random numbers are those of `random_phases` with these three arguments, assigned to the wavelengths from the
-        longest downwards. A finer grid with the same extent and cutoff gives the same profile.
+        Numbers, at least 0, that select the random profile.
     hurst_exponent : float
         H, above 0 and at most 2. Above 1 the profile is smooth, and the paper's D is below 1.5.
     rms : float, µm
         Root-mean-square height of the spectrum, above 0. A single profile has this height only on average;
         `Profile.with_amplitude` scales a profile to it exactly.
     points : int
+        Number of points, at least 4.
     spacing : float, µm
+        Distance between neighbouring points, above 0.
     longest_wavelength : float, µm, optional
         Roll-off wavelength, above `shortest_wavelength`; by default the extent. At most the extent if periodic.
     shortest_wavelength : float, µm, optional
@@ -60,10 +57,32 @@ def self_affine(
         "rayleigh" also draws random amplitudes, as for Gaussian heights: the spectrum of a single profile then scatters
         about C1D by its own magnitude. "fixed" uses random phases only; a periodic profile then has exactly the
         specified spectrum and rms.
+    side : {"lower", "upper"}
+        Body of the pair. The random numbers are those of `random_phases` with `seed`, `repetition` and `side`, assigned
+        to the wavelengths from the longest downwards. A finer grid with the same extent and cutoff gives the same
+        profile.
+
+    Returns
+    -------
+    profile : Profile
+        Heights (µm); the mean is zero if the profile is periodic.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    See Also
+    --------
+    self_affine_surface : Self-affine map.
+    surrogate : Random profile with the spectrum of a measured one.
 
     Notes
     -----
     .. math:: z(x) = \sum_k a_k \cos(q_k x + φ_k), \qquad \langle a_k^2 \rangle \propto C(q_k)
+
+    The spectrum is C1D ∝ q^(-1-2H) between two wavelengths, constant above the longest (roll-off) and zero below the
+    shortest (cutoff). Jacobs, Junge & Pastewka, Surface Topography: Metrology and Properties 5 (2017) 013001.
 
     Examples
     --------
@@ -139,16 +158,10 @@ def self_affine_surface(
 ) -> Surface:
     r"""Generate an isotropic, periodic, self-affine Gaussian surface by Fourier synthesis.
 
-    The spectrum is C2D ∝ q^(-2-2H) between two wavelengths, constant above the longest (roll-off) and zero below the
-    shortest (cutoff).
-
     Parameters
     ----------
     seed, repetition : int
-        At least 0.
-    side : {"lower", "upper"}
-        The random numbers depend only on these three arguments and on the integer wave numbers along x and y. A finer
-        grid of the same extent and wavelengths samples the same surface.
+        Numbers, at least 0, that select the random surface.
     hurst_exponent : float
         H, above 0 and at most 2.
     rms : float, µm
@@ -161,16 +174,35 @@ def self_affine_surface(
         Roll-off wavelength, above `shortest_wavelength` and at most the longer side, which is the default.
     shortest_wavelength : float, µm, optional
         Cutoff wavelength, at least twice the larger spacing, which is the default. Nyquist wave numbers are excluded.
+    side : {"lower", "upper"}
+        Body of the pair. The random numbers depend only on `seed`, `repetition` and `side`, and on the integer wave
+        numbers along x and y. A finer grid of the same extent and wavelengths samples the same surface.
+
+    Returns
+    -------
+    surface : Surface
+        Heights (µm) with zero mean.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    See Also
+    --------
+    self_affine : Self-affine profile.
+    isotropic_surface : Random surface with the spectrum of a measured profile.
 
     Notes
     -----
     .. math:: z(x, y) = \sum_{i,j} a_{ij} \cos(2πi x/L_x + 2πj y/L_y + φ_{ij}),
               \qquad \langle a_{ij}^2 \rangle \propto C_{2D}(q_{ij})
 
-    over half of the plane of wave vectors. The a² are exponentially distributed, as for Gaussian heights, and are
-    scaled by one factor to the specified rms. The wave vectors (i, 0), (i, 1), (i, -1), (i, 2) and so on use pairs of
-    the 64-bit words of ``PCG64(SeedSequence([seed, repetition, side, i]))``, converted as in `random_phases`: the first
-    word gives φ, the second the amplitude.
+    over half of the plane of wave vectors. The spectrum is C2D ∝ q^(-2-2H) between two wavelengths, constant above the
+    longest (roll-off) and zero below the shortest (cutoff). The a² are exponentially distributed, as for Gaussian
+    heights, and are scaled by one factor to the specified rms. The wave vectors (i, 0), (i, 1), (i, -1), (i, 2) and so
+    on use pairs of the 64-bit words of ``PCG64(SeedSequence([seed, repetition, side, i]))``, converted as in
+    `random_phases`: the first word gives φ, the second the amplitude.
 
     Examples
     --------

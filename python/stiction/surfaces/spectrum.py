@@ -101,16 +101,30 @@ def power_spectrum(
     Parameters
     ----------
     profile : Profile or array_like
-        An array requires `spacing` (µm, or text such as "39 nm"); its heights are in `unit`.
+        Heights.
     periodic : bool
         True: no window; the sum of the spectrum equals the mean square height to round-off. False: a Hann window,
         normalised to a mean square of 1. On average a levelled profile then keeps its mean square; the first two
         harmonics are unreliable.
+    spacing : float (µm) or str
+        Distance between the points of an array, such as 0.5 or "39 nm"; required for arrays.
+    unit : str
+        Unit of the heights of an array.
 
     Returns
     -------
-    PowerSpectrum
-        All harmonics from 2π/extent to the Nyquist wave number π/spacing.
+    spectrum : PowerSpectrum
+        Density C1D (µm³) of all harmonics from 2π/extent to the Nyquist wave number π/spacing.
+
+    Raises
+    ------
+    ValueError
+        If the argument is not a profile, or an array has no spacing.
+
+    See Also
+    --------
+    surface_spectrum : Spectrum of a map.
+    spectral_moments : Variances of height, slope and curvature from the spectrum.
 
     Notes
     -----
@@ -186,16 +200,22 @@ class ProfileMoments(TableRepr):
 def spectral_moments(
     profile: Profile, *, periodic: bool = False, shortest_wavelength: float = 0.0, longest_wavelength: float = math.inf
 ) -> ProfileMoments:
-    r"""Compute the spectral moments m0, m2, m4 of a profile: the variances of its height, slope and curvature.
+    r"""Compute the spectral moments m0, m2 and m4 of a profile.
 
     Parameters
     ----------
     profile : Profile
+        Heights, not flat.
     periodic : bool
-        As in `power_spectrum`.
+        As for `power_spectrum`.
     shortest_wavelength, longest_wavelength : float, µm
-        Other wavelengths are excluded. m2 and m4 of a rough profile are dominated by the shortest wavelengths, and are
-        meaningless without this limit.
+        Band of wavelengths to include; by default all. The shortest wavelengths dominate m2 and m4 of a rough profile,
+        so m2 and m4 are meaningless without a shortest wavelength.
+
+    Returns
+    -------
+    moments : ProfileMoments
+        Variances of height (µm²), slope and curvature (1/µm²).
 
     Raises
     ------
@@ -206,8 +226,9 @@ def spectral_moments(
     -----
     .. math:: m_j = \frac1π \int_0^\infty q^j C(q)\,dq
 
-    These are moments of the one-dimensional spectrum. On an isotropic surface they are equal along all lines.
-    `ProfileMoments.nayak_parameter` is m0 m4 / m2². Nayak, Journal of Lubrication Technology 93 (1971) 398.
+    m0, m2 and m4 are the variances of height, slope and curvature along the profile. On an isotropic surface they are
+    equal along all lines. `ProfileMoments.nayak_parameter` is m0 m4 / m2². Nayak, Journal of Lubrication Technology 93
+    (1971) 398.
 
     Examples
     --------
@@ -380,11 +401,29 @@ def surface_spectrum(
     Parameters
     ----------
     surface : Surface or array_like
-        An array requires `spacing` (µm, or text such as "39 nm"); its heights are in `unit`. Level the surface first
-        unless it is periodic: a tilt is a jump between opposite sides.
+        Heights. Level the surface first unless it is periodic: a tilt is a jump between opposite sides.
     periodic : bool
         True: no window; the sum of the spectrum equals the mean square height to round-off. False: a Hann window along
         both axes, normalised to a mean square of 1.
+    spacing : float (µm) or str, or a pair (y, x) of either
+        Distance between the points of an array, such as 0.5 or "39 nm"; required for arrays.
+    unit : str
+        Unit of the heights of an array.
+
+    Returns
+    -------
+    spectrum : SurfaceSpectrum
+        Density C2D (µm⁴) over the wave numbers along y and x (1/µm).
+
+    Raises
+    ------
+    ValueError
+        If the argument is not a surface, or an array has no spacing.
+
+    See Also
+    --------
+    power_spectrum : Spectrum of a profile.
+    joined_spectrum : Spectrum from scans of several instruments.
 
     Notes
     -----

@@ -23,24 +23,34 @@ _MAX_DEFAULT_POINTS = 512  # default limit of rows and columns: a half-space sol
 def surrogate(
     body: AnyBody, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
 ) -> AnyBody:
-    """Generate a profile or surface with the spectrum of a given one and random phases, with equal mean and Pq or Sq.
+    """Generate a profile or surface with the spectrum of a given one and random phases.
 
     Surrogates with different seeds or repetitions form an ensemble for a measured surface.
 
     Parameters
     ----------
     body : Profile or Surface
-        Level the body first unless it is periodic: otherwise its tilt becomes a wave as long as the body.
+        Body to imitate. Level it first unless it is periodic: otherwise its tilt becomes a wave as long as the body.
     seed, repetition : int
+        Numbers, at least 0, that select the random phases.
     side : {"lower", "upper"}
-        The phases are those of `random_phases` with these three arguments.
+        Body of the pair. The phases are those of `random_phases` with `seed`, `repetition` and `side`.
     periodic : bool
         Whether the given body is periodic; its spectrum is then preserved to round-off.
 
     Returns
     -------
-    Profile or Surface
-        Body with the same number of points, always periodic.
+    result : Profile or Surface
+        Periodic body with the same number of points, mean, and Pq or Sq.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or the body is flat.
+
+    See Also
+    --------
+    isotropic_surface : Areal surrogate of a profile.
 
     Notes
     -----
@@ -116,15 +126,24 @@ def isotropic_spectrum(profile: Profile, *, periodic: bool = False) -> RadialSpe
     Parameters
     ----------
     profile : Profile
-        Level the profile first unless it is periodic.
+        Profile along any line of the surface. Level it first unless it is periodic.
     periodic : bool
         As for `power_spectrum`.
 
     Returns
     -------
-    RadialSpectrum
-        Densities in rings of the wave number, from the profile's first harmonic to the corners of the grid. The count
-        is the number of the profile's harmonics in every ring.
+    spectrum : RadialSpectrum
+        Densities (µm⁴) in rings of the wave number (1/µm), from the profile's first harmonic to the corners of the
+        grid. The count is the number of the profile's harmonics in every ring.
+
+    Raises
+    ------
+    ValueError
+        If the profile is flat.
+
+    See Also
+    --------
+    isotropic_surface : Random surface with this spectrum.
 
     Notes
     -----
@@ -135,10 +154,9 @@ def isotropic_spectrum(profile: Profile, *, periodic: bool = False) -> RadialSpe
     which is an Abel integral if the spectrum ends before the Nyquist wave number. Its inverse is
     :math:`C^{2D}(q) = -2 \int_q^\infty dC^{1D}/dk\,(k^2 - q^2)^{-1/2} dk`, but the derivative of a measured spectrum is
     dominated by scatter. Instead, C2D is constant in every ring and fitted by maximum likelihood: for the section
-    spectrum
-    :math:`C_k` it minimises :math:`\sum_k P_k / C_k + \ln C_k` (Whittle, Arkiv för Matematik 2 (1953) 423) plus a small
-    penalty on the curvature of its logarithm. It is scaled so that sections have the mean square slope of the profile;
-    the surface has twice that mean square gradient.
+    spectrum :math:`C_k` it minimises :math:`\sum_k P_k / C_k + \ln C_k` (Whittle, Arkiv för Matematik 2 (1953) 423)
+    plus a small penalty on the curvature of its logarithm. It is scaled so that sections have the mean square slope of
+    the profile; the surface has twice that mean square gradient.
 
     Examples
     --------
@@ -164,26 +182,37 @@ def isotropic_surface(
 ) -> Surface:
     """Generate an isotropic Gaussian surface with the spectrum of a profile: an areal surrogate.
 
-    An ensemble represents a surface of which one line was measured, *if* the surface is isotropic. A profile across
-    the grooves of a ground surface gives hills, whose rms gradient is larger by the square root of two.
+    An ensemble of areal surrogates represents the surface from which the profile was measured, *if* this surface is
+    isotropic. A profile across the grooves of a ground surface yields hills instead of grooves, with an rms gradient
+    that is larger by the square root of two.
 
     Parameters
     ----------
     profile : Profile
-        Level the profile first unless it is periodic.
+        Profile along any line of the surface. Level it first unless it is periodic.
     seed, repetition : int
-    side : {"lower", "upper"}
-        The random numbers are those of `random_phases` with these three arguments.
+        Numbers, at least 0, that select the random surface.
     shape : (int, int), optional
         Rows and columns, at least 4 each; by default the number of points of the profile, at most 512. Wavelengths
         longer than the surface are excluded.
+    side : {"lower", "upper"}
+        Body of the pair. The random numbers are those of `random_phases` with `seed`, `repetition` and `side`.
     periodic : bool
         Whether the given profile is periodic; the generated surface always is.
 
     Returns
     -------
-    Surface
+    surface : Surface
         Surface with the profile's spacing along both axes and zero mean. Its mean spectrum is `isotropic_spectrum`.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or the profile is flat.
+
+    See Also
+    --------
+    surrogate : Random profile or map with the spectrum of a given one.
 
     Examples
     --------

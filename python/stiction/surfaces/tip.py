@@ -16,13 +16,14 @@ _TOUCHING = 1e-9  # distance at which the tip touches, over the height of the sc
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
-    r"""Reconstruct the highest surface that a spherical tip would record as this scan, and where it is exact.
+    r"""Reconstruct the highest surface that a spherical tip would record as the given scan.
 
     Parameters
     ----------
     scan : Profile or Surface
-    Radius of the stylus or probe tip, above 0.
-        Of the stylus or the probe, above 0.
+        Recorded heights, without noise.
+    radius : float, µm
+        Radius of the stylus or probe tip, above 0.
 
     Returns
     -------
@@ -30,7 +31,12 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
         Reconstructed body, nowhere above the scan; the step is added to its history.
     certain : ndarray of bool, of the shape of the heights
         True where the tip touches the surface in a single point, so that the height is exact. Elsewhere the true
-            surface may be lower.
+        surface may be lower.
+
+    Raises
+    ------
+    ValueError
+        If the radius is not above 0, or if points are missing.
 
     Notes
     -----

@@ -130,7 +130,7 @@ def read_profile(
     missing_value: MissingValue | None = None,
     accept: str | Sequence[str] | None = None,
 ) -> Profile:
-    """Read a measured profile.
+    """Read a measured profile from a file.
 
     Parameters
     ----------
@@ -166,14 +166,8 @@ def read_profile(
 
     Returns
     -------
-    Profile
+    profile : Profile
         Profile in µm that starts at x = 0. The history describes what was read and the source of the spacing.
-
-    Warns
-    -----
-    FormatWarning
-        If the file contradicts itself, or if its heights or its size are implausible. The warning contains the name
-        of each caveat and the option that settles it.
 
     Raises
     ------
@@ -182,6 +176,18 @@ def read_profile(
         argument, or has missing points.
     ValueError
         If an argument is invalid.
+
+    Warns
+    -----
+    FormatWarning
+        If the file contradicts itself, or if its heights or its size are implausible. The warning contains the name
+        of each caveat and the option that settles it.
+
+    See Also
+    --------
+    read_surface : Maps.
+    read_measurement : Profile or surface, depending on the file.
+    write_profile : Inverse function.
 
     Notes
     -----
@@ -215,7 +221,7 @@ def read_surface(
     missing_value: MissingValue | None = None,
     accept: str | Sequence[str] | None = None,
 ) -> Surface:
-    """Read a measured surface.
+    """Read a measured surface from a file.
 
     Parameters
     ----------
@@ -228,7 +234,31 @@ def read_surface(
         As for `read_profile`. Missing points are interpolated along their row, or along the column if a neighbour in
         the row is missing.
     spacing : str or (str, str), optional
-        Distance between neighbouring points, or those between rows and between columns (Δy, Δx).
+        Distance between neighbouring points, or distances between rows and between columns (Δy, Δx), such as "0.5 um".
+        Required if the file contains no spacing; otherwise it must agree with it.
+
+    Returns
+    -------
+    surface : Surface
+        Surface in µm that starts at x = y = 0. The history describes what was read and the source of the spacing.
+
+    Raises
+    ------
+    FormatError
+        A `ValueError`, as for `read_profile`, or if the file is not a map.
+    ValueError
+        If an argument is invalid.
+
+    Warns
+    -----
+    FormatWarning
+        As for `read_profile`.
+
+    See Also
+    --------
+    read_profile : Lines.
+    read_measurement : Profile or surface, depending on the file.
+    write_surface : Inverse function.
 
     Examples
     --------
@@ -259,14 +289,35 @@ def read_measurement(
     missing_value: MissingValue | None = None,
     accept: str | Sequence[str] | None = None,
 ) -> Profile | Surface:
-    """Read a measured profile or surface, depending on the content of the file.
+    """Read a measured profile or surface, whichever the file contains.
 
     Parameters
     ----------
     path, unit, missing, channel, columns, outliers, crop, missing_value, accept
         As for `read_profile`.
     spacing : str or (str, str), optional
-        As for `read_surface`; a profile has one.
+        As for `read_surface`; a single value for a profile.
+
+    Returns
+    -------
+    body : Profile or Surface
+        Heights in µm: a surface if the file contains a map, otherwise a profile.
+
+    Raises
+    ------
+    FormatError
+        A `ValueError`, as for `read_profile`.
+    ValueError
+        If an argument is invalid.
+
+    Warns
+    -----
+    FormatWarning
+        As for `read_profile`.
+
+    See Also
+    --------
+    read_profile, read_surface : Functions that accept only one kind of file.
 
     Examples
     --------

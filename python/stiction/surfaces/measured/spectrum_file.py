@@ -26,11 +26,12 @@ _RATIO_TOLERANCE = 1e-3  # relative tolerance of the ratios of wave numbers, for
 
 
 def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> None:
-    """Write a joined spectrum exactly, with slope and curvature over wavelength.
+    """Write a joined spectrum to a table, with slope and curvature over wavelength; all numbers are preserved exactly.
 
     Parameters
     ----------
     spectrum : JoinedSpectrum
+        Spectrum to write.
     path : path
         Path ending in .csv. The file must not exist; it appears when it is complete.
 
@@ -38,6 +39,10 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
     ------
     FormatError
         A `ValueError`, if the path has another ending, or the file exists or cannot be written.
+
+    See Also
+    --------
+    read_spectrum : Inverse function.
 
     Examples
     --------
@@ -90,7 +95,9 @@ def is_spectrum(path: Path) -> bool:
 
 
 def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
-    r"""Read a spectrum written by `write_spectrum` or ``stiction characterise --together``, or a similar table.
+    r"""Read a surface spectrum from a table.
+
+    The file was written by `write_spectrum` or ``stiction characterise --together``, or is a similar table.
 
     Parameters
     ----------
@@ -98,10 +105,19 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
         CSV with the columns "wave number (1/um)", ascending with equal ratios, and "C2D (um4)". The integral of C2D
         over the plane of wave numbers, divided by 4π², is the mean square height. Other columns are optional.
 
+    Returns
+    -------
+    spectrum : JoinedSpectrum
+        Spectrum C2D (µm⁴) over the wave number (1/µm).
+
     Raises
     ------
     FormatError
         A `ValueError`, if the file cannot be read or is not a spectrum.
+
+    See Also
+    --------
+    write_spectrum : Inverse function.
 
     Examples
     --------

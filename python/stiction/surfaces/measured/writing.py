@@ -24,6 +24,7 @@ def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
     Parameters
     ----------
     profile : Profile
+        Profile to write.
     path : path
         Path ending in .csv: positions and heights in µm, below the spacing, the history and the units. Or ending in
         .npy: the heights in µm, which `numpy.load` returns, followed by arrays of the spacing and the history. The file
@@ -32,7 +33,11 @@ def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     FormatError
-        If the path has another ending, or the file exists or cannot be written.
+        A `ValueError`, if the path has another ending, or the file exists or cannot be written.
+
+    See Also
+    --------
+    read_profile : Inverse function.
 
     Examples
     --------
@@ -57,6 +62,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     Parameters
     ----------
     surface : Surface
+        Surface to write.
     path : path
         Path ending in .csv: the matrix of heights in µm, of at least four columns, below the spacings along y and x,
         the history and the unit. Or ending in .npy, as for `write_profile`.
@@ -64,7 +70,11 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     FormatError
-        As for `write_profile`, and if a .csv would have too few columns to be recognised as a matrix.
+        A `ValueError`, as for `write_profile`, or if a .csv would have too few columns to be recognised as a matrix.
+
+    See Also
+    --------
+    read_surface : Inverse function.
 
     Examples
     --------
