@@ -101,7 +101,7 @@ class Candidates:
 def candidates(
     upper: Profile | Surface, lower: Profile | Surface, *, deepest: float, curvature: Curvature | None = None
 ) -> Candidates:
-    """Find the places where two surfaces may touch up to a largest approach: the local minima of their splined gap.
+    """Find the places where two surfaces may touch up to a largest approach.
 
     Parameters
     ----------
@@ -112,6 +112,24 @@ def candidates(
     curvature : {"convex", "signed"}, optional
         Whether both surfaces must be convex at a contact, or only their relative curvature. The default is "convex"
         for profiles and "signed" for surfaces.
+
+    Returns
+    -------
+    candidates : Candidates
+        Positions, gaps (µm) and radii (µm) of the possible contacts, for `contacts` and `press`.
+
+    Raises
+    ------
+    ValueError
+        If the grids differ or an argument is outside its range.
+
+    See Also
+    --------
+    press : Loads and area from candidates.
+
+    Notes
+    -----
+    Candidates are the local minima of the splined gap. One search serves any number of approaches up to `deepest`.
 
     Examples
     --------

@@ -64,13 +64,37 @@ def effective_modulus(
 def effective_modulus(
     young_upper: Any, poisson_upper: Any, young_lower: Any = None, poisson_lower: Any = None
 ) -> Floats | float:
-    """Compute E* of two bodies: 1/E* = (1 - ν_u²)/E_u + (1 - ν_l²)/E_l.
+    """Compute the effective modulus E* of two bodies.
 
     Parameters
     ----------
-    young_upper, poisson_upper, young_lower, poisson_lower : array_like of float
-        Young's moduli in the same unit, that of E*, and Poisson's ratios. Alternatively `Material` objects, upper and
-        lower: E* is then a float in GPa, from the representative values of their ranges.
+    young_upper, young_lower : array_like of float
+        Young's moduli E, above 0, both in the unit of the result.
+    poisson_upper, poisson_lower : array_like of float
+        Poisson's ratios ν, above -1 and at most 0.5.
+    upper, lower : Material
+        Materials, as two positional arguments instead of the four numbers.
+
+    Returns
+    -------
+    modulus : float or ndarray of float
+        E* in the unit of Young's moduli, with the broadcast shape of the arguments. For two materials a float in GPa,
+        from the representative values of their ranges.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or materials and numbers are mixed.
+
+    See Also
+    --------
+    material : Material by its name.
+
+    Notes
+    -----
+    .. math:: 1/E^* = (1 - ν_u^2)/E_u + (1 - ν_l^2)/E_l
+
+    Johnson, Contact Mechanics (1985), section 4.2.
 
     Examples
     --------
@@ -99,16 +123,38 @@ def effective_modulus(
 
 @reject_overflow
 def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike) -> tuple[Floats, Floats]:
-    """Compute force (mN) and area (µm²) of elastic spheres: 4/3 E* R^(1/2) overlap^(3/2) and π R overlap.
+    r"""Compute the force and the area of two elastic spheres in contact (Hertz).
 
     Parameters
     ----------
-    overlap, radius : array_like of float, µm
-        1/R = 1/R_u + 1/R_l.
+    overlap : array_like of float, µm
+        Overlap d of the undeformed spheres, which is the approach of distant points.
+    radius : array_like of float, µm
+        Effective radius R, 1/R = 1/R_u + 1/R_l.
     effective_modulus : array_like of float, GPa
+        E*, see `effective_modulus`.
+
+    Returns
+    -------
+    force : ndarray of float, mN
+        Normal force F, with the broadcast shape of the arguments.
+    area : ndarray of float, µm²
+        Contact area A.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not above 0.
+
+    See Also
+    --------
+    hertz_ellipse : Bodies with two different relative radii.
+    force_and_area : Contact laws of the asperity model.
 
     Notes
     -----
+    .. math:: F = \tfrac43 E^* R^{1/2} d^{3/2}, \qquad A = π R d
+
     Hertz 1882; Johnson, Contact Mechanics (1985), eqs. 4.22-4.24.
 
     Examples
@@ -126,16 +172,38 @@ def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: Array
 def tabor_parameter(
     radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike, adhesion_range: ArrayLike
 ) -> Floats:
-    """Compute the Tabor parameter (R w²/(E*² ρ³))^(1/3) of an adhering sphere: `dmt` far below 1, `jkr` far above.
+    r"""Compute the Tabor parameter of an adhesive sphere.
 
     Parameters
     ----------
-    radius, adhesion_range : array_like of float, µm
+    radius : array_like of float, µm
+        Effective radius R, 1/R = 1/R_u + 1/R_l.
     effective_modulus : array_like of float, GPa
+        E*, see `effective_modulus`.
     work_of_adhesion : array_like of float, mN/µm (kJ/m²)
+        Energy w to separate a unit area.
+    adhesion_range : array_like of float, µm
+        Range ρ of the attraction.
+
+    Returns
+    -------
+    parameter : ndarray of float
+        Tabor parameter μ, dimensionless, with the broadcast shape of the arguments.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not above 0.
+
+    See Also
+    --------
+    jkr : Limit of parameters far above 1.
+    dmt : Limit of parameters far below 1.
 
     Notes
     -----
+    .. math:: μ = \left(\frac{R w^2}{E^{*2} ρ^3}\right)^{1/3}
+
     Tabor, Journal of Colloid and Interface Science 58 (1977) 2.
 
     Examples
@@ -152,21 +220,42 @@ def tabor_parameter(
 def jkr(
     load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """Compute contact radius (µm) and pull-off force (mN) of a soft sphere (JKR).
-
-    a³ = 3R/(4E*) (F + P + sqrt(2PF + P²)) with P = 3 π w R; the pull-off force is P/2. The radius is NaN at loads below
-    minus the pull-off force.
+    r"""Compute the contact radius and the pull-off force of a large, soft adhesive sphere (JKR).
 
     Parameters
     ----------
     load : array_like of float, mN
+        Normal load F; negative for a tension.
     radius : array_like of float, µm
+        Effective radius R, 1/R = 1/R_u + 1/R_l.
     effective_modulus : array_like of float, GPa
+        E*, see `effective_modulus`.
     work_of_adhesion : array_like of float, mN/µm (kJ/m²)
+        Energy w to separate a unit area.
+
+    Returns
+    -------
+    contact_radius : ndarray of float, µm
+        Contact radius a, with the broadcast shape of the arguments; NaN at loads below minus the pull-off force.
+    pull_off_force : ndarray of float, mN
+        Largest tensile load, above 0.
+
+    Raises
+    ------
+    ValueError
+        If an argument other than the load is not above 0.
+
+    See Also
+    --------
+    dmt : Limit of small, hard spheres.
+    maugis_dugdale : Transition between both limits.
+    tabor_parameter : Parameter that distinguishes them.
 
     Notes
     -----
-    Johnson, Kendall & Roberts, Proceedings of the Royal Society A 324 (1971) 301.
+    .. math:: a^3 = \frac{3R}{4E^*} \left(F + P + \sqrt{2PF + P^2}\right), \qquad P = 3 π w R
+
+    The pull-off force is P/2. Johnson, Kendall & Roberts, Proceedings of the Royal Society A 324 (1971) 301.
 
     Examples
     --------
@@ -186,14 +275,43 @@ def jkr(
 def dmt(
     load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """Compute contact radius (µm) and pull-off force (mN) of a hard sphere (DMT).
+    r"""Compute the contact radius and the pull-off force of a small, hard adhesive sphere (DMT).
 
-    a³ = 3R/(4E*) (F + 2 π w R); the pull-off force is 2 π w R. Parameters and NaN are as for `jkr`.
+    Parameters
+    ----------
+    load : array_like of float, mN
+        Normal load F; negative for a tension.
+    radius : array_like of float, µm
+        Effective radius R, 1/R = 1/R_u + 1/R_l.
+    effective_modulus : array_like of float, GPa
+        E*, see `effective_modulus`.
+    work_of_adhesion : array_like of float, mN/µm (kJ/m²)
+        Energy w to separate a unit area.
+
+    Returns
+    -------
+    contact_radius : ndarray of float, µm
+        Contact radius a, with the broadcast shape of the arguments; NaN at loads below minus the pull-off force.
+    pull_off_force : ndarray of float, mN
+        Largest tensile load, above 0.
+
+    Raises
+    ------
+    ValueError
+        If an argument other than the load is not above 0.
+
+    See Also
+    --------
+    jkr : Limit of large, soft spheres.
+    maugis_dugdale : Transition between both limits.
+    tabor_parameter : Parameter that distinguishes them.
 
     Notes
     -----
-    Derjaguin, Muller & Toporov, Journal of Colloid and Interface Science 53 (1975) 314, in the form of Maugis (1992):
-    the attraction outside the contact adds to the load of Hertz.
+    .. math:: a^3 = \frac{3R}{4E^*} (F + 2 π w R)
+
+    The attraction outside the contact adds to the load of Hertz. The pull-off force is 2 π w R. Derjaguin, Muller &
+    Toporov, Journal of Colloid and Interface Science 53 (1975) 314, in the form of Maugis (1992).
 
     Examples
     --------
@@ -217,9 +335,37 @@ def maugis_dugdale(
     work_of_adhesion: ArrayLike,
     adhesion_range: ArrayLike,
 ) -> tuple[Floats, Floats]:
-    """Compute contact radius (µm) and pull-off force (mN) of a sphere with attraction w/ρ up to a gap of ρ, 0 beyond.
+    """Compute the contact radius and the pull-off force of a sphere with constant attraction (Maugis-Dugdale).
 
-    Parameters and NaN are as for `jkr`, with the range ρ in µm. The attraction of `half_space` decreases exponentially.
+    Parameters
+    ----------
+    load : array_like of float, mN
+        Normal load F; negative for a tension.
+    radius : array_like of float, µm
+        Effective radius R, 1/R = 1/R_u + 1/R_l.
+    effective_modulus : array_like of float, GPa
+        E*, see `effective_modulus`.
+    work_of_adhesion : array_like of float, mN/µm (kJ/m²)
+        Energy w to separate a unit area.
+    adhesion_range : array_like of float, µm
+        Gap ρ up to which the attraction w/ρ acts; it is 0 at larger gaps.
+
+    Returns
+    -------
+    contact_radius : ndarray of float, µm
+        Contact radius a, with the broadcast shape of the arguments; NaN at loads below minus the pull-off force.
+    pull_off_force : ndarray of float, mN
+        Largest tensile load, above 0.
+
+    Raises
+    ------
+    ValueError
+        If an argument other than the load is not above 0.
+
+    See Also
+    --------
+    jkr, dmt : Limits of soft and of hard spheres.
+    half_space : Rough surfaces, with an attraction that decreases exponentially.
 
     Notes
     -----
@@ -272,24 +418,40 @@ def _maugis(logarithm: float, strength: float) -> tuple[float, float]:
 def fuller_tabor(
     deviation: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """Compute the effect of the summit height distribution on adhesion: σ/δ, and the relative pull-off force.
-
-    The relative pull-off force is that over the pull-off force of equally high summits.
-
-    Summits of one radius R, with normally distributed heights of deviation σ, separate when they are stretched by
-    δ = 3/4 (π² w² R/E*²)^(1/3). Equally high summits have a pull-off force of 3/2 π w R each; above σ/δ = 3 little of
-    it is left.
+    """Compute the effect of the summit height distribution on the pull-off force of a rough surface.
 
     Parameters
     ----------
-    deviation, radius : array_like of float, µm
+    deviation : array_like of float, µm
+        Standard deviation σ of the normally distributed summit heights.
+    radius : array_like of float, µm
+        Radius R of all summits.
     effective_modulus : array_like of float, GPa
+        E*, see `effective_modulus`.
     work_of_adhesion : array_like of float, mN/µm (kJ/m²)
+        Energy w to separate a unit area.
+
+    Returns
+    -------
+    adhesion_parameter : ndarray of float
+        σ/δ, dimensionless, with the broadcast shape of the arguments.
+    relative_pull_off : ndarray of float
+        Pull-off force over the pull-off force of equally high summits, from 0 to 1.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not above 0.
+
+    See Also
+    --------
+    jkr : Model of a single summit.
 
     Notes
     -----
-    Fuller & Tabor, Proceedings of the Royal Society A 345 (1975) 327; σ/δ is their 1/Δc. Summits behave as in `jkr` and
-    do not interact.
+    Summits separate when they are stretched by δ = 3/4 (π² w² R/E*²)^(1/3). Equally high summits have a pull-off force
+    of 3/2 π w R each; above σ/δ = 3 little of it is left. Summits behave as in `jkr` and do not interact. Fuller &
+    Tabor, Proceedings of the Royal Society A 345 (1975) 327; σ/δ is their 1/Δc.
 
     Examples
     --------
@@ -331,16 +493,39 @@ def _check_adhesive(
 def hertz_cylinder(
     overlap: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, width: ArrayLike = 1.0
 ) -> tuple[Floats, Floats]:
-    """Compute force (mN) and area (µm²) of parallel cylinders: π/4 E* overlap w and 2 w (R overlap)^(1/2).
+    r"""Compute the force and the area of two parallel elastic cylinders in contact (Hertz).
 
     Parameters
     ----------
-    overlap, radius, width : array_like of float, µm
-        Overlap of the undeformed circles, a²/R for a contact half-width a.
+    overlap : array_like of float, µm
+        Overlap d of the undeformed circles, a²/R for a contact half-width a.
+    radius : array_like of float, µm
+        Effective radius R, 1/R = 1/R_u + 1/R_l.
     effective_modulus : array_like of float, GPa
+        E*, see `effective_modulus`.
+    width : array_like of float, µm
+        Length w of the cylinders.
+
+    Returns
+    -------
+    force : ndarray of float, mN
+        Normal force F, with the broadcast shape of the arguments.
+    area : ndarray of float, µm²
+        Contact area A.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not above 0.
+
+    See Also
+    --------
+    hertz_line : Half-width and pressure from the load.
 
     Notes
     -----
+    .. math:: F = \fracπ4 E^* d\,w, \qquad A = 2 w (R d)^{1/2}
+
     Johnson, Contact Mechanics (1985), eq. 4.45: a² = 4 F R / (π E* w).
 
     Examples
@@ -359,18 +544,41 @@ def hertz_cylinder(
 def hertz_line(
     load: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, width: ArrayLike = 1.0
 ) -> tuple[Floats, Floats]:
-    """Compute half-width (µm) and peak pressure (GPa) of parallel cylinders: a² = 4 F R/(π E* w) and 2 F/(π a w).
+    r"""Compute the half-width and the peak pressure of two parallel elastic cylinders in contact (Hertz).
 
     Parameters
     ----------
     load : array_like of float, mN
-    radius, width : array_like of float, µm
-        1/R = 1/R_u + 1/R_l; length of the cylinders.
+        Normal load F.
+    radius : array_like of float, µm
+        Effective radius R, 1/R = 1/R_u + 1/R_l.
     effective_modulus : array_like of float, GPa
+        E*, see `effective_modulus`.
+    width : array_like of float, µm
+        Length w of the cylinders.
+
+    Returns
+    -------
+    half_width : ndarray of float, µm
+        Half-width a of the contact, with the broadcast shape of the arguments.
+    peak_pressure : ndarray of float, GPa
+        Pressure p0 in the middle of the contact.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not above 0.
+
+    See Also
+    --------
+    hertz_cylinder : Force and area from the overlap.
 
     Notes
     -----
-    Johnson, Contact Mechanics (1985), eqs. 4.43-4.45. The pressure is the peak pressure times sqrt(1 - (x/a)²).
+    .. math:: a^2 = \frac{4 F R}{π E^* w}, \qquad p_0 = \frac{2 F}{π a w}
+
+    The pressure at a distance x from the middle is p0 sqrt(1 - (x/a)²). Johnson, Contact Mechanics (1985), eqs.
+    4.43-4.45.
 
     Examples
     --------
@@ -388,14 +596,34 @@ def hertz_line(
 def hertz_ellipse(
     overlap: ArrayLike, radius_1: ArrayLike, radius_2: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, tuple[Floats, Floats]]:
-    """Compute force (mN), area (µm²) and semi-axes (µm) of an elliptic contact with two relative radii.
+    """Compute the force, the area and the semi-axes of an elliptic contact (Hertz).
 
     Parameters
     ----------
     overlap : array_like of float, µm
+        Approach d of distant points.
     radius_1, radius_2 : array_like of float, µm
-        Radii of the gap along its principal directions; the semi-axes are along the same directions.
+        Radii of the gap along its principal directions.
     effective_modulus : array_like of float, GPa
+        E*, see `effective_modulus`.
+
+    Returns
+    -------
+    force : ndarray of float, mN
+        Normal force F, with the broadcast shape of the arguments.
+    area : ndarray of float, µm²
+        Contact area π a b.
+    semi_axes : (ndarray, ndarray) of float, µm
+        Semi-axes of the contact along the directions of `radius_1` and `radius_2`.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not above 0.
+
+    See Also
+    --------
+    hertz_sphere : Bodies with a single relative radius.
 
     Notes
     -----
@@ -436,23 +664,39 @@ def hertz_ellipse(
 def slope_friction(
     slope_angle: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike = 0.0, mean_pressure: ArrayLike | None = None
 ) -> Floats:
-    """Compute the friction coefficient of a contact that slides up a slope: tan(θ + arctan(mu0 + tau0 A/F)).
+    r"""Compute the friction coefficient of a contact that slides up a slope.
 
     Parameters
     ----------
     slope_angle : array_like of float, rad
-        θ, from 0 to below π/2.
+        Angle θ of the slope, from 0 to below π/2.
     mu0 : array_like of float
-        Molecular friction coefficient.
+        Molecular friction coefficient, at least 0.
     tau0 : array_like of float, GPa
-        Adhesive shear strength.
-    mean_pressure : array_like of float, GPa
+        Adhesive shear strength, at least 0.
+    mean_pressure : array_like of float, GPa, optional
         F/A of the contact; required if tau0 is not 0.
 
     Returns
     -------
-    ndarray
-        NaN if the contact is self-locked, (mu0 + tau0 A/F) tan θ >= 1.
+    coefficient : ndarray of float
+        Friction coefficient, with the broadcast shape of the arguments; NaN if the contact is self-locked,
+        (mu0 + tau0 A/F) tan θ >= 1.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or the mean pressure is needed and not given.
+
+    See Also
+    --------
+    gentle_friction : Rough surfaces with many slopes.
+
+    Notes
+    -----
+    .. math:: μ_s = \tan(θ + \arctan(μ_0 + τ_0 A/F))
+
+    This is the equilibrium of a block on an incline with friction μ0 + τ0 A/F along the slope.
 
     Examples
     --------
@@ -476,29 +720,38 @@ def slope_friction(
 def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
     """Compute the largest pressure H' of a plastic contact that slides, after junction growth.
 
-    Pressure p and shear traction s act on the same material, which yields at p² + α s² = H² (Tabor 1959), with
-    s = mu0 p + tau0 during sliding. `half_space` with hardness H' gives the contact at the onset of sliding.
-
     Parameters
     ----------
     hardness : array_like of float, GPa
-        H, the largest pressure of the contact without shear.
+        H, the largest pressure of the contact without shear, above 0.
     mu0 : array_like of float
-        Molecular friction coefficient.
+        Molecular friction coefficient, at least 0.
     tau0 : array_like of float, GPa
-        Adhesive shear strength.
+        Adhesive shear strength, at least 0.
     alpha : array_like of float
-        0 or more. 0 leaves H; at 27 the material shears at H/(3 sqrt(3)) without pressure (von Mises, H of three
-        yield strengths).
+        Junction growth α, at least 0. 0 leaves H unchanged; at 27 the material shears at H/(3 sqrt(3)) without pressure
+        (von Mises, H of three yield strengths).
 
     Returns
     -------
-    ndarray, GPa
-        NaN where tau0 >= H/sqrt(α): the interface is stronger than the bulk, and no pressure satisfies both laws.
+    hardness : ndarray of float, GPa
+        H', with the broadcast shape of the arguments. NaN where tau0 >= H/sqrt(α): the interface is stronger than the
+        bulk, and no pressure satisfies both laws.
 
-    References
-    ----------
-    Tabor, Proceedings of the Royal Society A 251 (1959) 378.
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    See Also
+    --------
+    tabor_friction : Friction coefficient of these contacts.
+    half_space : Rough surfaces; with the hardness H' the contact at the onset of sliding.
+
+    Notes
+    -----
+    Pressure p and shear traction s act on the same material, which yields at p² + α s² = H². During sliding
+    s = mu0 p + tau0. Tabor, Proceedings of the Royal Society A 251 (1959) 378.
 
     Examples
     --------
@@ -517,10 +770,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
 
 @reject_overflow
 def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Compute the friction coefficient t of contacts that all yield, after junction growth.
-
-    The coefficient solves t = mu0 + (tau0/H) sqrt(1 + α t²), and equals mu0 + tau0/H' with H' of
-    `hardness_under_shear`.
+    """Compute the friction coefficient of contacts that all yield, after junction growth.
 
     Parameters
     ----------
@@ -529,12 +779,22 @@ def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: 
 
     Returns
     -------
-    ndarray
-        NaN where tau0 >= H/sqrt(α).
+    coefficient : ndarray of float
+        Friction coefficient t, with the broadcast shape of the arguments; NaN where tau0 >= H/sqrt(α).
 
-    References
-    ----------
-    Tabor, Proceedings of the Royal Society A 251 (1959) 378.
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    See Also
+    --------
+    hardness_under_shear : Pressure of these contacts.
+
+    Notes
+    -----
+    The coefficient solves t = mu0 + (tau0/H) sqrt(1 + α t²), and equals mu0 + tau0/H' with H' of
+    `hardness_under_shear`. Tabor, Proceedings of the Royal Society A 251 (1959) 378.
 
     Examples
     --------
@@ -563,7 +823,7 @@ def gentle_friction(
     slope_ratio: ArrayLike = 1.0,
     order: Literal[1, 2] = 1,
 ) -> Floats:
-    """Estimate the friction coefficient of independent surfaces with small slopes on an elastic half-space.
+    """Estimate the friction coefficient of two rough surfaces with small slopes on an elastic half-space.
 
     Parameters
     ----------
@@ -588,14 +848,24 @@ def gentle_friction(
 
     Returns
     -------
-    ndarray
-        NaN if the contact is self-locked, m S >= 1.
+    coefficient : ndarray of float
+        Friction coefficient, with the broadcast shape of the arguments; NaN if the contact is self-locked, m S >= 1.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    See Also
+    --------
+    slope_friction : Single contact on a slope.
+    spectral_resolution : Friction over the shortest wavelength.
 
     Notes
     -----
     With m = mu0 + κ tau0/(E* h') and S = g_s/sqrt(2π) r/(1 + r²), which is g_s/(2 sqrt(2π)) for equally rough surfaces:
     half of the load is on opposing slopes with the mean slope S, so mu_s = (m/2 + S)/(1 - m S). With friction at all
-    contacts, mu_s = m.
+    contacts, mu_s = m. The two surfaces are independent of each other.
 
     Derivation: the gap determines where the surfaces touch. If two Gaussian surfaces have spectra of the same shape,
     the common part of their slopes is independent of the gap. Contact slopes are then a random sample with the variance
@@ -667,22 +937,39 @@ def _stretch(deviation: Floats) -> tuple[Floats, Floats]:
 def westergaard_contact_fraction(
     mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> Floats:
-    """Compute the contact fraction of an elastic sinusoid on a flat: 2/π arcsin (p̄/p*)^(1/2), p* = π E* Δ / λ, up to 1.
+    r"""Compute the contact fraction of an elastic sinusoidal surface on a flat (Westergaard).
 
     Parameters
     ----------
     mean_pressure : array_like of float, GPa
-        p̄, load per nominal area.
+        Mean pressure p̄, load per nominal area.
     amplitude : array_like of float, µm
-        Δ of heights Δ cos(2πx/λ): half of the total height.
+        Amplitude Δ of the heights Δ cos(2πx/λ): half of the total height.
     wavelength : array_like of float, µm
-        λ.
+        Wavelength λ.
     effective_modulus : array_like of float, GPa
+        E*, see `effective_modulus`.
+
+    Returns
+    -------
+    fraction : ndarray of float
+        Real over nominal contact area, with the broadcast shape of the arguments; 1 at pressures above p*.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not above 0.
+
+    See Also
+    --------
+    westergaard_pressure, westergaard_gap : Pressure and gap along the surface.
 
     Notes
     -----
-    Westergaard 1939; Johnson, Contact Mechanics (1985), eqs. 13.7-13.8. Exact for a half-space in plane strain,
-    including the interaction of the crests.
+    .. math:: A/A_0 = \frac2π \arcsin(\bar p/p^*)^{1/2}, \qquad p^* = π E^* Δ / λ
+
+    Exact for a half-space in plane strain, including the interaction of the crests. Westergaard 1939; Johnson, Contact
+    Mechanics (1985), eqs. 13.7-13.8.
 
     Examples
     --------
@@ -700,18 +987,36 @@ def westergaard_contact_fraction(
 def westergaard_pressure(
     x: ArrayLike, mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> Floats:
-    """Compute the pressure (GPa) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 out of contact.
+    r"""Compute the pressure between an elastic sinusoidal surface and a flat (Westergaard).
 
     Parameters
     ----------
     x : array_like of float, µm
+        Distance from a crest.
     mean_pressure, amplitude, wavelength, effective_modulus
         As for `westergaard_contact_fraction`.
 
+    Returns
+    -------
+    pressure : ndarray of float, GPa
+        Pressure between the surfaces; 0 out of contact. The shape is the broadcast shape of the arguments.
+
+    Raises
+    ------
+    ValueError
+        If an argument other than x is not above 0.
+
+    See Also
+    --------
+    westergaard_contact_fraction : Contact fraction, with p*.
+    westergaard_gap : The other quantity along the surface.
+
     Notes
     -----
-    2 p̄ cos ψ / sin² ψ_a (sin² ψ_a - sin² ψ)^(1/2) with ψ = πx/λ and sin² ψ_a = p̄/p*; p̄ + p* cos 2ψ above p*.
-    Westergaard 1939; Johnson, Contact Mechanics (1985), eqs. 13.7-13.8.
+    .. math:: p = 2 \bar p \frac{\cos ψ}{\sin^2 ψ_a} (\sin^2 ψ_a - \sin^2 ψ)^{1/2}, \qquad ψ = πx/λ, \qquad
+              \sin^2 ψ_a = \bar p/p^*
+
+    and p̄ + p* cos 2ψ above p*. Westergaard 1939; Johnson, Contact Mechanics (1985), eqs. 13.7-13.8.
 
     Examples
     --------
@@ -730,18 +1035,37 @@ def westergaard_pressure(
 def westergaard_gap(
     x: ArrayLike, mean_pressure: ArrayLike, *, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> Floats:
-    """Compute the gap (µm) between a flat and an elastic sinusoid, at x (µm) from a crest; 0 in contact.
+    r"""Compute the gap between an elastic sinusoidal surface and a flat (Westergaard).
 
     Parameters
     ----------
     x : array_like of float, µm
+        Distance from a crest.
     mean_pressure, amplitude, wavelength, effective_modulus
         As for `westergaard_contact_fraction`.
 
+    Returns
+    -------
+    gap : ndarray of float, µm
+        Gap between the deformed surfaces; 0 in contact. The shape is the broadcast shape of the arguments.
+
+    Raises
+    ------
+    ValueError
+        If an argument other than x is not above 0.
+
+    See Also
+    --------
+    westergaard_contact_fraction : Contact fraction, with p*.
+    westergaard_pressure : The other quantity along the surface.
+
     Notes
     -----
-    With s the magnitude of sin(πx/λ) and s_a = (p̄/p*)^(1/2): 2 Δ [s (s² - s_a²)^(1/2) - s_a² arcosh(s/s_a)]. Its
-    slope, 4 p*/E* cos ψ (s² - s_a²)^(1/2), continues the pressure analytically beyond the contact.
+    .. math:: g = 2 Δ \left[s (s^2 - s_a^2)^{1/2} - s_a^2 \operatorname{arcosh}(s/s_a)\right], \qquad
+              s = |\sin(πx/λ)|, \qquad s_a^2 = \bar p/p^*
+
+    The slope of the gap, 4 p*/E* cos ψ (s² - s_a²)^(1/2) with ψ = πx/λ, continues the pressure analytically beyond the
+    contact. Johnson, Contact Mechanics (1985), section 13.2.
 
     Examples
     --------

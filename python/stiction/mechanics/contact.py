@@ -94,7 +94,9 @@ def contacts(found: Candidates, approach: float | str, /, **contact: Unpack[Cont
 
 @shows_model
 def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any) -> Contacts:
-    """Compute all contacts at one approach: ``contacts(upper, lower, approach)`` or ``contacts(candidates, approach)``.
+    """Compute all contacts of two surfaces at one approach.
+
+    The call is ``contacts(upper, lower, approach)`` or ``contacts(candidates, approach)``.
 
     Parameters
     ----------
@@ -104,14 +106,24 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     approach : float, µm
         Displacement of the upper surface since first contact of the grid points, at least 0; or a string, "5 nm".
     **contact
-        effective_modulus, law, detection, curvature, shear or direction, and sliding, as in `ContactModel`, or a
-        complete `model`. Surfaces that were read from files require an effective_modulus (GPa). Candidates determine
-        detection and curvature. Only one direction.
+        Keyword arguments of `ContactModel`: effective_modulus (GPa), law, detection, curvature, shear or direction, and
+        sliding; or a complete `model`. Surfaces that were read from files require an effective_modulus. Candidates
+        determine detection and curvature. Only one direction is allowed.
+
+    Returns
+    -------
+    contacts : Contacts
+        Position (µm), normal, radii (µm), force (mN) and area (µm²) of every contact.
 
     Raises
     ------
     ValueError
         If the grids differ, an argument is outside its range, or the approach exceeds that of the candidates.
+
+    See Also
+    --------
+    press : Sums over the contacts at many approaches.
+    candidates : Search that several calls can share.
 
     Notes
     -----
@@ -192,19 +204,35 @@ def asperities(profile: Profile, side: Side) -> Asperities:
     Parameters
     ----------
     profile : Profile
+        Profile whose points are the asperities.
     side : {"lower", "upper"}
-        Whether the solid is below the profile ("lower") or above it.
+        Position of the solid: below the profile ("lower") or above it ("upper").
+
+    Returns
+    -------
+    asperities : Asperities
+        Slope, curvature (1/µm), normal, radius (µm) and sphere centre (µm) of every point.
+
+    Raises
+    ------
+    ValueError
+        If the side is neither "lower" nor "upper".
+
+    See Also
+    --------
+    contacts : Contacts between the asperities of two profiles.
 
     Notes
     -----
-    With q = sqrt(1 + f'²), the lower surface has n = (-f', 0, 1)/q and R = -q³/f'', the upper one both negated. The
-    centre is x - R n. The end condition f'' = 0 makes radii within about ten points of an end unreliable.
+    The derivatives f' and f'' are those of the natural cubic spline. With q = sqrt(1 + f'²), the lower surface has
+    n = (-f', 0, 1)/q and R = -q³/f''; both have the opposite sign on the upper surface. The centre is x - R n. The end
+    condition f'' = 0 makes radii within about ten points of an end unreliable.
 
     Examples
     --------
     >>> import numpy as np
     >>> from stiction import Profile, asperities
-    >>> arc = Profile(-((np.arange(21) * 0.1 - 1.0) ** 2) / 4, spacing=0.1)  # of radius 2
+    >>> arc = Profile(-((np.arange(21) * 0.1 - 1.0) ** 2) / 4, spacing=0.1)  # radius 2
     >>> float(asperities(arc, "lower").radius[10].round(2))
     2.0
     """

@@ -390,21 +390,22 @@ def half_space(
         Unit of the heights of arrays.
     approaches : (k,) array_like of float, µm
         Displacements of the upper surface since first contact, instead of loads: of its far points, or of its mean
-        plane if periodic. Above 0 and strictly increasing; or strings, "5 nm". Each takes about six solutions to find
-        its load.
+        plane if periodic. Above 0 and strictly increasing; or strings, "5 nm". Each approach takes about six solutions.
     effective_modulus : float, GPa
         E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2. By default 10 GPa for generated surfaces; required for surfaces
         that were read from files.
     boundary : {"free", "periodic"}
-        Whether nothing is beyond the edges, or the surfaces continue periodically.
+        Boundary of the contact: "free" if no material lies beyond the edges, "periodic" if the surfaces continue
+        periodically.
     compliance_share : float
         c_l = E* (1 - ν_l²)/E_l, the lower body's fraction of the compliance, from 0 to 1. Up to a constant, the
         deformed interface is (1 - c_l) z_l + c_l z_u.
     hardness : float, GPa, optional
         Largest possible pressure: elastic, perfectly plastic, in first loading.
     tilt : {"fixed", "free"}
-        Whether the upper surface keeps its orientation, or rotates about its centre, as on a ball joint, until the
-        resultant of the pressures is there, to 1e-4 of its length. Approaches then refer to the centre.
+        "fixed": the upper surface keeps its orientation. "free": it rotates about its centre, as on a ball joint, until
+        the resultant of the pressures passes through the centre, to 1e-4 of its length. Approaches then refer to the
+        centre.
     direction : {"+x", "-x"}, float or a sequence of them
         Direction in which the upper surface is about to move; on surfaces also an angle in degrees from +x towards +y.
     sliding : {"opposing", "all"}
@@ -421,6 +422,11 @@ def half_space(
         Called in every iteration on the finest grid with the number of solved loads or approaches, the iteration and
         the current error. An exception from it, such as Ctrl-C, ends the computation.
 
+    Returns
+    -------
+    curve : HalfSpaceCurve
+        Load (mN), approach (µm), real contact area (µm²) and the sums that determine friction, at every load.
+
     Raises
     ------
     ValueError
@@ -430,6 +436,11 @@ def half_space(
     RuntimeError
         If the error at a load exceeds the tolerance, no tilt balances the surfaces, or adhering surfaces separate
         before a load is reached.
+
+    See Also
+    --------
+    press : Asperity model, faster and without interaction of the contacts.
+    resolution : Dependence on the shortest wavelength of the scans.
 
     Notes
     -----

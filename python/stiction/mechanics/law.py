@@ -89,10 +89,10 @@ class JacksonGreen(Law):
 
     Parameters
     ----------
-    Yield strength S_y of the softer body, below a tenth of the effective modulus.
-        S_y of the softer body, below a tenth of the effective modulus.
-    Poisson's ratio ν of that body, from 0 to 0.5.
-        ν of that body, from 0 to 0.5.
+    yield_strength : float, GPa
+        Yield strength S_y of the softer body, below a tenth of the effective modulus.
+    poisson_ratio : float
+        Poisson's ratio ν of the softer body, from 0 to 0.5.
 
     Notes
     -----
@@ -131,16 +131,34 @@ def as_law(law: Law | LawName) -> Law:
 def force_and_area(
     law: Law | LawName, *, overlap: float, radius: float, effective_modulus: float = 10.0
 ) -> tuple[float, float]:
-    """Compute the normal force (mN) and area (µm²) of one contact.
+    """Compute the normal force and the area of one contact.
 
     Parameters
     ----------
-    law : HertzSphere, HertzCylinder, JacksonGreen, or a name
+    law : HertzSphere, HertzCylinder or JacksonGreen, or "hertz-sphere" or "hertz-cylinder"
+        Contact law.
     overlap : float, µm
-        Above 0.
+        Overlap of the undeformed bodies, above 0.
     radius : float, µm
         Effective radius, 1/R = 1/R_u + 1/R_l, above 0.
     effective_modulus : float, GPa
+        E*, see `effective_modulus`.
+
+    Returns
+    -------
+    force : float, mN
+        Normal force.
+    area : float, µm²
+        Contact area.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or there is no such law.
+
+    See Also
+    --------
+    hertz_sphere, hertz_cylinder : Closed forms for arrays.
 
     Examples
     --------

@@ -199,7 +199,9 @@ def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[Contact
 
 @shows_model
 def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any) -> LoadCurve:
-    """Compute loads and area: ``press(upper, lower, approaches)`` or ``press(candidates, approaches)``.
+    """Compute the loads and the contact area of two surfaces at given approaches, with the asperity model.
+
+    The call is ``press(upper, lower, approaches)`` or ``press(candidates, approaches)``.
 
     Parameters
     ----------
@@ -207,14 +209,32 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
         Two profiles or two surfaces on the same grid, or `Candidates` instead of both. A profile that is straight to
         round-off is treated as flat.
     approaches : (k,) array_like of float, µm
-        At least 0 and strictly increasing; or a string, "5 nm", or a list of strings.
+        Displacements of the upper surface since first contact of the grid points, at least 0 and strictly increasing;
+        or a string, "5 nm", or a list of strings.
     **contact
         As for `contacts`. On surfaces several directions can be given at little extra cost.
 
     Returns
     -------
-    LoadCurve
-        A `SurfaceLoadCurve` for surfaces.
+    curve : LoadCurve
+        Contact area (µm²) and the sums that determine the loads (mN) at every approach; a `SurfaceLoadCurve` for
+        surfaces.
+
+    Raises
+    ------
+    ValueError
+        If the grids differ, an argument is outside its range, or an approach exceeds that of the candidates.
+
+    See Also
+    --------
+    approach_at_load : Approach at given loads.
+    half_space : Boundary-element solution, with interaction of the contacts.
+    contacts : Single contacts at one approach.
+
+    Notes
+    -----
+    Asperities are independent of each other, with one law for all contacts. Hanaor, Gan & Einav, Tribology
+    International 93 (2016) 229.
 
     Examples
     --------

@@ -41,9 +41,9 @@ def approach_at_load(
     upper, lower : Profile or Surface
         Two profiles or two surfaces on the same grid.
     loads : array_like of float, mN
-        Above 0, of any shape; or a string, "10 mN", or a list of strings.
+        Normal loads above 0, of any shape; or a string, "10 mN", or a list of strings.
     mu0 : float
-        Molecular friction coefficient; friction on slopes supports part of the normal load.
+        Molecular friction coefficient. Friction on slopes supports part of the normal load.
     tau0 : float, GPa
         Adhesive shear strength.
     **contact
@@ -51,16 +51,26 @@ def approach_at_load(
 
     Returns
     -------
-    ndarray, µm
-        Approaches of the shape of the loads, at which F_N first reaches the load from below. NaN if the load is not
+    approach : ndarray of float, µm
+        Approach at which F_N first reaches the load from below, with the shape of the loads. NaN if the load is not
         reached before all points touch, because friction locks the contacts or there are none, and if more than the
         load is supported at an approach of 0. `Result.at` distinguishes these cases.
+
+    Raises
+    ------
+    ValueError
+        If the grids differ or an argument is outside its range.
+
+    See Also
+    --------
+    press : Loads at given approaches.
+    half_space : Boundary-element solution at given loads.
 
     Notes
     -----
     F_N is sampled at approaches that increase by a tenth. Within the first step that crosses a load upwards, the
-    crossing is computed to 1e-12. If F_N jumps over a load, as for D >= 1.5 and with detection="cell", the approach
-    is the one after the jump.
+    crossing is computed to 1e-12. If F_N jumps over a load, as for D >= 1.5 and with detection="cell", the result is
+    the approach after the jump.
 
     Examples
     --------

@@ -92,17 +92,27 @@ class Material:
 
 
 def material(name: str) -> Material:
-    """Return a material by its name, ignoring case, spaces and hyphens.
+    """Return a material by its name.
 
     Parameters
     ----------
     name : str
-        One of `materials`, or an alias.
+        Name of one of `materials`, or an alias. Case, spaces and hyphens are ignored.
+
+    Returns
+    -------
+    material : Material
+        Moduli and hardness (GPa) and Poisson's ratio, with their ranges and sources.
 
     Raises
     ------
     ValueError
         If there is no such material; the message contains the nearest names.
+
+    See Also
+    --------
+    materials : All materials.
+    effective_modulus : Modulus of two materials.
 
     Examples
     --------
@@ -128,12 +138,21 @@ def material(name: str) -> Material:
 
 @cache
 def materials() -> tuple[Material, ...]:
-    """Return all materials, grouped by kind.
+    """Return all materials.
+
+    Returns
+    -------
+    materials : tuple of Material
+        Materials grouped by kind, and sorted by name within a kind.
+
+    See Also
+    --------
+    material : Single material by its name.
 
     Examples
     --------
     >>> from stiction import materials
-    >>> [each.name for each in materials() if each.kind == "glass"]
+    >>> [solid.name for solid in materials() if solid.kind == "glass"]
     ['fused silica', 'N-BK7 glass', 'soda-lime glass']
     """
     text = (resources.files("stiction.mechanics") / "materials.toml").read_text(encoding="utf-8")
@@ -157,7 +176,30 @@ def materials() -> tuple[Material, ...]:
 
 
 def compliance_fraction(upper: Material, lower: Material) -> float:
-    """Return c_l = E* (1 - ν_l²)/E_l, the lower body's fraction of the compliance of a pair.
+    """Return the fraction of the compliance of a pair that belongs to the lower body.
+
+    Parameters
+    ----------
+    upper, lower : Material
+        Materials of both bodies.
+
+    Returns
+    -------
+    fraction : float
+        c_l, from 0 to 1: the `compliance_share` of `half_space`.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not a `Material`.
+
+    See Also
+    --------
+    effective_modulus : Modulus of the pair.
+
+    Notes
+    -----
+    c_l = E* (1 - ν_l²)/E_l, where E* is the effective modulus, and E_l and ν_l belong to the lower body.
 
     Examples
     --------
@@ -172,9 +214,27 @@ def compliance_fraction(upper: Material, lower: Material) -> float:
 
 
 def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
-    """Return the hardness (GPa) of the softer of two bodies, which yields first; None if one is an elastomer.
+    """Return the hardness of the softer of two bodies.
 
-    An elastomer does not yield, and keeps the pressure far below the hardness of its counterface.
+    Parameters
+    ----------
+    upper, lower : Material
+        Materials of both bodies.
+
+    Returns
+    -------
+    hardness : MaterialValue, GPa, or None
+        Hardness with its range and source; None if one of the bodies is an elastomer.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not a `Material`.
+
+    Notes
+    -----
+    The softer body yields first. An elastomer does not yield, and keeps the pressure far below the hardness of its
+    counterface.
 
     Examples
     --------

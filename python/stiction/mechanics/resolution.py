@@ -62,7 +62,7 @@ def resolution(
     Parameters
     ----------
     upper, lower : Profile or Surface
-        As for `half_space`.
+        Two profiles or two surfaces on the same grid, as for `half_space`.
     loads : (k,) array_like of float, mN
         Above 0 and strictly increasing.
     hardness : float, GPa, or None
@@ -71,8 +71,10 @@ def resolution(
     cut_offs : float or sequence of float, µm, optional
         Wavelengths for `cut_off`; the unfiltered scan, 0, is always included. By default 0, four points, and doubled
         up to a thirtieth of the shortest side.
-    mu0, tau0 : float, GPa for tau0
-        Friction is evaluated if mu0 is given; `resolution_friction` evaluates it for other values.
+    mu0 : float, optional
+        Molecular friction coefficient. Friction is evaluated if it is given.
+    tau0 : float, GPa
+        Adhesive shear strength.
     effective_modulus, boundary, compliance_share, tolerance
         As for `half_space`.
     direction : {"+x", "-x"} or float, or a sequence of these, optional
@@ -84,7 +86,7 @@ def resolution(
 
     Returns
     -------
-    xarray.Dataset
+    result : xarray.Dataset
         Over `cut_off` (µm), `normal_load` (mN) and `sliding` ("all", "opposing"): `rms_gradient` of the gap,
         `contact_area`, `contact_area_fraction`, `mean_pressure`, `contact_count`, `load_fraction_at_hardness`, the six
         sums, and with mu0 `friction_coefficient`. NaN without a solution.
@@ -110,6 +112,11 @@ def resolution(
     ------
     ValueError
         As for `half_space` and `cut_off`, or if the gap is constant.
+
+    See Also
+    --------
+    resolution_friction : Friction for other values of mu0 and tau0.
+    spectral_resolution : Closed form for independent surfaces, from their spectra.
 
     Notes
     -----
@@ -173,7 +180,31 @@ def resolution(
 
 
 def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) -> xr.DataArray:
-    """Evaluate mu_s of a `resolution` dataset for any mu0 and tau0 (GPa); loads are averaged over the directions.
+    """Evaluate the friction coefficient of a `resolution` dataset for any mu0 and tau0.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        Dataset of `resolution`.
+    mu0 : float
+        Molecular friction coefficient, at least 0.
+    tau0 : float, GPa
+        Adhesive shear strength, at least 0.
+
+    Returns
+    -------
+    coefficient : xarray.DataArray
+        Friction coefficient over `cut_off` (µm), `normal_load` (mN) and `sliding` ("all", "opposing"): the ratio of the
+        tangential and the normal load, both averaged over the directions. NaN without a solution.
+
+    Raises
+    ------
+    ValueError
+        If mu0 or tau0 is negative.
+
+    See Also
+    --------
+    resolution : Computation of the dataset.
 
     Examples
     --------
@@ -397,7 +428,7 @@ def spectral_resolution(
     kappa: float = KAPPA,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
-    r"""Compute real contact area and friction of two surfaces over the shortest wavelength, in closed form.
+    r"""Compute the real contact area and friction of two surfaces over the shortest wavelength, in closed form.
 
     Parameters
     ----------
@@ -408,19 +439,33 @@ def spectral_resolution(
         Load over nominal area, above 0.
     hardness : float, GPa, or None
         Hardness of the softer body, above the pressure; None is elastic.
-    mu0, tau0 : float, GPa for tau0
+    mu0 : float
+        Molecular friction coefficient, at least 0.
+    tau0 : float, GPa
+        Adhesive shear strength, at least 0.
     effective_modulus : float, GPa
+        E*, see `effective_modulus`.
     kappa : float
         A E* h'/F of the elastic contact.
     wavelengths : array_like of float, µm, optional
-        By default those of both surfaces.
+        Shortest wavelengths; by default the wavelengths of both surfaces.
 
     Returns
     -------
-    xarray.Dataset
+    result : xarray.Dataset
         Over `wavelength` (µm, descending): `rms_gradient` of the gap, `contact_area_fraction`, `mean_pressure`, and
         also over `sliding` ("all", "opposing") `friction_coefficient`. `plastic_wavelength` (µm) is where the elastic
         pressure reaches the hardness; NaN if it does not.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or the roughness is not that of a surface.
+
+    See Also
+    --------
+    resolution : Solution for a given pair of scans.
+    gentle_friction : Friction at opposing contacts.
 
     Notes
     -----
