@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from reference import pressing
-from stiction import Profile, asperities
+from stiction import Profile, Surface, asperities
 
 # The same spline by two solvers: round-off of second differences, relative to their rms.
 SAME_SPLINE = 1e-12
@@ -40,3 +40,8 @@ def test_asperities_have_flat_ends_and_read_only_arrays():
 def test_asperities_reject_unknown_side():
     with pytest.raises(ValueError, match="side must be one of 'lower', 'upper', got 'left'"):
         asperities(Profile(np.arange(9.0), spacing=1), "left")
+
+
+def test_asperities_reject_surface():
+    with pytest.raises(ValueError, match="profile must be a Profile, got Surface"):
+        asperities(Surface(np.eye(9), spacing=1), "lower")

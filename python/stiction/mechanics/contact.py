@@ -18,7 +18,7 @@ from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
 from stiction.mechanics.model import ContactKeywords, shows_model, warn_if_same_body
 from stiction.surfaces.profile import Profile, Side
-from stiction.surfaces.surface import Surface
+from stiction.surfaces.surface import Surface, as_body
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -216,7 +216,7 @@ def asperities(profile: Profile, side: Side) -> Asperities:
     Raises
     ------
     ValueError
-        If the side is neither "lower" nor "upper".
+        If the profile is not a `Profile`, or the side is neither "lower" nor "upper".
 
     See Also
     --------
@@ -236,6 +236,7 @@ def asperities(profile: Profile, side: Side) -> Asperities:
     >>> float(asperities(arc, "lower").radius[10].round(2))
     2.0
     """
+    as_body("profile", profile, Profile)
     check_choice("side", side, Side)
     arrays = stiction._core.asperities(profile.heights, spacing=profile.spacing, side=side)
     return Asperities(*(read_only(array) for array in arrays))
