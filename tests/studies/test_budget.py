@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import xarray
 from scipy.stats import halfnorm
-from stiction import Study, Surface, cut_off, pair
+from stiction import Study, Surface, cut_off, pair, self_affine_surface
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
 from stiction.studies.budget import _numbers_at, _Point, add_uncertainty
@@ -331,3 +333,30 @@ def test_interval_of_a_coefficient_of_zero_has_the_range_of_mu0() -> None:
     assert low == 0
     assert high == pytest.approx(0.1 * halfnorm.ppf(0.975), rel=0.02)
     assert pair(*bodies(points=24), mu0=0.0, **options).interval[1] < budget.NEGLIGIBLE
+
+
+CONTAINMENT_INPUTS = (
+    {"mu0": "0.2±0.05", "tau0": "20..80 MPa", "effective_modulus": "40..60 GPa"},
+    {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "50 GPa", "hardness": "1..3 GPa"},
+    {"mu0": "0.2±0.05", "tau0": "20..80 MPa", "effective_modulus": "50 GPa", "hardness": "2 GPa"},
+)
+
+
+@pytest.mark.parametrize("inputs", CONTAINMENT_INPUTS)
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_combined_interval_contains_sampling_interval_and_bracket(inputs: dict[str, Any], noise: float) -> None:
+    """The value lies between a hundredth and 99 hundredths of the interval, with wavelengths removed or not."""
+    random = np.random.default_rng(7)
+    rough = {"hurst_exponent": 0.7, "rms": 0.01, "shape": (48, 48), "spacing": 0.1, "shortest_wavelength": 0.5}
+    heights = [self_affine_surface(5, side=side, **rough).heights for side in ("upper", "lower")]
+    bodies = [Surface(z + noise * z.std() * random.standard_normal(z.shape), spacing=0.1) for z in heights]
+    result = pair(*bodies, load="200 MPa", shifts=4, onset=0, direction=[0, 90], **inputs)
+    points = [one for one in result.summary().points if not one.covered]
+    assert points
+    for one in points:
+        for rule in one.rules:
+            width = rule.upper - rule.lower
+            assert rule.lower + 0.01 * width < rule.value < rule.upper - 0.01 * width
+            assert rule.lower <= rule.positions[0] < rule.positions[1] <= rule.upper
+        if "hardness" in inputs and one.bracket is not None:
+            assert one.rules[0].lower <= one.bracket[0] <= one.bracket[1] <= one.rules[0].upper
