@@ -43,33 +43,47 @@ def table_study(
     repetitions: int = 12,
     seed: int = 2016,
 ) -> Study:
-    """The study that a table is made of: pairs of self-affine surfaces as periodic half-spaces.
+    """Create the study of a friction table: pairs of self-affine surfaces as periodic half-spaces.
 
     Parameters
     ----------
-    hurst_exponents : sequence of float
-        From just above 0 to 1.
-    rms : sequence of float, µm
-        Sq of each of the two surfaces.
-    pressures : sequence of float, GPa
+    hurst_exponents : (h,) sequence of float
+        Hurst exponents, above 0 and at most 1.
+    rms : (r,) sequence of float, µm
+        Root-mean-square height Sq of each of the two surfaces.
+    pressures : (p,) sequence of float, GPa
         Loads over the nominal area.
-    mu0 : sequence of float
-    tau0 : sequence of float, GPa
+    mu0 : (m,) sequence of float
+        Molecular friction coefficients.
+    tau0 : (t,) sequence of float, GPa
+        Adhesive shear strengths.
     effective_modulus : float, GPa
+        E*, see `effective_modulus`.
     extent : float, µm
-        Side of the square that is pressed, and period of the surfaces.
+        Side of the square nominal area, and period of the surfaces.
     points : int
-        Along each side.
+        Number of grid points along each side.
     longest_wavelength, shortest_wavelength : float, µm
-        Roll-off and cut-off. With at least four of the longest waves along the side a table hardly depends on it.
+        Roll-off and cutoff wavelength. With at least four of the longest waves along the side, a table hardly depends
+        on the side.
     repetitions : int
-        Pairs of surfaces.
+        Number of pairs of surfaces.
     seed : int
+        Seed of the random surfaces.
+
+    Returns
+    -------
+    study : Study
+        Study for `run`, whose result is the argument of `friction_table`.
 
     Raises
     ------
     StudyError
         If the study cannot be computed.
+
+    See Also
+    --------
+    friction_table : Table of the result.
 
     Examples
     --------

@@ -44,14 +44,14 @@ def _needed(what: str) -> tuple[str, ...]:
 def friction_map(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    """Friction coefficient of the ensemble, mean(F_T) / mean(F_N), at given normal loads.
+    """Compute the friction coefficient of the ensemble at given normal loads, mean(F_T) / mean(F_N).
 
     Parameters
     ----------
     result : Result, or xarray.Dataset of member sums
-        One piece of a stored result is in memory at a time.
+        Result of a study of generated surfaces. One piece of a stored result is in memory at a time.
     loads : (l,) array_like of float, mN
-        Above 0.
+        Normal loads, above 0.
     mu0 : (m,) array_like of float, optional
         Molecular friction coefficients; those of the study by default.
     tau0 : (t,) array_like of float, GPa, optional
@@ -67,6 +67,16 @@ def friction_map(
         approach carries as much) or "below-range" (the smallest approach carries more); the coefficient is NaN unless
         it is "ok".
 
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    See Also
+    --------
+    area_map, stiffness_map : True contact area and normal stiffness.
+    friction_table : Friction against pressure, and fitted laws.
+
     Examples
     --------
     >>> from stiction import Study, friction_map, run
@@ -80,7 +90,32 @@ def friction_map(
 def area_map(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    """Mean true contact area of the ensemble (µm²) at given normal loads; otherwise as `friction_map`.
+    """Compute the mean true contact area of the ensemble at given normal loads.
+
+    Parameters
+    ----------
+    result : Result, or xarray.Dataset of member sums
+        Result of a study of generated surfaces.
+    loads : (l,) array_like of float, mN
+        Normal loads, above 0.
+    mu0 : (m,) array_like of float, optional
+        Molecular friction coefficients; those of the study by default.
+    tau0 : (t,) array_like of float, GPa, optional
+        Adhesive shear strengths; those of the study by default.
+
+    Returns
+    -------
+    areas : xarray.Dataset
+        contact_area (µm²), with the interval, the status and the dimensions of `friction_map`.
+
+    Raises
+    ------
+    ValueError
+        As for `friction_map`.
+
+    See Also
+    --------
+    friction_map : Friction coefficient, with the dimensions and the status.
 
     Examples
     --------
@@ -95,16 +130,40 @@ def area_map(
 def stiffness_map(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    """Normal stiffness of the ensemble, d mean(F_N) / dδ (mN/µm), at given normal loads; otherwise as `friction_map`.
+    """Compute the normal stiffness of the ensemble at given normal loads.
 
-    The derivative along the approach δ is that of the parabola through an approach and its two neighbours, so it is as
-    fine as the approaches are; it can be negative, because load is not monotone in approach. By the half-space, whose
-    steps are loads, it is the mean of the pairs' own derivatives at equal elastic load.
+    Parameters
+    ----------
+    result : Result, or xarray.Dataset of member sums
+        Result of a study of generated surfaces.
+    loads : (l,) array_like of float, mN
+        Normal loads, above 0.
+    mu0 : (m,) array_like of float, optional
+        Molecular friction coefficients; those of the study by default.
+    tau0 : (t,) array_like of float, GPa, optional
+        Adhesive shear strengths; those of the study by default.
+
+    Returns
+    -------
+    stiffnesses : xarray.Dataset
+        normal_stiffness (mN/µm), with the interval, the status and the dimensions of `friction_map`.
 
     Raises
     ------
     ValueError
-        As `friction_map`, with fewer than three approaches or loads, and of free half-planes, which have no approach.
+        As for `friction_map`, with fewer than three approaches or loads, and for free half-planes, which have no
+        approach.
+
+    See Also
+    --------
+    friction_map : Friction coefficient, with the dimensions and the status.
+
+    Notes
+    -----
+    The stiffness is d mean(F_N) / dδ. The derivative along the approach δ is that of the parabola through an approach
+    and its two neighbours, so its resolution is that of the approaches. It can be negative, because the load is not
+    monotone in the approach. In half-space studies, whose steps are loads, it is the mean of the derivatives of the
+    pairs at equal elastic load.
 
     Examples
     --------

@@ -481,7 +481,16 @@ def written_table(table: Table) -> dict[str, Any]:
 
 
 def study_names() -> list[str]:
-    """Names of the built-in studies, sorted.
+    """Return the names of the built-in studies.
+
+    Returns
+    -------
+    names : list of str
+        Sorted names, which `Study.named` accepts.
+
+    See Also
+    --------
+    run : Run a study.
 
     Examples
     --------
