@@ -62,10 +62,8 @@ FUNCTIONS_OF_RESULTS = {
     "friction_table": stiction.friction_table,
     "nondimensional": stiction.nondimensional,
     "pair_of": lambda value: stiction.pair_of(value, 1, fractal_dimension=1.3, amplitude=0.1),
-    "pressed_maps_mean": stiction.pressed_maps_mean,
     "resolution_friction": lambda value: stiction.resolution_friction(value, mu0=0.2),
     "stiffness_map": lambda value: stiction.stiffness_map(value, [1.0]),
-    "traverse_mean": stiction.traverse_mean,
 }
 
 

@@ -357,23 +357,21 @@ class OverMembers:
         return cls(order, lines[order])
 
     def mean(self, values: Floats) -> Floats:
-        """(..., 3): mean, lower and upper end of values (members, ...)."""
+        """Return mean, lower and upper end (..., 3) of values (members, ...), of which some may be missing."""
         if self.scans is not None:
             columns = values.reshape(values.shape[0], -1).T
-            ends = [_ends_of(column, intervals.scans_mean(column, *self.scans)) for column in columns]
-            return np.array(ends).reshape(*values.shape[1:], 3)
+            rows = [_ends_of(column, intervals.scans_mean(column, *self.scans)) for column in columns]
+            return np.array(rows).reshape(*values.shape[1:], 3)
         if self.order is None or self.lines is None:
             return np.stack(intervals.sample_mean(values), axis=-1)
         flat = values[self.order].reshape(values.shape[0], -1)
-        known = np.isfinite(flat)
-        if known.all():
-            whole = np.stack(intervals.positions_mean(flat, self.lines), axis=-1)
-            return whole.reshape(*values.shape[1:], 3)
-        found = [
-            intervals.positions_mean(column[there], self.lines[there])
-            for column, there in zip(flat.T, known.T, strict=True)
-        ]
-        return np.array(found).reshape(*values.shape[1:], 3)
+        # Columns with the same missing members are evaluated together, which takes a fraction of the time.
+        masks, group = np.unique(np.isfinite(flat).T, axis=0, return_inverse=True)
+        ends = np.empty((flat.shape[1], 3))
+        for number, mask in enumerate(masks):
+            columns = group.ravel() == number
+            ends[columns] = np.stack(intervals.positions_mean(flat[mask][:, columns], self.lines[mask]), axis=-1)
+        return ends.reshape(*values.shape[1:], 3)
 
 
 def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
