@@ -145,10 +145,9 @@ def add_uncertainty(
 
 def _numbers_at(table: xarray.Dataset, where: Mapping[str, int]) -> dict[str, Any]:
     """Return the values of all variables at one place, which takes less time than a dataset."""
-    variables = {str(name): each.variable for name, each in {**table.data_vars, **table.coords}.items()}
     return {
-        name: each.values[tuple(where.get(str(dim), slice(None)) for dim in each.dims)]
-        for name, each in variables.items()
+        str(name): each.values[tuple(where.get(str(dim), slice(None)) for dim in each.dims)]
+        for name, each in table.variables.items()
     }
 
 
