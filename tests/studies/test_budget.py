@@ -11,7 +11,7 @@ from scipy.stats import halfnorm
 from stiction import Study, Surface, cut_off, pair, self_affine_surface
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
-from stiction.studies.budget import _numbers_at, _Point, add_uncertainty
+from stiction.studies.budget import _CoefficientSamples, _numbers_at, add_uncertainty
 from stiction.studies.evaluation import PerLoad, areas_of, at_load, member_sums
 from stiction.studies.executors import threads
 from stiction.studies.hardness import choose_area_nodes, compute_areas_over_hardness, find_inputs
@@ -99,13 +99,13 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
     where = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
     six, areas = member_sums(result.source, at["load"].values), areas_of(at, result.source)
     friction = PerLoad.of(six.sel(sliding="all").mean())
-    one = _Point(_numbers_at(at, where), where, result.study, inputs, friction, areas)
+    one = _CoefficientSamples(_numbers_at(at, where), where, result.study, inputs, friction, areas)
     one.names, one.places = tuple(inputs), {}  # the scan as it is, at these positions
     for part in (0.03, 0.7):
         hardness = float(inputs["hardness"].estimate.quantile(part))
         stiffness = float(inputs["effective_modulus"].estimate.quantile(part))
         direct = pair(*bodies(rms=rms), hardness=hardness, effective_modulus=stiffness, **kwargs)
-        computed = one._draws({"hardness": part, "effective_modulus": part})
+        computed = one._friction_samples({"hardness": part, "effective_modulus": part})
         assert computed[0] == pytest.approx(direct.value, rel=WIDE if modulus.startswith("48") else BETWEEN)
 
 

@@ -474,10 +474,10 @@ def test_prior_information_is_preserved() -> None:
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: calibrate([]), "must have one that slid"),
+        (lambda: calibrate([]), "must contain a test that slid"),
         (lambda: calibrate([3]), "must be a sequence of FrictionTest"),
-        (lambda: FrictionTest(BALL, 1), "one of coefficient and force"),
-        (lambda: FrictionTest(BALL, 1, coefficient=0.1, force=1), "one of coefficient and force"),
+        (lambda: FrictionTest(BALL, 1), "either coefficient or force"),
+        (lambda: FrictionTest(BALL, 1, coefficient=0.1, force=1), "either coefficient or force"),
         (lambda: FrictionTest(BALL, "1 um", coefficient=0.1), "load .* unit"),
         (lambda: FrictionTest(BALL, 1, coefficient=-0.1), "not be negative"),
         (lambda: FrictionTest(BALL, 1, coefficient=1e-310, uncertainty=1e-311), "must be at least 1e-15"),

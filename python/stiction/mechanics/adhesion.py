@@ -1,11 +1,13 @@
-"""Adhesion of a half-space: an attraction that falls off with the gap, as a traction on the solver that has none.
+"""Adhesion of a half-space: an attraction that decays with the gap, as a given traction on the solver without adhesion.
 
-With σ(g) = w/ρ exp(-g/ρ), press the gap g0 - Kσ, take σ of the gap that comes out, and repeat until both agree.
+The attraction is σ(g) = w/ρ exp(-g/ρ). Each iteration solves the contact of the gap g0 - Kσ and evaluates σ at the new
+gap, until σ no longer changes.
 
-Under a constant external load each repetition lowers the energy, because the energy of the attraction is a concave
-function of the gap. A smaller load or attraction gives a larger gap at every point. So from a contact under a larger
-load the attraction decreases with every repetition, either to the first contact on the way apart, or until the bodies
-come off. In the second case they do not bear the load, since the attraction of any contact would be a lower bound.
+Under a constant external load each iteration lowers the energy, because the energy of the attraction is a concave
+function of the gap. A smaller load or attraction gives a larger gap at every point. Therefore, from a contact under a
+larger load, the attraction decreases with every iteration, either to the first equilibrium of bodies that are pulled
+apart, or until the bodies separate. In the second case the bodies do not bear the load, because the attraction of any
+equilibrium would be a lower bound.
 """
 
 from __future__ import annotations
@@ -20,56 +22,64 @@ import stiction._core as _core
 from stiction._checks import Floats
 from stiction.mechanics.half_space_problem import ContactSolution, Problem, State, threads, to_contact_solution
 
-PLAIN = 2  # plain steps between two longer ones, which damp the shapes that these overshoot
-LONGEST = 10.0  # length of a longer step over that of a plain one
-MAX_SOLUTIONS = 2000  # solutions for one contact at an external load, some of which lead through jumps
-MAX_SETTLING, PATIENCE = 60, 20  # solutions for one at a contact load, and those without a lower residual
-LOOSER = 10.0  # residual of the attraction, relative to the contact load and the attraction, over the tolerance
-INNERMOST = 1e-8  # smallest tolerance of a solution; below it round-off stalls some
-INEXACT, LOOSEST = 0.05, 1e-3  # error of a solution over the residual before it, and its largest tolerance
-CLOSER = 1e-3  # increase of the attraction on the way apart, over its maximum, that is an error of the solutions
-FEWEST = 1e-3  # contact load below which bodies have come off, over the attraction of bodies that touch at a point
-STRIDE = 0.6  # contact load over the one before on the way apart
-NEGLECTED = 0.01  # relative error of the least load
-FIRST_STEP = 0.05  # relative difference between the least load and the first one tried below it, if that is unknown
-SMOOTH = 0.003  # relative difference between the least load and an interpolated one that is not computed
-NARROWEST = 0.01  # relative difference of contact loads between which no load is interpolated
+PLAIN = 2  # plain steps between two extrapolated ones, which damp the modes that these overshoot
+MAX_STEP = 10.0  # largest extrapolated step over the plain one
+MAX_SOLUTIONS = 2000  # solutions for one external load, which may include jumps
+MAX_SETTLING, PATIENCE = 60, 20  # solutions for one contact load, and solutions without a decrease of the residual
+RESIDUAL_FACTOR = 10.0  # relative residual of the attraction over the tolerance
+MIN_TOLERANCE = 1e-8  # smallest tolerance of a solution; below it round-off may stall the solver
+INEXACT, MAX_TOLERANCE = 0.05, 1e-3  # error of a solution over the previous residual, and its largest tolerance
+MAX_INCREASE = 1e-3  # increase of the attraction during separation, over its maximum, that is a numerical error
+MIN_CONTACT = 1e-3  # contact load below which bodies are separate, over the attraction at first contact
+STRIDE = 0.6  # contact load over the previous one during separation
+NEGLECTED = 0.01  # relative error of the minimum load
+FIRST_STEP = 0.05  # relative difference between the minimum load and the first lower one that is tried
+MIN_GAIN = 0.003  # relative decrease of an interpolated load below the minimum that is worth a solution
+MIN_WIDTH = 0.01  # relative difference of contact loads below which no load is interpolated
 MAX_REFINED = 6  # contacts at interpolated loads
-MAX_TRIALS = 24  # external loads that are tried on the way apart
+MAX_TRIALS = 24  # external loads that are tried during separation
 
 
 class UnsolvedError(RuntimeError):
-    """No contact in equilibrium with its attraction was found."""
+    """Error of an attraction for which no equilibrium was found."""
 
 
 class Attraction:
-    """The attraction of a problem, and contacts in equilibrium with it."""
+    """Attraction of a contact problem, and its equilibria."""
 
     def __init__(self, problem: Problem, *, tolerance: float, report: Callable[[int, float], object] | None) -> None:
-        self.problem, self.report, self.asked, self.enough = problem, report, tolerance, LOOSER * tolerance
-        self.range, self.uncertain = problem.adhesion_range, ""  # why the least load is uncertain
-        self.most = problem.work_of_adhesion / self.range
+        self.problem, self.report, self.solver_tolerance, self.max_residual = (
+            problem,
+            report,
+            tolerance,
+            RESIDUAL_FACTOR * tolerance,
+        )
+        self.range, self.uncertain = problem.adhesion_range, ""  # reason why the minimum load is uncertain
+        self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
-        # An error of the gap is one of the attraction in proportion to gap over range.
+        # The relative error of the attraction is the error of the gap over the range.
         self.relative_range = self.range / float(problem.gap.std() or 1)
-        self.tolerance = max(min(tolerance, LOOSER * tolerance * self.relative_range), INNERMOST)
-        self.fewest = FEWEST * float(self.of(problem.gap).mean())
+        self.tolerance = max(min(tolerance, RESIDUAL_FACTOR * tolerance * self.relative_range), MIN_TOLERANCE)
+        self.min_contact = MIN_CONTACT * float(self.of(problem.gap).mean())
 
     def of(self, gap: Floats) -> Floats:
-        """GPa at gaps (µm); that of contact where bodies overlap."""
-        return np.asarray(self.most * np.exp(np.maximum(gap, 0) / -self.range))
+        """Return the attraction (GPa) at gaps (µm), of which negative ones count as 0."""
+        return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
     def settle(self, near: State, contact: float, *, before: State) -> State:
-        """Return the contact at a mean pressure (GPa) on the way apart from an earlier one, iterated from a near one.
+        """Return the equilibrium at a mean contact pressure (GPa), iterated from a near state.
 
-        An `UnsolvedError` is raised if the iteration fails, or if it leads to a contact in which some points are closer
-        than in the earlier one. If none are, bodies that are drawn apart bear the load of the contact.
+        No point may be closer than in the state `before`; the bodies then bear the load when they are pulled apart.
+        Otherwise, or if the iteration fails, raise `UnsolvedError`.
         """
         least, best = math.inf, 0
-        for count, (state, residual) in enumerate(self._repetitions(near, lambda _: contact, LONGEST)):
-            if residual <= self.enough and (state.attraction <= before.attraction + CLOSER * self.most).all():
+        for count, (state, residual) in enumerate(self._iterate(near, lambda _: contact, MAX_STEP)):
+            if (
+                residual <= self.max_residual
+                and (state.attraction <= before.attraction + MAX_INCREASE * self.max_attraction).all()
+            ):
                 return state
-            if residual <= self.enough:
+            if residual <= self.max_residual:
                 break
             if residual < least:
                 least, best = residual, count
@@ -77,78 +87,77 @@ class Attraction:
                 break
         raise UnsolvedError("the attraction does not converge")
 
-    def relax(self, near: State | None, load: float, *, longest: float = LONGEST) -> tuple[State, bool]:
-        """Return the contact to which bodies go under an external load (GPa), from another or from none, and True.
+    def relax(self, near: State | None, load: float, *, longest: float = MAX_STEP) -> tuple[State, bool]:
+        """Return the equilibrium under an external load (GPa), starting from a state or without contact, and True.
 
-        If the bodies come off, return the contact that changes most slowly on the way, and False. That is certain if
-        the longest step is that of plain repetitions, 1: longer steps may lead past a contact. An `UnsolvedError` is
-        raised if `MAX_SOLUTIONS` do not decide.
+        If the bodies separate, return the state with the smallest change on the way, and False. Separation is certain
+        only with plain steps (`longest` = 1), because extrapolated steps may pass an equilibrium. Raise `UnsolvedError`
+        if `MAX_SOLUTIONS` do not decide.
         """
-        first = self.fewest if near is None else -math.inf
+        first = self.min_contact if near is None else -math.inf
         slowest, least, before = near, math.inf, math.inf
-        repetitions = self._repetitions(near, lambda held: max(load + held, first), longest)
-        for count, (state, residual) in enumerate(repetitions):
-            if residual <= self.enough:
+        iterations = self._iterate(near, lambda held: max(load + held, first), longest)
+        for count, (state, residual) in enumerate(iterations):
+            if residual <= self.max_residual:
                 return state, True
             if count == MAX_SOLUTIONS:
                 raise UnsolvedError("the attraction does not converge")
-            if residual < min(before, least) and count > 1:  # the first are slow because they are near an equilibrium
+            if residual < min(before, least) and count > 1:  # the first states are near an equilibrium
                 slowest, least = state, residual
             before = residual
         assert slowest is not None
         return slowest, False
 
-    def _repetitions(
+    def _iterate(
         self, near: State | None, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[State, float]]:
-        """Yield contacts, and the change of their attraction over the forces, until the bodies come off.
+        """Yield states and the change of their attraction over the forces, until the bodies separate.
 
-        The contact load (GPa) is a function of the mean attraction. The attraction changes as in the last repetition
-        plus, after `PLAIN` of them, the rest of a geometric series with the ratio of the last two changes, but at most
-        `longest` times the change.
+        The contact load (GPa) is a function of the mean attraction. After `PLAIN` plain steps, a step is extrapolated
+        as a geometric series with the ratio of the last two changes, limited to `longest` times the last change.
         """
         grids, gap = self.problem.grids, self.problem.gap
         attraction = np.zeros_like(gap) if near is None else near.attraction
         pressure = None if near is None else near.pressure
-        plain: Floats | None = None  # attraction after a plain step, if the last one was longer
+        plain: Floats | None = None  # attraction after a plain step, if the last step was extrapolated
         residual = least = math.inf
         inexact, slow = INEXACT, 0
         for count in itertools.count():
             held = float(attraction.mean())
             mean = contact_load(held)
-            if mean < self.fewest and plain is not None:
+            if mean < self.min_contact and plain is not None:
                 attraction, plain = plain, None
                 continue
-            if mean < self.fewest:
+            if mean < self.min_contact:
                 return
             if not mean < self.bound[0]:
                 raise UnsolvedError("the attraction brings all points to the hardness")
-            tolerance = min(max(self.tolerance, inexact * self.relative_range * residual), LOOSEST)
+            tolerance = min(max(self.tolerance, inexact * self.relative_range * residual), MAX_TOLERANCE)
             lowered = gap - grids.displacement(attraction, threads=threads())
             solver = _core.HalfSpaceSolver(lowered, grids, bound=self.bound, tolerance=tolerance, threads=threads())
             solution = solver.at(mean, near=pressure, threads=threads(), progress=self.report)
-            if not solution.error <= max(tolerance, self.asked):
+            if not solution.error <= max(tolerance, self.solver_tolerance):
                 raise UnsolvedError("the pressures do not converge")
             pressure = solution.pressure
             moved = grids.displacement(pressure.reshape(gap.shape), threads=threads())
             change = self.of(lowered + moved - solution.approach) - attraction
             before, residual = residual, float(np.abs(change).mean()) / (mean + held)
             known = solution.approach, solution.error, solution.iterations
-            if residual > self.enough or tolerance <= self.tolerance:
+            if residual > self.max_residual or tolerance <= self.tolerance:
                 yield State(pressure, attraction, mean, mean - held, *known), residual
             slow = 0 if residual < least else slow + 1
             least = min(least, residual)
-            if slow > PATIENCE:  # errors of the solutions may be what is left
+            if slow > PATIENCE:  # the residual may be an error of the solutions
                 inexact, slow = inexact / 10, 0
             ratio = residual / before if before else 0.0
             length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
-            following, plain = np.clip(attraction + change, 0.0, self.most), None
+            following, plain = np.clip(attraction + change, 0.0, self.max_attraction), None
             if count % (PLAIN + 1) == PLAIN and longest > 1:
-                plain, following = following, np.clip(attraction + length * change, 0.0, self.most)
+                plain, following = following, np.clip(attraction + length * change, 0.0, self.max_attraction)
             attraction = following
 
     def at(self, load: float, near: State | None) -> State:
-        """Return the contact at a mean external load (GPa), to which bodies go from the one before, or from none."""
+        """Return the equilibrium at a mean external load (GPa), starting from the previous state or without contact."""
         if near is None and load < 0:
             near = self.relax(None, 0.0)[0]
         found, holds = self.relax(near, load)
@@ -156,18 +165,18 @@ class Attraction:
             found, holds = self.relax(near, load, longest=1.0)
         if not holds:
             assert near is not None
-            least = f"{self.force(lowest(self.draw_apart(near)).load):.4g} mN"
+            least = f"{self.force(lowest(self.separate(near)).load):.4g} mN"
             raise UnsolvedError(
-                f"bodies bear at least {least}; {self.uncertain}" if self.uncertain else f"bodies come off at {least}"
+                f"bodies bear at least {least}; {self.uncertain}" if self.uncertain else f"bodies separate at {least}"
             )
         return found
 
-    def draw_apart(self, start: State) -> list[State]:
-        """Return contacts in the order of falling contact load, from one on to that of the least load or farther.
+    def separate(self, start: State) -> list[State]:
+        """Return states of decreasing contact load, from the start at least to the state of minimum load.
 
-        Some contacts at falling contact loads lead near the least load. Then lower loads are tried, with longer steps
-        and finally, from the start, by plain repetitions: under a load that is lower by `NEGLECTED` the bodies come
-        off. If that is not certain, `uncertain` gives the reason.
+        States of decreasing contact load lead near the minimum. Then lower loads are tried, with extrapolated steps and
+        finally with plain steps from the start: under a load that is lower by `NEGLECTED` the bodies separate. If this
+        is not certain, `uncertain` gives the reason.
         """
         self.uncertain = ""
         opening = self.opening(start)
@@ -178,8 +187,8 @@ class Attraction:
         not_borne = -math.inf
         for _ in range(MAX_TRIALS):
             least = lowest(states).load
-            # Between two contacts, the contact load is at least that of the later one and the attraction at most that
-            # of the earlier one.
+            # Between two states the contact load is not below that of the later one, and the attraction is not above
+            # that of the earlier one.
             possible = min([b.contact - a.held for a, b in itertools.pairwise(states)] + [-states[-1].held])
             if possible >= (1 + NEGLECTED) * least:
                 return states
@@ -212,9 +221,9 @@ class Attraction:
         return states
 
     def unload(self, states: list[State]) -> list[State]:
-        """Return contacts continued to smaller contact loads until the load rises, or until no other is found."""
+        """Return the states continued to smaller contact loads until the external load rises or no state is found."""
         states = list(states)
-        while states[-1].contact > self.fewest and states[-1] is lowest(states):
+        while states[-1].contact > self.min_contact and states[-1] is lowest(states):
             try:
                 states.append(self.settle(states[-1], STRIDE * states[-1].contact, before=states[0]))
             except UnsolvedError:
@@ -222,9 +231,9 @@ class Attraction:
         return states
 
     def opening(self, state: State) -> State | None:
-        """Return the state in which complete contact opens, where the least pressure is 0; None if it is incomplete.
+        """Return the state in which complete contact opens, with a minimum pressure of 0; None if it is incomplete.
 
-        All points move alike until then, and the attraction is that of contact everywhere.
+        Until then all points move together, and the attraction is that of contact everywhere.
         """
         if not (state.pressure.all() and (state.pressure < self.bound[0]).all()):
             return None
@@ -236,17 +245,17 @@ class Attraction:
         return State(pressure, state.attraction, contact, contact - state.held, state.approach - part * moved)
 
     def refine(self, states: list[State]) -> list[State]:
-        """Return the states with others where the load that is interpolated between them is lower than the least."""
+        """Return the states with additional ones where the interpolated load is below the minimum."""
         states = list(states)
         for _ in range(MAX_REFINED):
             place = min(range(len(states)), key=lambda at: states[at].load)
             lower = []
             for first in (place - 1, place):
                 pair = states[max(first, 0) : first + 2]
-                if len(pair) == 2 and pair[1].contact < (1 - NARROWEST) * pair[0].contact:
+                if len(pair) == 2 and pair[1].contact < (1 - MIN_WIDTH) * pair[0].contact:
                     lower.append((*_interpolated_minimum(states[max(first - 1, 0) : first + 3], *pair), first))
             load, contact, first = min(lower, default=(0.0, 0.0, 0))
-            if load >= (1 + SMOOTH) * states[place].load:
+            if load >= (1 + MIN_GAIN) * states[place].load:
                 break
             try:
                 states.insert(first + 1, self.settle(states[first], contact, before=states[0]))
@@ -255,17 +264,17 @@ class Attraction:
         return states
 
     def force(self, mean: float) -> float:
-        """mN, of a mean pressure in GPa."""
+        """Return the force (mN) of a mean pressure (GPa)."""
         return mean * self.problem.cell * self.problem.gap.size
 
 
 def lowest(states: list[State]) -> State:
-    """Return the state of the least load."""
+    """Return the state of minimum load."""
     return min(states, key=lambda state: state.load)
 
 
 def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tuple[float, float]:
-    """Return the least interpolated load (GPa) between two of up to four states, and its contact load.
+    """Return the minimum interpolated load (GPa) between two of up to four states, and its contact load.
 
     The mean attraction is interpolated by a polynomial over the logarithm of the contact load.
     """
@@ -280,7 +289,7 @@ def _interpolated_minimum(states: list[State], upper: State, lower: State) -> tu
 def solve_with_adhesion(
     problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
-    """The contact at each external load (mN), one after the other on its branch."""
+    """Return the contact at each external load (mN), each one starting from the previous one."""
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     attraction = Attraction(problem, tolerance=tolerance, report=report)
@@ -296,15 +305,15 @@ def solve_with_adhesion(
 
 
 def pull_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
-    """The contacts from one on as bodies are drawn apart, that of the least load the last, and why they ended early."""
+    """Return the contacts of bodies pulled apart down to the minimum load, and why the minimum is uncertain."""
     problem, whole = pressed.problem, pressed.problem.cell * pressed.problem.gap.size
     attraction = Attraction(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)
     known = float(pressure.mean()), pressed.load / whole, pressed.approach
     start = State(pressure.ravel(), np.asarray(pressed.attraction), *known)
     ways, least = [], start.load
-    # A contact that bears less load than an earlier one is not on the way of bodies under a falling load.
-    for state in attraction.draw_apart(start)[1:]:
+    # Under a decreasing load, only contacts with less load than all earlier ones are passed.
+    for state in attraction.separate(start)[1:]:
         if state.load < least:
             ways.append(state)
             least = state.load

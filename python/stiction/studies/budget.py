@@ -1,8 +1,8 @@
-"""The whole uncertainty of a coefficient of static friction, and what of it each input has.
+"""Combined uncertainty of a coefficient of static friction, and its budget over the inputs.
 
-What is known of mu0, tau0, hardness and elasticity, the scatter over positions, and waves finer than the scan, are
-propagated by draws (JCGM 101, 2008): loads are linear in mu0 and tau0, the true area follows the hardness between
-solutions, and a solution at (F, E*, H) is one at (cF, cE*, cH).
+Uncertain inputs, the scatter over positions, and unresolved roughness are propagated by samples (JCGM 101, 2008). Loads
+are linear in mu0 and tau0, the true area is interpolated over the hardness, and a solution at (F, E*, H) equals that at
+(cF, cE*, cH).
 """
 
 from __future__ import annotations
@@ -33,40 +33,42 @@ if TYPE_CHECKING:
 POSITIONS, FINER = "positions", "finer waves"
 UPPER_PIECE, LOWER_PIECE = "which piece of the upper part", "which piece of the lower part"
 PLACES = (UPPER_PIECE, LOWER_PIECE, POSITIONS)
-"""Parts of the uncertainty that are no inputs: of the mean over scans and positions, and waves finer than the scan."""
+"""Components of the uncertainty of the mean over scans and positions, which are not inputs."""
 
-INTERFACE = "interface"  # input that is mu0 and tau0 jointly
-KNOWN_QUANTILES = (0.1, 0.5, 0.9)  # quantiles of an input over which the width left, if it were known, is a mean
-MAX_BUDGETS = 100  # coefficients up to which each has a budget; of more, each has its intervals
+INTERFACE = "interface"  # input that has mu0 and tau0 jointly
+EXACT_QUANTILES = (0.1, 0.5, 0.9)  # quantiles of an exact input over which the remaining width is averaged
+MAX_BUDGETS = 100  # largest number of coefficients that have a budget
 SAME_INPUT = 1e-3  # relative difference from the study's mu0 or tau0 up to which its range applies
 MAX_EXPONENT = 50.0  # largest exponent of a factor between tests
-DECILES = 2.563103131089201  # standard deviations of a normal distribution from its tenth to its ninetieth percentile
+DECILES = (
+    2.563103131089201  # range from the 10th to the 90th percentile of a normal distribution over its standard deviation
+)
 
 _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
-"""Variables that a coefficient's interval takes."""
+"""Variables that the interval of a coefficient depends on."""
 
 Strength = tuple[Floats, Floats, Floats | None, Floats | None]
-"""Draws of mu0, tau0 (GPa), and of the hardness (GPa) and α of junction growth if the interface has these."""
+"""Samples of mu0, tau0 (GPa), and of the hardness (GPa) and α of junction growth if the interface has these."""
 
 
 def add_uncertainty(
     at: xarray.Dataset, result: Result | xarray.Dataset, *, budget: bool = True, tests: bool = True
 ) -> xarray.Dataset:
-    """Return what `at_load` gives of measured bodies, with combined intervals, predictions and the uncertainty budget.
+    """Return a dataset of `at_load` for measured bodies with combined intervals, predictions and uncertainty budget.
 
-    Added are `friction_known`, with the 95 % interval of all that is known; `friction_combined`, with the interval to
-    show: that of `friction_known`, or of the mean over positions where there is none, and at the reading to quote of
-    two readings of a scan an interval that contains those of both; `friction_next_test`, of one position in one
-    direction; and where the study waits `friction_waited`. The `budget`, which takes most of the time, adds over input
+    `friction_known` has the combined 95 % interval. `friction_combined` has the interval to report: that of
+    `friction_known`, or the sampling interval if there is none; if a scan has two readings, the interval of the first
+    one contains those of both. `friction_next_test` has the prediction interval of one position in one direction, and
+    `friction_waited` that after dwell times. The `budget`, which takes most of the time, adds over input
     (those of `find_inputs`, positions and finer waves) `friction_if_known` and `width_if_known`, the interval that
-    would remain if the input were known. Without `tests` only `friction_combined` is added. Results of generated bodies
+    would remain if the input were exact. Without `tests` only `friction_combined` is added. Results of generated bodies
     are returned unchanged.
     """
     result = Result.of(result)
     study = result.study
     if not study.is_measured or at.attrs.get("reading") != "elastic":
         return at
-    # Areas over hardness are solved at the loads of the study; an interval must not depend on which others there are.
+    # Areas over hardness are solved at the loads of the study; other loads must not change the interval at these.
     is_own = np.isin(at["load"].values, [float(load) for load in study.friction.load])
     if is_own.any() and not is_own.all():
         parts = [
@@ -101,7 +103,7 @@ def add_uncertainty(
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))
         sums = {str(name): each.values[tuple(where[str(dim)] for dim in each.dims)] for name, each in six.items()}
-        one = _Point(
+        one = _CoefficientSamples(
             _numbers_at(read, where), where, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(place)
         )
         if not one.names:
@@ -134,8 +136,8 @@ def add_uncertainty(
         tables |= {"friction_if_known": (("input", *over), left), "width_if_known": (("input", *dims), width)}
     if find_junction_growth(study) is not None:
         tables["fraction_seizing"] = dims, seizing
-    said = [inputs[name].label if name in inputs else {INTERFACE: "the interface"}.get(name, name) for name in order]
-    coordinates = {"input": ("input", order), "input_words": ("input", said)} if budget else {}
+    labels = [inputs[name].label if name in inputs else {INTERFACE: "the interface"}.get(name, name) for name in order]
+    coordinates = {"input": ("input", order), "input_words": ("input", labels)} if budget else {}
     if study.friction.wait:
         tables["friction_waited"] = (*dims, "wait", "statistic"), waited
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
@@ -151,17 +153,21 @@ def _numbers_at(table: xarray.Dataset, where: Mapping[str, int]) -> dict[str, An
     }
 
 
-def _ends_about_zero(friction: PerLoad, own: _Point, inputs: Mapping[str, Any], point: Floats) -> tuple[float, float]:
-    """Return the ends of the 95 % interval of a coefficient of 0, of which all others are sums and no multiples.
+def _ends_about_zero(
+    friction: PerLoad, own: _CoefficientSamples, inputs: Mapping[str, Any], point: Floats
+) -> tuple[float, float]:
+    """Return the ends of the 95 % interval around a coefficient of 0, which relative errors cannot give.
 
-    They contain a coefficient and its sampling interval, and are 0 or above.
+    The interval contains the coefficient and its sampling interval, and is not below 0.
     """
     cube = stratified_points(2)
     mu0, tau0 = (
         inputs[name].estimate.quantile(cube[:, at]) if name in inputs else value
         for at, (name, value) in enumerate((("mu0", own.mu0), ("tau0", own.tau0)))
     )
-    low, high = containing(_ends(np.broadcast_to(friction.coefficient(mu0, tau0), (NUM_SAMPLES,))), *point.tolist())
+    low, high = extend_interval(
+        _ends(np.broadcast_to(friction.coefficient(mu0, tau0), (NUM_SAMPLES,))), *point.tolist()
+    )
     return max(low, 0.0), high
 
 
@@ -176,7 +182,7 @@ def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
 
 
 def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floats) -> Floats:
-    """Return values and ends of the combined intervals from those of everything known, over dims and statistic."""
+    """Return values and ends of the intervals to report, over dims and statistic."""
     found = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     low = found[..., 1]
     found[..., 1] = np.where((low < 0) & (found[..., 0] >= 0), 0.0, low)
@@ -189,13 +195,13 @@ def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floa
 
 
 NEGLIGIBLE = 1e-9
-"""Coefficient of an interface without strength, which slopes alone leave by round-off."""
+"""Largest coefficient that is round-off of an interface without strength."""
 
 
-class _Point:
-    """One coefficient of what `at_load` gives, with everything that it depends on.
+class _CoefficientSamples:
+    """One coefficient of `at_load`, with the inputs and samples that its interval depends on.
 
-    `names` is what is not known exactly; empty where there is no coefficient, or no interval.
+    `names` are the uncertain inputs and components; empty if there is no coefficient or no interval.
     """
 
     def __init__(
@@ -213,19 +219,19 @@ class _Point:
         self.value, self.sampling = value, (lower, upper)
         self.bracket: tuple[float, float] | None = None  # of finer scans, from the sampling interval
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
-        # A range is of the value that the study asks for, not of another that is read off.
+        # A range applies to the value of the study, and not to other values at which the result is evaluated.
         for name, own in (("mu0", self.mu0), ("tau0", self.tau0)):
             of_interface = float(getattr(study.friction, name)[0]) if study.known.interface else None
             middle = self.inputs[name].value if name in self.inputs and of_interface is None else of_interface
             if middle is not None and abs(middle - own) > SAME_INPUT * own:
                 self.inputs.pop(name, None)
                 strengths = ()
-        # Draws of mu0 and tau0 jointly, and of the hardness where they have it; then those with either at its bound.
+        # Joint samples of mu0 and tau0, with the hardness if available; then those with mu0 or tau0 at its bound.
         self.strengths = strengths
         self.rule = str(point["sliding"])
         self.growth = find_junction_growth(study)  # α of junction growth
         hardness = study.contact.hardness
-        self.finest: tuple[float, float] | None = None  # between which ends finer scans lie
+        self.finest: tuple[float, float] | None = None  # range of coefficients of finer scans
         free = study.by_half_space and not study.contact.adheres
         if hardness is not None and free and self.rule == "all":
             contacts = float(point["contact_count"][0]) * float(point["members"])
@@ -248,7 +254,7 @@ class _Point:
         self.names = (*self.inputs, *((INTERFACE,) if strengths else ()), *self.places, *finer)
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
-        """The 95 % interval, with some inputs at quantiles of theirs.
+        """Return the 95 % interval, with some inputs fixed at quantiles.
 
         It contains the value, and the sampling interval and the bracket of finer scans unless these are fixed.
         """
@@ -258,14 +264,14 @@ class _Point:
             parts += self.sampling
         if FINER not in fixed and self.finest is not None and self.bracket is not None:
             parts += self.finest if set(fixed) & set(PLACES) else self.bracket
-        return containing(self._sampled_interval(fixed), *parts)
+        return extend_interval(self._sampled_interval(fixed), *parts)
 
     def width_left(self, name: str) -> float:
         """Return the width of the interval that would remain if an input were exact, a mean over its values.
 
         Widths are compared as those of the friction angle, which has an upper bound where samples seize.
         """
-        angles = [_angle(self._sampled_interval({name: part})) for part in KNOWN_QUANTILES]
+        angles = [_angle(self._sampled_interval({name: part})) for part in EXACT_QUANTILES]
         (low, high), sampled = self.interval(), _angle(self._sampled_interval({}))
         return min(float(np.mean(angles)) / sampled, 1.0) * (high - low) if sampled > 0 else high - low
 
@@ -275,9 +281,9 @@ class _Point:
         return self._ends(fixed)
 
     def _ends(self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0) -> tuple[float, float]:
-        """Ends of the 95 % interval of the samples times a factor, over those with mu0 or tau0 at its bound too."""
+        """Return the ends of the 95 % interval of the samples times a factor, also for mu0 or tau0 at its bound."""
         strengths = self.strengths[:1] if INTERFACE in fixed else self.strengths
-        ends = [_ends(self._draws(fixed, wait, strength) * factor) for strength in strengths or (None,)]
+        ends = [_ends(self._friction_samples(fixed, wait, strength) * factor) for strength in strengths or (None,)]
         return min(low for low, _ in ends), max(high for _, high in ends)
 
     @property
@@ -285,20 +291,20 @@ class _Point:
         """Fraction of the samples of the inputs whose interfaces seize."""
         if self.growth is None:
             return 0.0
-        samples = self._draws({}, strength=self.strengths[0] if self.strengths else None)
+        samples = self._friction_samples({}, strength=self.strengths[0] if self.strengths else None)
         return float(np.isinf(samples).mean())
 
     def _under_shear(self, hardness: Any, mu0: Any, tau0: Any, alpha: Any = None) -> Any:
-        """Return H' (GPa) of hardnesses, by default at the middle of α; NaN where interfaces seize."""
+        """Return H' (GPa) of hardnesses, by default at the middle of α; NaN at seizure."""
         if self.growth is None:
             return hardness
         found = hardness_under_shear(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
         return float(found) if found.ndim == 0 else found
 
     def _grown(self, hardness: Floats, mu0: Any, tau0: Any, alpha: Any = None, modulus: Any = 1.0) -> Any:
-        """Return the true area at the onset of sliding over that before shear; infinite where interfaces seize.
+        """Return the true area at the onset of sliding over that before shear; infinite at seizure.
 
-        An interface without an adhesive strength does not feel its area: 1 at tau0 = 0.
+        The ratio is 1 for tau0 = 0, because friction then does not depend on the area.
         """
         if self.growth is None or (np.ndim(tau0) == 0 and tau0 == 0):
             return 1.0
@@ -306,9 +312,9 @@ class _Point:
         return self.areas.grown(self.load, self.rule, hardness, pressure, modulus)
 
     def next_test(self) -> tuple[float, float]:
-        """The 95 % prediction interval of one more member in one direction.
+        """Return the 95 % prediction interval of one more member in one direction.
 
-        Student's t is of the logarithm, so that the interval stays above 0.
+        Student's t applies to the logarithm, so that the interval is above 0.
         """
         from scipy.special import stdtrit
 
@@ -317,13 +323,13 @@ class _Point:
             self.areas.kept[key] = stdtrit(self.freedom, stratified_points(len(self.names) + 1)[:, -1])
         scatter = math.sqrt(math.log1p(self.scatter**2))
         factor = np.exp(np.minimum(self.areas.kept[key] * scatter, MAX_EXPONENT))
-        return containing(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
+        return extend_interval(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
-        """The coefficient after seconds under a nominal pressure (GPa), with its interval; NaN where it yields."""
+        """Return the coefficient after a dwell time (s) and its interval; NaN if the pressure (GPa) is not borne."""
         creep, hardness = find_creep(self.study), self.areas.hardness
-        assert creep is not None, "a study that waits has its creep"
-        assert hardness is not None, "and a hardness"
+        assert creep is not None, "a study with dwell times has a creep exponent"
+        assert hardness is not None, "a study with dwell times has a hardness"
         left = hardness * wait**-creep.value
         if pressure >= left:
             return math.nan, math.nan, math.nan
@@ -334,18 +340,20 @@ class _Point:
         area = self.areas.factor(self.load, ends[0], 1.0) * area
         own = self.friction.coefficient(self.mu0, self.tau0, grown)
         value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / own
-        return float(value[0]), *containing(self._ends({}, wait), float(value[0]))
+        return float(value[0]), *extend_interval(self._ends({}, wait), float(value[0]))
 
-    def _draws(self, fixed: Mapping[str, float], wait: float = 1.0, strength: Strength | None = None) -> Floats:
+    def _friction_samples(
+        self, fixed: Mapping[str, float], wait: float = 1.0, strength: Strength | None = None
+    ) -> Floats:
         from scipy.special import ndtri
 
         key = self.names, tuple(fixed.items()), self.load, wait
-        if key not in self.areas.kept:  # the same for every mu0 and tau0 of a load
-            self.areas.kept[key] = self._drawn(fixed, wait)
-        columns, drawn, hardness, area, modulus = self.areas.kept[key]
-        mu0, tau0 = drawn.get("mu0", self.mu0), drawn.get("tau0", self.tau0)
+        if key not in self.areas.kept:  # shared by all mu0 and tau0 of a load
+            self.areas.kept[key] = self._input_samples(fixed, wait)
+        columns, samples, hardness, area, modulus = self.areas.kept[key]
+        mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
-        if strength is not None:  # in the order of what they give here, so that their quantiles are its
+        if strength is not None:  # ordered by the coefficient, so that quantiles are those of the coefficient
             own, growth = strength[2:]
             with_own = 1.0 if own is None else self.areas.factor(self.load, own, 1.0)
             softness = np.full(strength[0].shape, self.areas.hardness or np.nan) if own is None else own
@@ -360,7 +368,7 @@ class _Point:
                 area = self.areas.factor(self.load, hardness, modulus)
         own_grown: Any = 1.0
         if self.growth is not None:
-            alpha = drawn.get("junction_growth", self.growth.value) if growth is None else growth
+            alpha = samples.get("junction_growth", self.growth.value) if growth is None else growth
             area = area * self._grown(hardness, mu0, tau0, alpha, modulus)
             hardness = self._under_shear(hardness, mu0, tau0, alpha)
             own_grown = self._grown(np.array([self.areas.hardness], float), self.mu0, self.tau0)
@@ -377,24 +385,24 @@ class _Point:
             found = found * np.exp(error * ndtri(columns[name]))
         return np.where(seizes, np.inf, np.maximum(found, 0.0))
 
-    def _drawn(
+    def _input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], Floats, Floats, Floats | float]:
-        """Columns of the cube by what they are of, inputs, hardness, and true area and E* over those of the study."""
+        """Return unit samples by name, inputs, hardness, and true area and E* over those of the study."""
         cube = stratified_points(len(self.names) + 1)
         columns = dict(zip(self.names, cube.T, strict=False))
         columns |= {name: np.full(NUM_SAMPLES, part) for name, part in fixed.items() if name in columns}
-        drawn = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
-        hardness = drawn.get("hardness", np.full(NUM_SAMPLES, self.areas.hardness or np.nan))
+        samples = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
+        hardness = samples.get("hardness", np.full(NUM_SAMPLES, self.areas.hardness or np.nan))
         if (creep := find_creep(self.study)) is not None:
             hardness = hardness * wait ** -creep.quantile(cube[:, -1])
         softest = None if self.areas.hardness is None else hardness
-        modulus = relative_modulus(self.study, drawn)
-        return columns, drawn, hardness, self.areas.factor(self.load, softest, modulus), modulus
+        modulus = relative_modulus(self.study, samples)
+        return columns, samples, hardness, self.areas.factor(self.load, softest, modulus), modulus
 
 
-def containing(ends: tuple[float, float], *values: float) -> tuple[float, float]:
-    """Return the ends of an interval, moved outwards until it contains values."""
+def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:
+    """Return the ends of an interval, extended to contain values."""
     return min(ends[0], *values), max(ends[1], *values)
 
 
@@ -404,19 +412,19 @@ def _angle(ends: tuple[float, float]) -> float:
 
 
 def _ends(values: NDArray[Any]) -> tuple[float, float]:
-    """Return the ends of the 95 % interval of samples; infinite is the upper one where too many are.
+    """Return the ends of the 95 % interval of samples; the upper one is infinite if more than 2.5 % are.
 
     Raises
     ------
     ValueError
-        If some samples have no coefficient.
+        If a sample has no coefficient.
     """
     if np.isnan(values).any():
         count = int(np.count_nonzero(np.isnan(values)))
         raise ValueError(
             f"the inputs are too uncertain: {count} of {values.size} samples of them have no coefficient; "
-            "give narrower ranges"
+            "specify narrower ranges"
         )
-    method: Any = "linear" if np.isfinite(values).all() else "inverted_cdf"  # which does not average infinities
+    method: Any = "linear" if np.isfinite(values).all() else "inverted_cdf"  # the method does not average infinities
     low, high = np.quantile(values, [0.025, 0.975], method=method)
     return float(low), float(high)

@@ -1,8 +1,8 @@
-"""mu0 and tau0 from friction that was measured on surfaces that were scanned.
+"""Calibration: mu0 and tau0 from friction tests on scanned surfaces.
 
-A test gives a coefficient y at a load. The surfaces give, at that load, the sums of which both forces are made, so that
-y (F_N0 + mu0 F_Nm + tau0 F_Na) = F_T0 + mu0 F_Tm + tau0 F_Ta: a straight line in (mu0, tau0). Where contacts rub on
-gentle slopes it is y = mu0 + tau0 A/F, and both are told apart only as far as A/F varies among the tests.
+A test gives a coefficient y at a load, and its surfaces give the six sums of both forces at this load. So
+y (F_N0 + mu0 F_Nm + tau0 F_Na) = F_T0 + mu0 F_Tm + tau0 F_Ta, which is linear in mu0 and tau0. For small slopes and
+friction at all contacts it is y = mu0 + tau0 A/F, and the tests separate mu0 and tau0 only if A/F varies among them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from stiction.studies.interfaces import (
     sliding_rules_of,
 )
 
-MIN_TESTS = 3  # tests that slid from whose scatter errors are found
+MIN_TESTS = 3  # tests that slid, to estimate errors from their scatter
 
 
 def calibrate(
@@ -39,19 +39,19 @@ def calibrate(
     tau0: float | str | None = None,
     outliers: bool = False,
 ) -> Interface:
-    """The strength of an interface, mu0 and tau0 jointly, from friction tests on surfaces that were scanned.
+    """Infer the strength of an interface, mu0 and tau0 jointly, from friction tests on scanned surfaces.
 
     Parameters
     ----------
     tests : sequence of FrictionTest
     common : float
-        Relative standard uncertainty that all tests share: of the force cell, of the load.
+        Relative standard uncertainty that all tests share, such as that of the force sensor or the load.
     sliding : {"both", "all", "opposing"}
-        By which rule; of both, "all" is used unless the tests exclude it and not the other one.
+        Sliding rule. With "both", the rule "all" comes first unless the tests exclude it and fit the other rule.
     mu0, tau0 : float, tau0 in GPa or as text
-        Where one of them is known.
+        Exact value of one of them, if it is known.
     outliers : bool
-        Whether there may be outliers among the tests: errors by Student's t in place of the normal distribution.
+        Whether the tests may have outliers: their errors then follow Student's t instead of a normal distribution.
 
     Returns
     -------
@@ -60,16 +60,16 @@ def calibrate(
     Raises
     ------
     ValueError
-        If there are no tests that slid, or an argument is outside its range.
+        If no test slid, or an argument is outside its range.
 
     Notes
     -----
-    Given gain, areas, hardness, creep and moduli the data are linear in mu0 and tau0. Their density is computed on a
-    grid, which is exact however alike the tests are; both are at least 0, and all values of mu0 and of tau0 A/F are as
-    likely beforehand. Gain, areas and ranges have distributions of their own and are marginalised by adaptive
-    importance sampling. Residuals are judged at the best fit of all of these together. Where they are larger than the
-    errors allow, the errors are known up to a factor. Runs have relative offsets whose standard deviation is unknown:
-    their prior is half a Cauchy distribution with the median 10 %.
+    The tests are linear in mu0 and tau0 at given gain, areas, hardness, creep and moduli. The density of mu0 and tau0
+    is computed on a grid, which is exact even if all tests have the same A/F. Their priors are uniform in mu0 and in
+    tau0 A/F, from 0. Gain, areas and ranges are marginalized by adaptive importance sampling. Residuals are compared
+    with the errors at the best fit of all parameters; if they are larger, the errors are known only up to a factor.
+    Runs have relative offsets; the prior of their standard deviation is half a Cauchy distribution with the median
+    10 %.
 
     Examples
     --------
@@ -89,28 +89,30 @@ def calibrate(
         raise ValueError(f"tests must be a sequence of FrictionTest, got {short_repr(tests)}")
     tests = tuple(tests)
     if not any(test.slid for test in tests):
-        raise ValueError("tests must have one that slid: those that held are lower bounds alone")
+        raise ValueError("tests must contain a test that slid; tests that did not slide are only lower bounds")
     common = number("common", common)
     if not 0 <= common < 1:
         raise ValueError(f"common must be at least 0 and below 1, got {common!r}")
-    held = {test.uncertainty is None for test in tests}
-    if len(held) > 1:
-        raise ValueError("uncertainty must be given of all tests, or of none")
-    if True in held and sum(test.slid for test in tests) < MIN_TESTS:
-        raise ValueError(f"uncertainty is needed of fewer than {MIN_TESTS} tests: their scatter says too little")
+    has_no_error = {test.uncertainty is None for test in tests}
+    if len(has_no_error) > 1:
+        raise ValueError("uncertainty must be given for all tests or for none")
+    if True in has_no_error and sum(test.slid for test in tests) < MIN_TESTS:
+        raise ValueError(
+            f"uncertainty is needed for fewer than {MIN_TESTS} tests, because their scatter is a poor estimate"
+        )
     known = (
         None if mu0 is None else number("mu0", mu0),
         None if tau0 is None else number("tau0", to_core_units("tau0", tau0, "pressure")),
     )
     if any(value is not None and value < 0 for value in known):
         raise ValueError("mu0 and tau0 must not be negative")
-    there = [rule for rule in RULES if all(rule in sliding_rules_of(test.result) for test in tests)]
+    available = [rule for rule in RULES if all(rule in sliding_rules_of(test.result) for test in tests)]
     if all(isinstance(test.result, Ball) for test in tests) and sliding == "both":
-        there = there[:1]  # both rules are one
-    rules = there if sliding == "both" else [sliding]
-    if not rules or not set(rules) <= set(there):
+        available = available[:1]  # both rules are the same for a ball
+    rules = available if sliding == "both" else [sliding]
+    if not rules or not set(rules) <= set(available):
         raise ValueError(
-            f"sliding must be a rule that all results have ({', '.join(there) or 'none'}), got {sliding!r}"
+            f"sliding must be a rule that all results have ({', '.join(available) or 'none'}), got {sliding!r}"
         )
     problems = [CalibrationProblem(tests, rule, common, known, outliers=outliers) for rule in rules]
     fits = [problem.fit() for problem in problems]

@@ -1,4 +1,4 @@
-"""Most likely mu0 and range of tau0 where contacts grow under shear, so that tests are not linear in both."""
+"""Most likely mu0 and range of tau0 for contacts with junction growth, where tests are not linear in mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ import numpy as np
 
 from stiction._checks import Floats
 
-NUM_POINTS, NUM_SCANS = 13, 3  # of tau0 in a scan, and scans that narrow the range
+NUM_POINTS, NUM_SCANS = 13, 3  # number of tau0 in a scan, and of scans
 NUM_STEPS = 3  # Gauss-Newton steps for the best mu0 at a tau0
-STEP = 1e-4  # step of mu0 for its derivative, over 0.1 + mu0
+STEP = 1e-4  # step of mu0 for the derivative, over 0.1 + mu0
 
 Residuals = Callable[[Floats, Floats], Floats]
-"""Residuals (points, tests, ...) over their errors at mu0 and tau0 (GPa), (points, ...); infinite at seizure."""
+"""Residuals (points, tests, ...) over their errors, from (points, ...) mu0 and tau0 (GPa); infinite at seizure."""
 
 
 def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mu0 of at least 0 that fits best at each tau0, by the Gauss-Newton method.
+    """Return the best fit of mu0, at least 0, at each tau0, by the Gauss-Newton method.
 
     Parameters
     ----------
@@ -35,34 +35,34 @@ def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tupl
     mu0 = start
     for step in range(NUM_STEPS + 1):
         size = STEP * (0.1 + mu0)
-        both = residuals(np.stack([mu0, mu0 + size], axis=-1), np.stack([tau0, tau0], axis=-1))
+        pair_of_steps = residuals(np.stack([mu0, mu0 + size], axis=-1), np.stack([tau0, tau0], axis=-1))
         with np.errstate(invalid="ignore", divide="ignore"):
-            derivative = (both[..., 1] - both[..., 0]) / size[:, np.newaxis]
+            derivative = (pair_of_steps[..., 1] - pair_of_steps[..., 0]) / size[:, np.newaxis]
             curvature = (derivative**2).sum(axis=1)
-            moved = mu0 - (derivative * both[..., 0]).sum(axis=1) / curvature
+            new_mu0 = mu0 - (derivative * pair_of_steps[..., 0]).sum(axis=1) / curvature
         if step < NUM_STEPS:
-            mu0 = np.where(np.isfinite(moved), np.maximum(moved, 0.0), mu0 / 2)
-    return mu0, np.sqrt(curvature), (both[..., 0] ** 2).sum(axis=1)
+            mu0 = np.where(np.isfinite(new_mu0), np.maximum(new_mu0, 0.0), mu0 / 2)
+    return mu0, np.sqrt(curvature), (pair_of_steps[..., 0] ** 2).sum(axis=1)
 
 
 def range_of_strength(squares: Callable[[Floats], Floats], highest: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return ends (points,) of tau0 (GPa) between which sums of squares are within a depth of their least value.
+    """Return the range (points,) of tau0 (GPa) in which sums of squares exceed their minimum by at most a depth.
 
     Parameters
     ----------
     squares : callable
-        Sums of squares at the best mu0 of tau0, (points, n) each.
+        Sums of squares at the best mu0, from (points, n) tau0 to (points, n).
     highest : (points,) array of float, GPa
         Upper bound of tau0.
     depth : float
     """
     low, high = np.zeros(highest.shape), highest
-    part = np.linspace(0.0, 1.0, NUM_POINTS)
+    fractions = np.linspace(0.0, 1.0, NUM_POINTS)
     rows = np.arange(highest.size)
     for _ in range(NUM_SCANS):
-        tau0 = low[:, np.newaxis] + np.multiply.outer(high - low, part)
-        found = squares(tau0)
-        within = found <= found.min(axis=1, keepdims=True) + depth
+        tau0 = low[:, np.newaxis] + np.multiply.outer(high - low, fractions)
+        values = squares(tau0)
+        within = values <= values.min(axis=1, keepdims=True) + depth
         first, last = within.argmax(axis=1), NUM_POINTS - 1 - within[:, ::-1].argmax(axis=1)
         low, high = tau0[rows, np.maximum(first - 1, 0)], tau0[rows, np.minimum(last + 1, NUM_POINTS - 1)]
     return low, high

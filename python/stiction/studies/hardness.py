@@ -1,6 +1,6 @@
-"""What is not known exactly of a measured pair, and its true area over ranges of hardness and of E*.
+"""Uncertain inputs of a measured pair, and its true area over ranges of hardness and E*.
 
-A few of its members are pressed at a few other hardnesses and moduli.
+A few members of the pair are solved at a few other hardnesses and moduli.
 """
 
 from __future__ import annotations
@@ -33,43 +33,43 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
 
 FILE = "hardness.nc"
-"""In the folder of a result: true area of its first members at the nodes."""
+"""File in the folder of a result with the true areas of its first members at the nodes."""
 
 MEMBERS, LARGE, LINES = 4, 2, 16
-"""Members that are pressed at other hardnesses: areas, large ones, and lines, whose few contacts make them differ."""
+"""Numbers of members that are solved at other hardnesses: of maps, of large maps, and of profiles."""
 
 LARGE_POINTS = 2**19
-"""Points of a large area: members of 384² points differ by 0.1 % where they yield, and by 2 % where they begin to."""
+"""Points of a large map. Members of 384² points differ by 0.1 % if all contacts yield, and by 2 % if some do."""
 
 MIN_MEMBERS = 2  # members from whose scatter the error of the area over hardness is estimated
 
 NODES = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
-"""Parts of the range of ln H that are solved, by the number of moduli, beside the study's own and elastic bodies."""
+"""Positions of nodes in the range of ln H, by the number of moduli; the study's own and elastic bodies are added."""
 
 NARROW = 0.2
-"""Half of the range of ln E* below which the growth of the area with the load at the study's own E* will do."""
+"""Half of the range of ln E* below which the growth of the area with the load replaces solutions at other moduli."""
 
 SHEARED_STEP, NUM_SHEARED = 0.6, 3
-"""Step of ln H between nodes below the range of the hardness, for junction growth, and their number.
+"""Step of ln H between the nodes that junction growth adds below the range of the hardness, and their number.
 
-Contacts are plastic there, and their area goes as 1/H below the last of them."""
+Below the last node contacts are taken as plastic: their area is proportional to 1/H."""
 
 OUTER = (0.005, 0.995)
-"""Quantiles of a range between which solutions are wanted."""
+"""Quantiles of a range between which nodes lie."""
 _MODULI = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
-ROUNDED = 0.006  # relative difference between a number and itself in three digits, at most
+ROUNDED = 0.006  # largest relative error of a number in three digits
 
 
 @dataclass(frozen=True)
 class StudyInput:
-    """An input of a study with its name in words."""
+    """An uncertain input of a study and its label."""
 
     label: str
     estimate: UncertainInput
 
 
 def find_inputs(study: Study) -> dict[str, StudyInput]:
-    """What is known of the inputs of a study of measured bodies that are no exact numbers, by their names."""
+    """Return the uncertain inputs of a study of measured bodies by their names."""
     if not study.is_measured:
         return {}
     table, contact = study.known, study.contact
@@ -98,18 +98,18 @@ def find_inputs(study: Study) -> dict[str, StudyInput]:
 
 
 def find_junction_growth(study: Study) -> UncertainInput | None:
-    """Return α of junction growth, with the study's own as its value; None where contacts do not grow."""
+    """Return α of junction growth, whose middle is the study's own; None if contacts do not grow."""
     own = study.contact.junction_growth
     return replace(parse_input("junction_growth", study.known.junction_growth or own), value=own) if own else None
 
 
 def find_creep(study: Study) -> UncertainInput | None:
-    """What is known of the exponent of indentation creep, where the study waits."""
+    """Return the exponent of indentation creep; None if the study has no dwell time."""
     return parse_input("creep", study.known.creep) if study.friction.wait and study.known.creep else None
 
 
 def find_moduli(study: Study) -> Moduli:
-    """What is known of the moduli of a study."""
+    """Return the moduli of a study with their uncertainty."""
     table, materials, middle = study.known, find_materials(study), float(study.contact.effective_modulus)
     if table.effective_modulus is not None:
         return Moduli(middle, parse_input("effective_modulus", table.effective_modulus, "modulus"))
@@ -125,7 +125,7 @@ def find_moduli(study: Study) -> Moduli:
 
 
 def find_materials(study: Study) -> tuple[Material, ...]:
-    """The materials of both bodies by whose names a study was made; none of names that somebody gave himself."""
+    """Return the materials of both bodies from the table of materials; empty if a name is not in the table."""
     try:
         return tuple(material(name) for name in study.contact.materials or ())
     except ValueError:
@@ -133,7 +133,7 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def relative_modulus(study: Study, drawn: Mapping[str, Floats]) -> Floats | float:
-    """E* over that of the study, of draws of its inputs by their names."""
+    """Return E* over that of the study, from samples of its inputs by their names."""
     return find_moduli(study).relative(drawn)
 
 
@@ -141,13 +141,13 @@ def relative_modulus(study: Study, drawn: Mapping[str, Floats]) -> Floats | floa
 
 
 def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
-    """Hardnesses over relative moduli (GPa), and these (E* over that of the study), at which its ranges ask for areas.
+    """Return hardnesses over relative moduli (GPa), and relative moduli (E* over that of the study), to solve.
 
-    The last hardness is infinity, elastic bodies. There are none where hardness and E* are numbers or nearly so, and
-    the study does not wait.
+    The last hardness is infinity, for elastic bodies. There are no hardnesses if hardness and E* are numbers or narrow
+    ranges, and the study has neither dwell times nor junction growth.
     """
     inputs, creep, own = find_inputs(study), find_creep(study), study.contact.hardness
-    # Each input of E* at its ends, the others in the middle, and what they make of it in quadrature.
+    # Relative range of E*: contributions of its inputs, each at its ends, added in quadrature.
     steps = [
         np.ptp(np.log(relative_modulus(study, {name: each.estimate.quantile(OUTER)}))) / 2
         for name, each in inputs.items()
@@ -166,18 +166,18 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     half = np.hypot(np.ptp(np.log(ends)) / 2, np.log(moduli[-1]))
     parts = np.exp(half * (2 * np.array(NODES[moduli.size]) - 1)) if half > 0 else np.ones(0)
     nodes = np.unique([*np.sqrt(ends.prod()) * parts, float(own), np.inf])
-    return np.unique([*_sheared_nodes(study, float(nodes[0])), *nodes]), moduli
+    return np.unique([*_nodes_under_shear(study, float(nodes[0])), *nodes]), moduli
 
 
-def _sheared_nodes(study: Study, softest: float) -> Floats:
-    """Return the nodes below a hardness (GPa) that junction growth takes, whatever mu0 and tau0 are."""
+def _nodes_under_shear(study: Study, softest: float) -> Floats:
+    """Return the nodes below a hardness (GPa) for junction growth, which serve all mu0 and tau0."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
     return np.asarray(softest * np.exp(-SHEARED_STEP * np.arange(1, NUM_SHEARED + 1)))
 
 
 def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
-    """True areas (µm²) of the first members of a study over hardness (GPa), E* and its loads; None for no range."""
+    """Compute true areas (µm²) of the first members over hardness (GPa), E* and loads; None if no input has a range."""
     import xarray
 
     hardnesses, moduli = choose_area_nodes(study)
@@ -190,7 +190,7 @@ def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Data
     areas = found.reshape(members, moduli.size, hardnesses.size, -1, loads.size)
     dims = ("repetition", "relative_modulus", "hardness", "load")
     return xarray.Dataset(
-        {name: (dims, areas[..., index, :], {"units": "um^2"}) for index, name in enumerate(_areas_wanted(study))},
+        {name: (dims, areas[..., index, :], {"units": "um^2"}) for index, name in enumerate(_area_names(study))},
         {
             "hardness": ("hardness", hardnesses, {"units": "GPa", "long_name": "hardness over the relative modulus"}),
             "relative_modulus": ("relative_modulus", moduli, {"units": "1"}),
@@ -201,7 +201,7 @@ def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Data
 
 
 def count_solutions(study: Study) -> int:
-    """Return how many solutions at other hardnesses and moduli `compute_areas_over_hardness` takes, over all loads."""
+    """Return the number of solutions that `compute_areas_over_hardness` needs."""
     hardnesses, moduli = choose_area_nodes(study)
     return hardnesses.size * moduli.size * _members(study) * len(study.friction.load) if hardnesses.size else 0
 
@@ -211,26 +211,26 @@ def _members(study: Study) -> int:
     return min(few if study.is_areal else LINES, study.ensemble.repetitions)
 
 
-def _areas_wanted(study: Study) -> tuple[str, ...]:
+def _area_names(study: Study) -> tuple[str, ...]:
     """Return the names of the areas that are solved over hardness."""
     return ("contact_area", "opposing_area") if find_junction_growth(study) is not None else ("contact_area",)
 
 
 def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:
-    """Return the true areas (µm²) of a member of a relative E*, and a hardness over it, (areas, loads).
+    """Return true areas (µm²), (areas, loads), of a member at a relative E* and a hardness over it.
 
-    With junction growth the second one is that of the contacts that oppose the motion, times their slope factors, as a
-    mean over directions. NaN of a load that the member does not bear.
+    With junction growth the second area is that of the contacts that oppose the motion, times their slope factors, as a
+    mean over directions. Areas are NaN at loads that the member does not bear.
     """
     index, modulus, ratio = task
     bodies, contact, hardness = bodies_of(study), study.contact, modulus * ratio
     surfaces: Any = study.surfaces
     upper, lower = bodies.member(index, surfaces.quoted_cut_off()).pair
-    assert isinstance(contact, HalfSpace), "they are pressed as half-spaces"
+    assert isinstance(contact, HalfSpace), "the mechanics must be half-space"
     modulus *= float(contact.effective_modulus)
     solid = contact.solid() | {"hardness": hardness if np.isfinite(hardness) else None, "effective_modulus": modulus}
     can = np.flatnonzero(loads < hardness * float(bodies.about().nominal_area or 0.0))
-    areas = np.full((len(_areas_wanted(study)), loads.size), np.nan)
+    areas = np.full((len(_area_names(study)), loads.size), np.nan)
     solid |= {"direction": contact.degrees().tolist()} if study.is_areal and len(areas) > 1 else {}
     for at, curve in (
         solve_separately(partial(half_space, upper, lower, **solid, sliding="all"), loads[can]) if can.size else ()
@@ -250,12 +250,12 @@ def _opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
 
 
 def load_areas_over_hardness(result: Stored) -> xarray.Dataset | None:
-    """What lies beside a stored result of its ranges of hardness and E* and of its loads, if it does."""
+    """Return the stored areas of a result; None if there are none for its nodes and loads."""
     study = result.study
     hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     wanted = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
     names = ("hardness", "relative_modulus", "load")
-    found = read_beside(result.path / FILE, (*names, *_areas_wanted(study))) if hardnesses.size else None
+    found = read_beside(result.path / FILE, (*names, *_area_names(study))) if hardnesses.size else None
     if found is None:
         return None
     there = [found[name].values for name in names]
@@ -268,25 +268,25 @@ def load_areas_over_hardness(result: Stored) -> xarray.Dataset | None:
 
 @dataclass(frozen=True)
 class Areas:
-    """How the true area at each load goes with hardness and with E*.
+    """True area at each load over hardness and E*.
 
-    A solution at (F, E*, H) is one at (F/e, E*/e, H/e): that of the study's E* at another load and hardness.
+    A solution at (F, E*, H) equals that at (F/e, E*/e, H/e), which has the study's E* and another load and hardness.
     """
 
     hardness: float | None  # GPa, of the study
     nodes: Floats  # (n,) H/e, GPa
     at_nodes: Floats  # (loads, m, n) e A/F, 1/GPa
-    elastic: Floats  # (loads, m) e A/F of bodies that do not yield
+    elastic: Floats  # (loads, m) e A/F of elastic bodies
     moduli: Floats  # (m,) e, E* over that of the study
     growth: Floats  # (loads,) d ln(A/F) / d ln F
     errors: Floats  # (loads, n) relative standard error of A at the nodes over that of the study
     pressures: Floats  # (loads,) over the nominal area, GPa
-    opposing: Floats | None = None  # (loads, n) of the contacts that oppose the motion, at the study's own E*
-    kept: dict[Any, Any] = field(default_factory=dict)  # draws that several points share
+    opposing: Floats | None = None  # (loads, n) e A/F of opposing contacts at the study's E*
+    kept: dict[Any, Any] = field(default_factory=dict)  # samples that several points share
 
     @classmethod
     def of(cls, loads: Floats, ratio: Floats, gradient: float, growth: Floats, study: Study, result: Result) -> Areas:
-        """Return those of a result.
+        """Return the areas of a result.
 
         Parameters
         ----------
@@ -324,7 +324,7 @@ class Areas:
         if own is None:
             none = np.zeros((loads.size, 0))
             return cls(None, np.zeros(0), none[:, np.newaxis], column, np.ones(1), growth, none, pressures)
-        # Without solutions at other hardnesses the area follows the one formula through that of the study.
+        # Without solutions at other hardnesses the area follows `area_per_load` through that of the study.
         elastic = np.full((loads.size, 1), KAPPA / (float(study.contact.effective_modulus) * gradient))
         none = np.zeros((loads.size, 1))
         return cls(own, np.array([own]), column[..., np.newaxis], elastic, np.ones(1), growth, none, pressures)
@@ -342,21 +342,21 @@ class Areas:
         return np.asarray(scale * _between(now, self.moduli, modulus) / own[self.moduli.size // 2])
 
     def error(self, load: int, hardness: Floats) -> Floats:
-        """Relative standard error of `factor` at hardnesses over the relative modulus (GPa), from the members."""
+        """Return the relative standard error of `factor` at hardnesses over the relative modulus (GPa)."""
         return np.asarray(np.interp(np.log(hardness), np.log(self.nodes), self.errors[load]))
 
     def grown(
         self, load: int, rule: str, hardness: Floats, under_shear: Floats, modulus: Floats | float = 1.0
     ) -> Floats:
-        """Return the true area at the onset of sliding over that before shear, of the contacts that are sheared.
+        """Return the true area of sheared contacts at the onset of sliding over that before shear.
 
         Parameters
         ----------
         load : int
-            Number of the load.
+            Index of the load.
         rule : {"all", "opposing"}
-            Opposing contacts alone are sheared by the rule of the paper; that the others yield as well makes their area
-            an upper bound.
+            With "opposing" only opposing contacts are sheared. Their area is an upper bound, because it is that of a
+            pair in which the other contacts have H' too.
         hardness, under_shear : array of float, GPa
             H and H' of `hardness_under_shear`; NaN of H' is seizure.
         modulus : array_like of float
@@ -365,26 +365,26 @@ class Areas:
         Returns
         -------
         array of float
-            Infinite where interfaces seize: H' is none, or the nominal area does not carry the load at H'.
+            Infinite at seizure: H' is NaN, or the nominal area does not carry the load at H'.
         """
         known = under_shear > self.pressures[load]
         pressure = np.where(known, under_shear, hardness)
-        ratio = self._area_of(load, rule, pressure, modulus) / self._area_before(load, rule, hardness, modulus)
+        ratio = self._sheared_area(load, rule, pressure, modulus) / self._area_before(load, rule, hardness, modulus)
         return np.where(known, np.where(pressure == hardness, 1.0, ratio), np.inf)
 
-    def _area_of(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
-        """Return the true area of the contacts that are sheared, up to a factor."""
+    def _sheared_area(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
+        """Return the true area of sheared contacts up to a factor."""
         if rule == "all" or self.opposing is None:
             return self.factor(load, hardness, modulus)
         ratio = np.asarray(hardness / modulus)
         return area_per_load(ratio.ravel(), self.nodes, *self.sheared(load, rule)).reshape(ratio.shape)
 
     def _area_before(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
-        """Return `_area_of` for hardnesses that many mu0 and tau0 share, which are kept."""
+        """Return `_sheared_area` before shear, cached because many mu0 and tau0 share the hardnesses."""
         key = "before", load, rule
         kept = self.kept.get(key)
         if kept is None or kept[0] is not hardness or kept[1] is not modulus:
-            kept = hardness, modulus, self._area_of(load, rule, hardness, modulus)
+            kept = hardness, modulus, self._sheared_area(load, rule, hardness, modulus)
             if hardness.size > 1:  # of samples
                 self.kept[key] = kept
         return np.asarray(kept[2])
@@ -399,7 +399,7 @@ class Areas:
 
 
 def _between_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
-    """Return areas at loads, as powers of the load between those of a dataset, and beyond these those at its ends."""
+    """Return areas at loads, interpolated as powers of the load and constant beyond the loads of the dataset."""
     import xarray
 
     there = areas["load"].values
@@ -407,11 +407,11 @@ def _between_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
     below = np.floor(place).astype(int)
     lower, upper = (areas.isel(load=each).drop_vars("load") for each in (below, np.ceil(place).astype(int)))
     part = xarray.DataArray(place - below, dims="load")
-    return lower ** (1 - part) * upper**part  # exact at the loads of the dataset, even where others bear none
+    return lower ** (1 - part) * upper**part  # exact at loads of the dataset, even if the neighbor is NaN
 
 
 def _errors_over_hardness(solved: xarray.Dataset, own: float | None) -> Floats:
-    """(loads, n) relative standard errors over members of the area at the nodes over that at the study's hardness."""
+    """Return (loads, n) relative standard errors of the area at the nodes over that at the study's hardness."""
     area = solved["contact_area"].sel(relative_modulus=1.0, method="nearest")
     area = area.transpose("load", "hardness", "repetition")
     count = area.sizes["repetition"]
@@ -422,7 +422,7 @@ def _errors_over_hardness(solved: xarray.Dataset, own: float | None) -> Floats:
 
 
 def _between(values: Floats, moduli: Floats, wanted: Floats | float) -> Floats:
-    """What lies between positive values over moduli e^(-w), 1, e^w: their logarithms on a parabola in ln E*."""
+    """Interpolate positive values over moduli e^(-w), 1, e^w by a parabola of their logarithms in ln E*."""
     if moduli.size == 1:
         return np.asarray(values[0])
     softer, own, stiffer = np.log(values)

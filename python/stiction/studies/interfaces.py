@@ -1,7 +1,7 @@
-"""Friction tests, the strengths of interfaces that they tell, and these as files and by names from sources.
+"""Friction tests, and strengths of interfaces from tests, files and published sources.
 
-A file is a table of draws, mu0, tau0, hardness, junction growth and A/F of the tests, under a head of lines that begin
-with "# ": other programs skip these.
+A file is a table of samples of mu0, tau0, hardness, junction growth and A/F of the tests, below a header of lines that
+begin with "# ".
 """
 
 from __future__ import annotations
@@ -38,28 +38,28 @@ from stiction.studies.study import Study, study_of
 if TYPE_CHECKING:
     import pandas
 
-HEAD = "# stiction interface"  # first line of a file
+HEAD = "# stiction interface"  # first line of an interface file
 COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)", "junction growth", "area per load of the tests (1/GPa)")
-MAX_FILE_SIZE = 50_000_000  # largest number of bytes of a file of an interface
+MAX_FILE_SIZE = 50_000_000  # largest size (bytes) of an interface file
 _NUMBERS = ("area_per_load", "variation")
 
 EXCLUDED, UNLIKELY = 0.01, 0.05
-"""Probabilities of residuals as large: a rule is excluded by the first, errors are scaled by the second."""
+"""Probabilities of the residuals below which a rule is excluded, and below which errors are scaled."""
 
-AT_BOUND = 0.01  # distance of a lower end from its bound, in widths of the interval, up to which it is the bound
+AT_BOUND = 0.01  # distance of a lower end from its bound, over the width, below which it is the bound
 COVERAGE = 0.95  # probability of intervals
 RULES: tuple[Sliding, ...] = ("all", "opposing")
 
 HARDNESS = "hardness of the draws"
-"""Line of `Interface.about` with the range that all tests had, whose values the draws keep."""
+"""Entry of `Interface.about` with the range of hardness that all tests share."""
 
 GROWTH = "junction growth of the draws"
-"""Line of `Interface.about` with α of the tests; missing where no test depends on it, or tests differ in it."""
+"""Entry of `Interface.about` with α of the tests; missing if no test depends on α, or tests differ in it."""
 
-CARRYING = 1.001  # least pressure of contacts that slide with a measured coefficient, over the nominal pressure
+CARRYING = 1.001  # smallest pressure of sliding contacts over the nominal pressure
 BULK_GROWTH = 27.0  # α at which a body shears at its hardness over 27^(1/2) (von Mises)
 YIELDED, GROWN = 0.5, 0.05
-"""Least true area over that of plastic contact, and least relative increase, where a coefficient depends on α."""
+"""True area over that of plastic contact, and relative increase, above which a coefficient depends on α."""
 
 _AREA_ERROR = "area over hardness"
 
@@ -68,17 +68,17 @@ Interval = tuple[float, float, float]  # a value with the ends of its 95 % inter
 
 @dataclass(frozen=True)
 class Ball:
-    """A smooth ball on a smooth flat below yield, whose true contact is Hertz's.
+    """A smooth ball on a smooth flat below yield, with the contact area of Hertz.
 
     Attributes
     ----------
     radius : float or str, µm
     effective_modulus : float or str, GPa
-        "3 GPa", or a range, "2..4.5 GPa", which becomes its middle. None: that of the bodies.
+        "3 GPa", or a range, "2..4.5 GPa", which becomes its middle. None if the moduli of the bodies are given.
     young, poisson : optional
-        Young's moduli and Poisson's ratios of both bodies instead, ranges too.
+        Young's moduli and Poisson's ratios of both bodies, also ranges.
     upper_material, lower_material : str, optional
-        What the bodies are made of instead, by name; their moduli are the ranges of `material`.
+        Names of the materials of the bodies; their moduli are the ranges of `material`.
 
     Examples
     --------
@@ -93,11 +93,11 @@ class Ball:
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # at the middle of what is known
-    moduli: Moduli = field(init=False, repr=False, hash=False)  # what is known of the moduli of both bodies
+    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # at the middle of the moduli
+    moduli: Moduli = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
 
     def __post_init__(self) -> None:
-        """Numbers in core units."""
+        """Convert the radius and the moduli to core units."""
         radius = number("radius", to_core_units("radius", self.radius, "length"), unit="µm", above=0)
         object.__setattr__(self, "radius", radius)
         elasticity, moduli = elasticity_and_moduli(
@@ -108,7 +108,7 @@ class Ball:
         object.__setattr__(self, "moduli", moduli)
 
     def area_per_load(self, load: float) -> float:
-        """A/F (1/GPa) at a load (mN), at the middle of what is known of the moduli."""
+        """Return A/F (1/GPa) at a load (mN), at the middle of the moduli."""
         radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
         force, area = hertz_sphere(overlap, radius, modulus)
@@ -117,37 +117,37 @@ class Ball:
 
 @dataclass(frozen=True, kw_only=True)
 class _Friction(PerLoad):
-    """What the surfaces of a test do at its load."""
+    """Forces and true area of the surfaces of a test at its load."""
 
     scatter: float = 0.0  # relative standard error of `stick`
-    surfaces: Hashable = None  # name of the surfaces, whose area is the same in all tests
+    surfaces: Hashable = None  # name of the surfaces; tests with the same name share the error of the area
     hardness: float = math.nan
-    yields: _Yields | None = None
+    yields: _AreaFactor | None = None
 
 
 @dataclass(frozen=True)
 class ShearStrength:
-    """Strength of an interface whose contacts grow, by mu0 and tau0 (GPa), or by a friction coefficient alone."""
+    """Strength of an interface with junction growth: mu0 and tau0 (GPa), or only a friction coefficient."""
 
     sliding: Sliding
     mu0: Floats
-    tau0: Floats | None = None  # None: `mu0` is T/F of contacts that slide, whatever tau0 is
+    tau0: Floats | None = None  # None: `mu0` is T/F of sliding contacts, for any tau0
 
     def under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
-        """Return the pressure H' (GPa) of plastic contacts that slide, whose hardness (GPa) is H."""
+        """Return the pressure H' (GPa) of sliding plastic contacts of hardness H (GPa)."""
         if self.tau0 is None:  # p² + α s² = H² with s = (T/F) p
             return np.asarray(hardness / np.sqrt(1 + alpha * self.mu0**2))
         return hardness_under_shear(hardness, self.mu0, self.tau0, alpha)
 
 
 @dataclass(frozen=True)
-class _Yields:
-    """True area over the computed one as a function of inputs that are not known exactly."""
+class _AreaFactor:
+    """True area over the computed one as a function of uncertain inputs."""
 
     known: Mapping[str, UncertainInput]  # hardness, creep, moduli and α of junction growth that are ranges
 
     def key(self, name: str) -> str:
-        """Name of a nuisance: inputs of two results that are known alike are one."""
+        """Return the name of a nuisance; equal inputs of two results share it."""
         return f"{name} {self.known[name].text}"
 
     @property
@@ -156,55 +156,55 @@ class _Yields:
         return [self.key(name) for name in self.known]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return values of the inputs, of probabilities by the names of the nuisances."""
+        """Return values of the inputs from probabilities by the names of the nuisances."""
         return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
 
     @property
     def growth(self) -> UncertainInput | None:
-        """α of junction growth; None where contacts do not grow, and the area is the same for every strength."""
+        """α of junction growth; None if contacts do not grow."""
         return None
 
     def area(self, columns: Mapping[Any, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the true area over the computed one, of probabilities by the names of the nuisances."""
+        """Return the true area over the computed one from probabilities by the names of the nuisances."""
         return self.area_of(self.values(columns), strength)
 
-    def area_of(self, drawn: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the true area over the computed one, of values of the inputs.
+    def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+        """Return the true area over the computed one from values of the inputs.
 
-        With a strength it is the area at the onset of sliding, with junction growth; infinite where interfaces seize.
+        With a strength it is the area at the onset of sliding, with junction growth; infinite at seizure.
         """
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
-class _BallYields(_Yields):
-    """Hertz's area goes with E*^(-2/3)."""
+class _BallAreaFactor(_AreaFactor):
+    """Area of Hertz, which is proportional to E*^(-2/3)."""
 
     moduli: Moduli
 
-    def area_of(self, drawn: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the true area over that at the middle modulus; contacts below yield do not grow."""
-        return np.asarray(self.moduli.relative(drawn)) ** (-2 / 3)
+    def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+        """Return the true area over that at the middle of the modulus; contacts below yield do not grow."""
+        return np.asarray(self.moduli.relative(samples)) ** (-2 / 3)
 
 
 @dataclass(frozen=True)
-class _ResultYields(_Yields):
+class _ResultAreaFactor(_AreaFactor):
     """True area of a result of measured bodies at a load."""
 
     areas: Areas
     study: Study
     wait: float
-    error: str | None  # name of the nuisance that is the error of the area over hardness; None if there is none
+    error: str | None  # name of the nuisance for the error of the area over hardness
 
     @classmethod
-    def of(cls, result: Any, load: float, wait: float) -> _ResultYields | None:
-        """Those of a result of measured bodies by the half-space; None of others, and where nothing varies."""
+    def of(cls, result: Any, load: float, wait: float) -> _ResultAreaFactor | None:
+        """Return the area of a result of measured half-spaces; None for others, and if no input is uncertain."""
         source = getattr(result, "source", result)
         study = study_of(getattr(result, "dataset", result))
         known = {name: each.estimate for name, each in find_inputs(study).items() if name not in ("mu0", "tau0")}
         fall = find_creep(study)
         if wait != 1 and fall is None:
-            raise ValueError("wait needs a pair that was pressed with wait and creep")
+            raise ValueError("wait requires a pair that was pressed with wait and creep")
         if not known and fall is None and find_junction_growth(study) is None:
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
@@ -230,52 +230,52 @@ class _ResultYields(_Yields):
         """α of junction growth."""
         return find_junction_growth(self.study)
 
-    def area_of(self, drawn: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the true area over the computed one, of values of the inputs.
+    def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+        """Return the true area over the computed one from values of the inputs.
 
-        With a strength it is the area at the onset of sliding, with junction growth; infinite where interfaces seize.
+        With a strength it is the area at the onset of sliding, with junction growth; infinite at seizure.
         """
-        hardness = drawn.get("hardness", np.asarray(self.areas.hardness or math.nan))
-        hardness = hardness * self.wait ** -drawn["creep"] if "creep" in drawn else hardness
-        modulus = relative_modulus(self.study, drawn)
+        hardness = samples.get("hardness", np.asarray(self.areas.hardness or math.nan))
+        hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
+        modulus = relative_modulus(self.study, samples)
         factor = self.areas.factor(0, None if self.areas.hardness is None else hardness, modulus)
         if self.growth is not None and strength is not None:
-            pressure = strength.under_shear(hardness, drawn.get("junction_growth", self.growth.value))
-            if strength.tau0 is None:  # which no load on the nominal area makes infinite
+            pressure = strength.under_shear(hardness, samples.get("junction_growth", self.growth.value))
+            if strength.tau0 is None:  # finite at any load on the nominal area
                 pressure = np.maximum(pressure, CARRYING * self.areas.pressures[0])
             factor = factor * self.areas.grown(0, strength.sliding, hardness, pressure, modulus)
             hardness = np.where(np.isfinite(factor), pressure, hardness)
-        if _AREA_ERROR in drawn:
-            factor = factor * np.exp(self.areas.error(0, hardness / modulus) * drawn[_AREA_ERROR])
+        if _AREA_ERROR in samples:
+            factor = factor * np.exp(self.areas.error(0, hardness / modulus) * samples[_AREA_ERROR])
         return np.asarray(factor)
 
 
 MIN_UNCERTAINTY = 1e-15
-"""Least standard uncertainty of a measured coefficient; weights of smaller ones overflow."""
+"""Smallest standard uncertainty of a measured coefficient; weights of smaller ones overflow."""
 
 
 @dataclass(frozen=True)
 class FrictionTest:
-    """One friction test: what was pressed, under which load, and what was measured.
+    """One friction test: its surfaces, its load, and the measured coefficient.
 
     Attributes
     ----------
     result : Result, HalfSpaceCurve, LoadCurve or Ball
-        What the surfaces of the test do under load; several tests on the same surfaces share it.
+        Contact of the surfaces under load; several tests on the same surfaces share it.
     load : float or str, mN
-        "10 mN", or per nominal area "10 MPa" where the result has one.
+        "10 mN", or "10 MPa" per nominal area if the result has one.
     coefficient : float, optional
     force : float or str, mN, optional
-        Tangential force at which it slid, in place of the coefficient. The first peak is the static one.
+        Tangential force at the onset of sliding, instead of the coefficient: the first peak.
     uncertainty : float or str, optional
-        Standard uncertainty of the coefficient, or of the force where that is given, mN; "20 mN" is of the force and
-        "3 %" relative. None: it is found from the scatter of all tests.
+        Standard uncertainty of the coefficient, or of the force (mN) if the force is given. "20 mN" is that of the
+        force, and "3 %" is relative. None: it is estimated from the scatter of all tests.
     slid : bool
-        Whether it slid; if it held, the coefficient is a lower bound.
+        Whether the pair slid; if not, the coefficient is a lower bound.
     run : str or int, optional
         Specimen or series; tests of one run share an unknown offset.
     wait : float or str, s
-        Time under load before it was sheared, of a result that was pressed with waiting and creep.
+        Dwell time under load before shear; the result must have dwell times and a creep exponent.
 
     Examples
     --------
@@ -294,7 +294,7 @@ class FrictionTest:
     wait: float | str = 1.0
 
     def __post_init__(self) -> None:
-        """Load and coefficient as numbers."""
+        """Convert load, coefficient and uncertainty to numbers."""
         area = getattr(self.result, "nominal_area", None)
         given = (
             to_core_units("load", self.load, "force") if area is None else loads_to_core_units("load", self.load, area)
@@ -302,7 +302,7 @@ class FrictionTest:
         load = number("load", given, unit="mN", above=0)
         object.__setattr__(self, "wait", number("wait", to_core_units("wait", self.wait, "time"), unit="s", above=0))
         if (self.coefficient is None) == (self.force is None):
-            raise ValueError("one of coefficient and force is needed")
+            raise ValueError("either coefficient or force must be given")
         if self.force is not None:
             force = number("force", to_core_units("force", self.force, "force"), unit="mN")
             object.__setattr__(self, "coefficient", force / load)
@@ -318,7 +318,7 @@ class FrictionTest:
             object.__setattr__(self, "uncertainty", found)
 
     def _uncertainty_of_coefficient(self, load: float) -> float:
-        """Standard uncertainty of the coefficient: a force is over the load (mN), and a percentage relative."""
+        """Return the standard uncertainty of the coefficient from that of the force or a percentage, at a load (mN)."""
         given, is_force = self.uncertainty, self.force is not None
         if isinstance(given, str) and given.strip().endswith("%"):
             try:
@@ -331,52 +331,52 @@ class FrictionTest:
         return number("uncertainty", given, above=0) / (load if is_force else 1.0)
 
     @cached_property
-    def yields(self) -> _Yields | None:
-        """How the true area goes with what is not known of the bodies, of a ball or a result of `pair`."""
+    def yields(self) -> _AreaFactor | None:
+        """True area over uncertain inputs, for a ball or a result of `pair`; None without uncertain inputs."""
         if isinstance(self.result, Ball):
-            return _BallYields(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
-        return _ResultYields.of(self.result, float(self.load), float(self.wait))
+            return _BallAreaFactor(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
+        return _ResultAreaFactor.of(self.result, float(self.load), float(self.wait))
 
 
 @dataclass(frozen=True)
 class Fit:
-    """What the tests say by one sliding rule."""
+    """Joint distribution of mu0 and tau0 by one sliding rule, and the quality of the fit."""
 
     sliding: Sliding
-    chi_squared: float  # of the most likely mu0 and tau0, with the errors that were given
-    freedom: int  # tests that slid less what was fitted
-    probability: float  # of residuals as large or larger; NaN without errors or freedom
-    scale: float  # by which errors were multiplied because residuals are larger than they allow
-    trend: float  # probability that residuals vary as much with the load by chance: small where the law does not fit
-    mu0: Floats  # draws
-    tau0: Floats  # of the same draws, GPa
-    hardness: Floats  # of the same draws, GPa; NaN where there is none, or another in other tests
-    junction_growth: Floats  # α of the same draws; NaN where no test depends on it, or tests differ in it
-    area_per_load: Floats  # A/F of the tests of the same draws, at the onset of sliding, 1/GPa; NaN where it is unknown
-    scores: Mapping[Hashable, Floats] = field(default_factory=dict)  # normal scores of nuisances of the same draws
+    chi_squared: float  # at the best fit, with the given errors
+    freedom: int  # number of tests that slid minus fitted parameters
+    probability: float  # probability of a larger chi_squared; NaN without errors or freedom
+    scale: float  # factor by which the errors were multiplied
+    trend: float  # probability of the observed trend of the residuals with the load by chance
+    mu0: Floats  # samples
+    tau0: Floats  # GPa, same samples
+    hardness: Floats  # GPa, same samples; NaN without a hardness that all tests share
+    junction_growth: Floats  # α, same samples; NaN if no test depends on α, or tests differ in it
+    area_per_load: Floats  # A/F of the tests at the onset of sliding, 1/GPa, same samples; NaN if unknown
+    scores: Mapping[Hashable, Floats] = field(default_factory=dict)  # normal scores of nuisances, same samples
 
 
 @dataclass(frozen=True)
 class Interface:
-    """The strength of an interface as tests know it: mu0 and tau0 jointly.
+    """Strength of an interface: joint distribution of mu0 and tau0.
 
     Attributes
     ----------
     fits : tuple of Fit
-        By each sliding rule that was asked for, the one that is used first.
+        Fits by each requested sliding rule, in order of preference.
     area_per_load : float, 1/GPa
         A/F of the tests, at which mu0 + tau0 A/F is identified.
     variation : float
         Standard deviation over mean of A/F among the tests.
     separated : bool
-        Whether both are known, and not only mu0 + tau0 A/F.
+        Whether the tests separate mu0 and tau0, instead of determining only mu0 + tau0 A/F.
     advice : tuple of (str, float, float)
-        Tests that would tell them apart: what, and the expected standard errors of mu0 and tau0 (GPa) after as many
-        tests as there are.
+        Further tests that would separate mu0 and tau0, with the expected standard errors of mu0 and tau0 (GPa) after as
+        many tests again.
     tests : tuple of (float, float, float, bool)
-        A/F (1/GPa), coefficient, its standard uncertainty (NaN where none was given) and whether it slid, of each test.
+        A/F (1/GPa), coefficient, its standard uncertainty (NaN if not given) and whether the pair slid, of each test.
     about : mapping of str to str
-        Kind ("measured", "lumped" or "bound"), materials, conditions, source: what a reader must know.
+        Kind ("measured", "lumped" or "bound"), materials, conditions and source.
 
     Examples
     --------
@@ -395,7 +395,7 @@ class Interface:
     about: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        """Show what is identified, and mu0 and tau0 where they are separated."""
+        """Return the identified sum, and mu0 and tau0 if they are separated."""
         known = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             known += [("mu0", self.mu0, ""), ("tau0", self.tau0, " GPa")]
@@ -408,7 +408,7 @@ class Interface:
 
     @property
     def identified(self) -> Interval:
-        """mu0 + tau0 A/F at the A/F of the tests, that of each draw where it is known, and its 95 % interval."""
+        """mu0 + tau0 A/F at the A/F of the tests, that of each sample if known, and its 95 % interval."""
         ratio = self.fits[0].area_per_load
         if not np.isfinite(ratio).all():
             return self.at(self.area_per_load)
@@ -416,24 +416,24 @@ class Interface:
 
     @property
     def mu0(self) -> Interval:
-        """Molecular friction coefficient and its interval; NaN where the two are not separated."""
+        """Molecular friction coefficient and its interval; NaN if mu0 and tau0 are not separated."""
         return self.strength_intervals[0] if self.separated else (math.nan,) * 3
 
     @property
     def tau0(self) -> Interval:
-        """Adhesive shear strength (GPa) and its interval; NaN where the two are not separated."""
+        """Adhesive shear strength (GPa) and its interval; NaN if mu0 and tau0 are not separated."""
         return self.strength_intervals[1] if self.separated else (math.nan,) * 3
 
     @cached_property
     def strength_intervals(self) -> tuple[Interval, Interval]:
-        """mu0 and tau0 (GPa) with their intervals, though they may not be separated."""
+        """mu0 and tau0 (GPa) with their intervals, even if they are not separated."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
     @cached_property
     def at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Draws of mu0 and tau0 (GPa) moved onto mu0 = 0, and onto tau0 = 0, if the interval of either begins there.
+        """Samples of mu0 and tau0 (GPa) moved to mu0 = 0 or tau0 = 0, if the interval of mu0 or tau0 begins there.
 
-        Their sum mu0 + tau0 A/F at the A/F of the tests is unchanged.
+        The sum mu0 + tau0 A/F at the A/F of the tests is unchanged.
         """
         fit = self.fits[0]
         ratio = fit.area_per_load
@@ -447,9 +447,9 @@ class Interface:
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> Interval:
-        """Return the median and the 95 % interval of a coefficient, a function of draws of mu0 and tau0 (GPa).
+        """Return the median and the 95 % interval of a coefficient, a function of samples of mu0 and tau0 (GPa).
 
-        The interval contains those at mu0 = 0 and at tau0 = 0 if the tests do not exclude these values.
+        The interval contains those at mu0 = 0 and at tau0 = 0 unless the tests exclude these values.
         """
         fit = self.fits[0]
         value, low, high = credible_interval(coefficient(fit.mu0, fit.tau0), 0.0)
@@ -459,25 +459,25 @@ class Interface:
         return value, low, high
 
     def at(self, area_per_load: float) -> Interval:
-        """mu0 + tau0 A/F at an A/F (1/GPa), and its 95 % interval."""
+        """Return mu0 + tau0 A/F at an A/F (1/GPa), and its 95 % interval."""
         return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
 
     @property
     def excluded(self) -> tuple[Sliding, ...]:
-        """Sliding rules that the tests exclude, while another one fits them."""
+        """Sliding rules that the tests exclude while another rule fits."""
         likely = [fit.sliding for fit in self.fits if fit.probability > UNLIKELY]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUDED and likely)
 
     @cached_property
     def draws(self) -> pandas.DataFrame:
-        """The joint distribution, a row a draw: mu0, tau0 (GPa) and hardness (GPa, NaN without one of all tests)."""
+        """Joint samples, one per row: mu0, tau0 (GPa) and hardness (GPa; NaN unless all tests share its range)."""
         import pandas
 
         fit = self.fits[0]
         return pandas.DataFrame({"mu0": fit.mu0, "tau0": fit.tau0, "hardness": fit.hardness})
 
     def predict(self, result: Any, load: float | str) -> Interval:
-        """mu_s of other surfaces at a load, with its 95 % interval.
+        """Predict mu_s of other surfaces at a load, with its 95 % interval.
 
         Parameters
         ----------
@@ -487,8 +487,8 @@ class Interface:
         Returns
         -------
         (float, float, float)
-            Value, lower and upper end: of mu0 and tau0 jointly, and of the area of the surfaces over their positions.
-            Infinite ends are of interfaces that seize.
+            Value, lower and upper end. They include the uncertainty of mu0 and tau0 jointly, and that of the area over
+            positions. An end is infinite at seizure.
 
         Warns
         -----
@@ -502,16 +502,16 @@ class Interface:
         fit, random = self.fits[0], np.random.default_rng(1)
         found = evaluate_friction(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
-        def scores(name: Hashable) -> Floats:  # what is common to tests and prediction is drawn once
+        def scores(name: Hashable) -> Floats:  # tests and prediction share samples of common inputs
             return fit.scores[name] if name in fit.scores else random.standard_normal(len(fit.mu0))
 
         area = np.exp(found.scatter * scores(found.surfaces))
         if (own := found.yields) is not None:
-            drawn = own.values({name: ndtr(scores(name)) for name in own.names})
-            if "hardness" in drawn and own.known["hardness"].agrees_with(self.about.get(HARDNESS, "")):
-                drawn["hardness"] = fit.hardness
-            if "junction_growth" in drawn and self.has_growth(own.known["junction_growth"]):
-                drawn["junction_growth"] = fit.junction_growth
+            samples = own.values({name: ndtr(scores(name)) for name in own.names})
+            if "hardness" in samples and own.known["hardness"].agrees_with(self.about.get(HARDNESS, "")):
+                samples["hardness"] = fit.hardness
+            if "junction_growth" in samples and self.has_growth(own.known["junction_growth"]):
+                samples["junction_growth"] = fit.junction_growth
         growth = None if own is None else own.growth
         depends = growth is not None or depends_on_growth(found, float(np.median(fit.mu0)), float(np.median(fit.tau0)))
         if depends and self.growth is not None and not self.has_growth(growth):
@@ -524,7 +524,7 @@ class Interface:
 
         def coefficient(mu0: Floats, tau0: Floats) -> Floats:
             strength = ShearStrength(fit.sliding, mu0, tau0)
-            whole = area if own is None else area * own.area_of(drawn, strength)
+            whole = area if own is None else area * own.area_of(samples, strength)
             values = found.coefficient(mu0, tau0, np.where(tau0 > 0, whole, 1.0))
             return np.where(np.isfinite(values), values, np.inf)
 
@@ -532,14 +532,14 @@ class Interface:
 
     @property
     def growth(self) -> UncertainInput | None:
-        """α of junction growth of the tests, at its median; None where no test depends on it, or tests differ in it."""
+        """α of junction growth of the tests, at its median; None if no test depends on α, or tests differ in it."""
         if GROWTH not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
         return replace(parse_study_input("junction_growth", self.about[GROWTH]), value=median)
 
     def has_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether α is that of the tests; None is 0."""
+        """Return whether α equals that of the tests; None counts as 0."""
         own = self.growth
         if own is None or growth is None:
             return own is not None and own.high == 0
@@ -547,10 +547,10 @@ class Interface:
 
 
 def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
-    """Return the median of draws and the ends of their 95 % interval.
+    """Return the median of samples and the ends of their 95 % interval.
 
-    The ends are quantiles of equal tails, so that the interval of a product of a range contains what the ends of the
-    range give. Where the shortest interval with 95 % of the draws begins at the bound, the interval is that one.
+    The interval has equal tails. If the shortest interval with 95 % of the samples begins at the bound, it is returned
+    instead.
     """
     ordered = np.sort(values)
     inside = math.ceil(COVERAGE * len(ordered)) - 1
@@ -563,7 +563,7 @@ def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
 
 
 def depends_on_growth(friction: _Friction, mu0: float, tau0: float) -> bool:
-    """Return whether junction growth at α of von Mises would raise a coefficient clearly, tau0 in GPa."""
+    """Return whether junction growth with α of von Mises would increase a coefficient by more than `GROWN`."""
     if not friction.stick * friction.hardness > YIELDED:
         return False
     own, grown = tabor_friction(friction.hardness, mu0, tau0, [0.0, BULK_GROWTH])
@@ -572,7 +572,7 @@ def depends_on_growth(friction: _Friction, mu0: float, tau0: float) -> bool:
 
 def sliding_rules_of(result: Any) -> tuple[str, ...]:
     """Return the sliding rules that a result has."""
-    if isinstance(result, Ball):  # on which all rubs
+    if isinstance(result, Ball):  # friction acts at its one contact by both rules
         return RULES
     if isinstance(result, FrictionCurve):
         return (str(getattr(result, "sliding", "all")),)
@@ -580,24 +580,22 @@ def sliding_rules_of(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _Friction:
-    """What the surfaces of a test do at its load, by a sliding rule."""
+    """Return forces and true area of the surfaces of a test at its load, by a sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
-        raise ValueError("wait needs a result of pair, which knows the creep")
+        raise ValueError("wait requires a result of pair, which has the creep exponent")
     if isinstance(result, Ball):
         return _Friction(stick=result.area_per_load(load), yields=test.yields)
     if isinstance(result, FrictionCurve):
-        return _of_curve(result, load)
-    return replace(_of_members(result, load, sliding), yields=test.yields)
+        return _evaluate_curve(result, load)
+    return replace(_evaluate_members(result, load, sliding), yields=test.yields)
 
 
-def _of_curve(curve: FrictionCurve, load: float) -> _Friction:
-    """A curve has one rule, its own, and one direction, the first."""
+def _evaluate_curve(curve: FrictionCurve, load: float) -> _Friction:
+    """Return forces and true area of a curve, by its own rule and in its first direction."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
-        raise ValueError(
-            f"load must be one that the curve reaches, {loads.min():g} to {loads.max():g} mN, got {load:g}"
-        )
+        raise ValueError(f"load must be within that of the curve, {loads.min():g} to {loads.max():g} mN, got {load:g}")
     order = np.argsort(loads)
 
     def at(name: str) -> float:
@@ -610,14 +608,14 @@ def _of_curve(curve: FrictionCurve, load: float) -> _Friction:
     )
 
 
-def _of_members(result: Any, load: float, sliding: Sliding) -> _Friction:
-    """Means of a result over members and directions, and the scatter of the adhesive sum over members."""
+def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _Friction:
+    """Return means of a result over members and directions, and the standard error of the adhesive sum."""
     dataset = getattr(result, "dataset", result)
     there = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
     six = {str(name): each.mean("direction").values.reshape(-1) for name, each in there.data_vars.items()}
     reached = np.isfinite(list(six.values())).all(axis=0)
     if not reached.any():
-        raise ValueError(f"load must be one that the result reaches, got {load:g} mN")
+        raise ValueError(f"load must be a load that the result reaches, got {load:g} mN")
     stick = six["tangential_adhesive"][reached]
     spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
     means = {name: each[reached].mean() for name, each in six.items()}
@@ -631,19 +629,19 @@ def _of_members(result: Any, load: float, sliding: Sliding) -> _Friction:
 
 
 def write_interface(interface: Interface, path: str | Path, about: Mapping[str, str] | None = None) -> None:
-    """Write an interface as a text file: its head, and a row a draw.
+    """Write an interface as a text file with a header and one sample per row.
 
     Parameters
     ----------
     interface : Interface
     path : path
     about : mapping of str to str, optional
-        Materials, conditions, who measured: lines of the head.
+        Further lines of the header, such as materials, conditions and operator.
 
     Raises
     ------
     ValueError
-        If something else has that name, or the file cannot be written.
+        If another file has this name, or the file cannot be written.
 
     Examples
     --------
@@ -657,7 +655,7 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     'A. B.'
     """
     if not isinstance(interface, Interface):
-        raise ValueError(f"interface must be an Interface, as calibrate() gives it, got {type(interface).__name__}")
+        raise ValueError(f"interface must be an Interface from calibrate(), got {type(interface).__name__}")
     head = {
         "sliding": interface.fits[0].sliding,
         "area_per_load": repr(interface.area_per_load),
@@ -675,12 +673,12 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
 
 
 def read_interface(path: str | Path) -> Interface:
-    """Read what `write_interface` wrote.
+    """Read an interface from a file of `write_interface`.
 
     Raises
     ------
     ValueError
-        If it cannot be read, or is no such file.
+        If the file cannot be read, or is not an interface.
 
     Examples
     --------
@@ -693,13 +691,13 @@ def read_interface(path: str | Path) -> Interface:
     try:
         lines = read_content(Path(path), MAX_FILE_SIZE, HEAD.encode()).decode("utf-8").splitlines()
     except NotReadableError as error:
-        raise ValueError(f"{printable_path(path)}: is no interface: {error}") from None
+        raise ValueError(f"{printable_path(path)}: is not an interface: {error}") from None
     except OSError as error:
         raise ValueError(
             f"{printable_path(path)}: cannot be read as an interface: {describe_os_error(error)}"
         ) from None
     except UnicodeDecodeError:
-        raise ValueError(f"{printable_path(path)}: is not a text file, so it is no interface") from None
+        raise ValueError(f"{printable_path(path)}: is not a text file, and therefore not an interface") from None
     head = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
     rows = [line for line in lines if line and not line.startswith("#")]
     try:
@@ -711,8 +709,8 @@ def read_interface(path: str | Path) -> Interface:
         check_choice("sliding", sliding, Sliding)
         parse_study_input("junction_growth", head.get(GROWTH, "0"))
     except (ValueError, KeyError, csv.Error, StopIteration):
-        said = "an entry of its head is missing or unknown, or a row is not of five numbers"
-        raise ValueError(f"{printable_path(path)}: is a damaged interface: {said}") from None
+        reason = "an entry of the header is missing or unknown, or a row does not have five numbers"
+        raise ValueError(f"{printable_path(path)}: is a damaged interface: {reason}") from None
     if table.ndim != 2 or table.shape[1] != len(COLUMNS) or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all():
         raise ValueError(f"{printable_path(path)}: is a damaged interface: mu0 and tau0 must be numbers of at least 0")
     fit = _fit(sliding, *table.T)
@@ -725,7 +723,7 @@ def _fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Fit:
 
 @cache
 def interfaces() -> dict[str, dict[str, str]]:
-    """Interfaces whose strength was read in a source, by name: what is known of each, as text.
+    """Return published interfaces by name, with their entries as text.
 
     Examples
     --------
@@ -738,7 +736,7 @@ def interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interfaces(folder: str | Path) -> dict[str, dict[str, str]]:
-    """What `interfaces` gives, of the files in a folder that `write_interface` wrote; others are passed over."""
+    """Return entries as those of `interfaces` for the interface files in a folder; other files are ignored."""
     found = {}
     try:
         paths = sorted(path for path in Path(folder).iterdir() if path.is_file())
@@ -756,12 +754,12 @@ def read_interfaces(folder: str | Path) -> dict[str, dict[str, str]]:
 
 
 def interface(name_or_path: str | Path) -> Interface:
-    """An interface by its name, one of `interfaces`, or from the file that `stiction calibrate` wrote.
+    """Return an interface by its name in `interfaces`, or from a file of `stiction calibrate`.
 
     Raises
     ------
     ValueError
-        If there is no such name or file.
+        If no interface or file has this name.
 
     Examples
     --------
@@ -789,12 +787,12 @@ def interface(name_or_path: str | Path) -> Interface:
 
 
 def find_interface(study: Study) -> Interface | None:
-    """The strength by which a study was asked for; None where it was by none, or that is gone or another by now."""
+    """Return the interface of a study; None if it has none, or its file is missing or has changed."""
     text = study.known.interface
     if text is None:
         return None
     try:
-        found = _kept(text, 0 if text in interfaces() else Path(text).stat().st_mtime_ns)
+        found = _read_cached(text, 0 if text in interfaces() else Path(text).stat().st_mtime_ns)
     except (ValueError, OSError):
         return None
     mu0, tau0 = median_strength(found)
@@ -802,11 +800,11 @@ def find_interface(study: Study) -> Interface | None:
 
 
 @lru_cache(maxsize=8)
-def _kept(text: str, _changed: int) -> Interface:
+def _read_cached(text: str, _changed: int) -> Interface:
     return interface(text)
 
 
 def median_strength(found: Interface) -> tuple[float, float]:
-    """Medians of mu0 and of tau0 (GPa), in four digits."""
+    """Return the medians of mu0 and tau0 (GPa) in four digits."""
     mu0, tau0 = (float(f"{np.median(each):.4g}") for each in (found.fits[0].mu0, found.fits[0].tau0))
     return mu0, tau0

@@ -1,6 +1,6 @@
-"""95 % intervals of means: over independent repetitions at a load, and over neighbouring positions.
+"""95 % intervals of means over independent repetitions at a load, and over neighboring positions.
 
-What they cover, and how wide they are beside the best that is possible, is measured by docs/scripts/intervals.py.
+The script docs/scripts/intervals.py measures their coverage, and their width relative to the best possible one.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 
 CONFIDENCE = 0.95
-AROUND = 4  # steps on both sides of a crossing over which the slope of a mean is taken: those of single steps are noise
+SLOPE_STEPS = 4  # steps on both sides of a crossing that give the slope of a mean
 MAX_LOAD_RATIO = 10.01
 """Ratio of neighboring solved loads above which no value between them is interpolated."""
-IN_CACHE = 2**15  # numbers that are worked on at a time: of more, each step would wait for memory
-MIN_SAMPLE_SIZE = 3
-MIN_NEIGHBORS = 8  # fewer, even independent ones, cannot tell their mean from their correlation
+CHUNK_SIZE = 2**15  # numbers that are processed at a time and fit into the cache
+MIN_SAMPLE_SIZE = 3  # values below which a sample has no interval
+MIN_NEIGHBORS = 8  # values below which mean and correlation cannot be separated
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
-_MOST_STEPS = 50
-_STRAIGHT = 1e-9  # skewness below which a scale is straight to round-off
-MAX_FREEDOM = 1e6  # degrees of freedom from which on Student's t is normal
+_MAX_STEPS = 50
+_MIN_SKEWNESS = 1e-9  # skewness below which the scale is linear to round-off
+MAX_FREEDOM = 1e6  # degrees of freedom above which Student's t is normal
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
-    """Quantile of Student's t with which a two-sided interval covers `CONFIDENCE`, by degrees of freedom."""
+    """Return the quantile of Student's t for a two-sided interval of `CONFIDENCE`, by degrees of freedom."""
     from scipy.special import stdtrit
 
     return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
@@ -36,19 +36,20 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where curves (..., k) first reach loads (l,): between steps index - 1 and index, at a fraction of the step."""
+    """First crossings of loads (l,) by curves (..., k), between steps index - 1 and index at a fraction of the step."""
 
     index: NDArray[np.intp]  # (..., l)
     fraction: Floats  # (..., l)
     reached: NDArray[np.bool_]  # (..., l)
-    below: NDArray[np.bool_]  # (..., l): the load is less than that of the first step
-    scale: tuple[Floats, Floats] | None = None  # curves and loads, where ratios to them are what is straight
+    below: NDArray[np.bool_]  # (..., l) loads below that of the first step
+    scale: tuple[Floats, Floats] | None = None  # curves and loads, if ratios are interpolated
 
     @classmethod
     def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
-        """First upward crossings, by straight lines; by `ratio` of value/load over the logarithm of the load.
+        """Find the first upward crossings by linear interpolation.
 
-        By `ratio` a load between two steps is reached only if their ratio is at most `MAX_LOAD_RATIO`.
+        With `ratio`, value/load is interpolated over the logarithm of the load, and a load between two steps is reached
+        only if the ratio of these steps is at most `MAX_LOAD_RATIO`.
         """
         if ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -67,7 +68,7 @@ class Crossing:
         return cls(index, fraction, reached, ~reached & at_least[..., 0, :])
 
     def without_gaps(self, curve: Floats, loads: Floats) -> Crossing:
-        """Without what is reached right behind a step that curves (..., k) lack (NaN), but for loads of steps."""
+        """Return the crossings without those after a step where curves (..., k) are NaN, except at loads of steps."""
         before, there = self._around(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (there == loads)))
 
@@ -79,7 +80,10 @@ class Crossing:
         return before, after
 
     def at(self, values: Floats, *, sums: bool = True) -> Floats:
-        """(..., more, l): values (..., more, k) where loads are reached, else NaN; of `sums` ratios are straight."""
+        """Return values (..., more, k) at the loads, (..., more, l); NaN where loads are not reached.
+
+        Ratios of `sums` to the loads are interpolated linearly.
+        """
         own = self.index.ndim - 1
         more = (*self.index.shape[:-1], *(1,) * (values.ndim - 1 - own), -1)
         index, fraction, reached = (each.reshape(more) for each in (self.index, self.fraction, self.reached))
@@ -91,15 +95,15 @@ class Crossing:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # At a step itself the step before it does not matter, even where it is missing.
-        with np.errstate(invalid="ignore"):  # of infinite values, as the stiffness of complete contact is
+        # At a step the step before it does not matter, even if it is NaN.
+        with np.errstate(invalid="ignore"):  # values such as the stiffness of complete contact are infinite
             there = np.where(fraction == 1, after, before + fraction * (after - before))
         if sums and self.scale is not None:
             there = there * self.scale[1]
         return np.where(reached, there, np.nan)
 
     def slope(self, values: Floats, over: Floats) -> Floats:
-        """(..., l): steps of values over those of others, (..., k) each, between which the loads are reached."""
+        """Return slopes (..., l) of values over others, (..., k) each, at the steps in which the loads are reached."""
         index = np.maximum(self.index, 1)
         rise, run = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
@@ -112,17 +116,17 @@ class Crossing:
 
 
 class MeansAtLoads:
-    """Means of values, read off where the means of normal loads reach loads, and their intervals: docs, intervals.md.
+    """Means of values where mean normal loads reach loads, and their jackknife intervals (docs, intervals.md).
 
-    A jackknife over the repetitions. With v and n the values and normal loads of each at the crossing, and e the
-    exponent of the mean curve there, mean(v) ~ mean(n)^e, a repetition that is left out moves the logarithm of the mean
-    by that of mean(v) less e times that of mean(n). Where the mean is zero, or what others leave of it is not of its
-    sign, the same to first order, symmetric. The means (c, k) of c curves come first; then the repetitions come by.
+    Let v and n be the values and normal loads of the repetitions at the crossing, and e the exponent of the mean curve,
+    mean(v) ~ mean(n)^e. Leaving out a repetition changes the logarithm of the mean by the change of ln mean(v) minus e
+    times that of ln mean(n). If the mean is zero, or changes its sign without a repetition, the interval is the
+    symmetric one of first order. The means (c, k) of c curves are given first, then the repetitions one by one.
     """
 
     def __init__(self, normal: Floats, values: Floats, repetitions: int, loads: Floats) -> None:
         self.crossing = Crossing.of(normal, loads)
-        # From here on only where a curve reaches a load, one point after the other.
+        # Points (p,): pairs of curves and loads that are reached.
         self._curve, load = np.nonzero(self.crossing.reached)
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -136,15 +140,15 @@ class MeansAtLoads:
         self.mean = self._over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
-        """Further repetitions: normal loads (c, k, r) and values (c, k, r)."""
+        """Add repetitions: normal loads (c, k, r) and values (c, k, r)."""
         self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         self._negative |= (values < 0).any(axis=(1, 2))
-        at_a_time, others = max(1, IN_CACHE // max(1, self._load.size)), self._repetitions - 1
+        at_a_time, others = max(1, CHUNK_SIZE // max(1, self._load.size)), self._repetitions - 1
         mean, mean_load, load, slope = (
             each[:, np.newaxis] for each in (self._mean, self._mean_load, self._load, self._slope)
         )
         for first in range(0, normal.shape[2], at_a_time):
-            # (p, r) where the loads are reached, and what it moves the means of the others by, when it is left out.
+            # Values (p, r) of each repetition, and the change of the means without it.
             own_load, own_value = (self._at(each[..., first : first + at_a_time]) for each in (normal, values))
             self._loads.add(own_load)
             self._values.add(own_value)
@@ -155,7 +159,7 @@ class MeansAtLoads:
                 self._plain.add(by_value - slope * by_load)
 
     def interval(self) -> tuple[Floats, Floats]:
-        """Lower and upper end (c, l), when all repetitions have come."""
+        """Return the lower and upper ends (c, l) after all repetitions were added."""
         mean = self._mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
@@ -169,19 +173,19 @@ class MeansAtLoads:
         return self._over_loads(lower), self._over_loads(upper)
 
     def _at(self, values: Floats) -> Floats:
-        """(p, r): values (c, k, r) where the loads are reached."""
+        """Return values (c, k, r) at the points, (p, r)."""
         after, before = values[self._curve, self._index], values[self._curve, np.maximum(self._index - 1, 0)]
         return np.asarray(before + self._fraction[:, np.newaxis] * (after - before))
 
     def _over_loads(self, of_points: Floats) -> Floats:
-        """(c, l), NaN where a load is not reached."""
+        """Return values (p,) as (c, l), NaN where a load is not reached."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
 
 
 class _Extent:
-    """Sum, least and most of values (p, r) over r that come by."""
+    """Running sum, minimum and maximum of values (p, r) over r."""
 
     def __init__(self, size: int) -> None:
         self._sum = np.zeros(size)
@@ -193,30 +197,30 @@ class _Extent:
         self._most = np.maximum(self._most, values.max(axis=1, initial=-np.inf))
 
     def leaves_more_than_nothing(self, mean: Floats) -> NDArray[np.bool_]:
-        """Whether any one may be left out, and the sum of the others has the sign of the mean."""
+        """Return whether the sum keeps the sign of the mean without any one value."""
         return np.asarray(np.where(mean > 0, self._sum - self._most > 0, (mean < 0) & (self._sum - self._least < 0)))
 
 
 class PowerSums:
-    """Sums of powers of jackknife values (..., r) that come by, and half the interval that they give."""
+    """Running sums of powers of jackknife values (..., r), and the half width of their interval."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
         self._sums = np.zeros((4, *shape))
 
     def add(self, values: Floats) -> None:
-        """Further values."""
+        """Add values."""
         self._count += values.shape[-1]
         square = values * values
         for index, power in enumerate((values, square, square * values, square * square)):
             self._sums[index] += power.sum(axis=-1)
 
     def is_finite(self) -> NDArray[np.bool_]:
-        """Whether all values were."""
+        """Return whether all values were finite."""
         return np.asarray(np.isfinite(self._sums).all(axis=0))
 
     def half_width(self) -> Floats:
-        """Half the interval, when all values have come."""
+        """Return the half width of the interval after all values were added."""
         count = self._count
         first, second, third, fourth = self._sums
         mean = first / count
@@ -230,10 +234,10 @@ class PowerSums:
 
 
 def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
-    """(p,): least-squares slope of mean values (p, k) against mean normal loads (p, k) over the steps around (p,)."""
-    first = np.maximum(index - 1 - AROUND, 0)[:, np.newaxis]
-    last = np.minimum(index + AROUND, normal.shape[1] - 1)[:, np.newaxis]
-    steps = first + np.arange(2 * AROUND + 2)
+    """Return least-squares slopes (p,) of mean values (p, k) over mean normal loads (p, k) near the steps (p,)."""
+    first = np.maximum(index - 1 - SLOPE_STEPS, 0)[:, np.newaxis]
+    last = np.minimum(index + SLOPE_STEPS, normal.shape[1] - 1)[:, np.newaxis]
+    steps = first + np.arange(2 * SLOPE_STEPS + 2)
     inside = steps <= last
     steps = np.minimum(steps, last)
     count = inside.sum(axis=1, keepdims=True)
@@ -247,9 +251,9 @@ def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
 
 
 def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Mean, lower and upper end of values (r, ...) over the first axis, without NaN, by Student's t.
+    """Return the mean and its interval of values (r, ...) over the first axis by Student's t, without NaN.
 
-    Student's t is of the logarithm of the mean where no value is negative, so that the interval stays above 0.
+    If no value is negative, Student's t applies to the logarithm of the mean, so that the interval is above 0.
     """
     known = np.isfinite(values)
     there, count = np.where(known, values, 0.0), known.sum(axis=0)
@@ -263,7 +267,7 @@ def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
-    """Lower and upper end of a mean by half the width of its normal interval, on a logarithmic scale unless signed."""
+    """Return the ends of the interval of a mean from its half width, on a logarithmic scale unless signed."""
     mean, half_width = np.asarray(mean, float), np.asarray(half_width, float)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         factor = np.exp(half_width / mean)
@@ -272,12 +276,12 @@ def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) 
     return np.where(by_logarithm, lower, mean - half_width), np.where(by_logarithm, upper, mean + half_width)
 
 
-# ---- Over neighbours -------------------------------------------------------------------------------------------------
+# ---- Over neighbors- -------------------------------------------------------------------------------------------------
 
 
 @lru_cache(maxsize=32)
-def _of_count(count: int) -> tuple[Floats, Floats, float, float]:
-    """1' R^-1 1 and inflation of the mean's variance for each correlation, and Student's quantile and density at 0."""
+def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
+    """Return 1' R^-1 1 and the variance inflation by correlation, and Student's quantile and density at 0."""
     rho, lags = _CORRELATIONS, np.arange(1, count)
     ones = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -286,37 +290,37 @@ def _of_count(count: int) -> tuple[Floats, Floats, float, float]:
 
 
 def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Mean of values (r, ...) over the first axis, in whose order they are neighbours, and its interval.
+    """Return the mean and its interval of neighboring, correlated values (r, ...) over the first axis.
 
-    The interval (docs: intervals) is that of the mixture of autoregressive processes over all correlations from 0 to
-    0.95, each weighted by the likelihood that the values give it and by sqrt(1 - ρ), on a scale that takes their
-    skewness off, and not beyond them. NaN for fewer than `MIN_NEIGHBORS` values, and where all are equal.
+    The interval (docs, intervals.md) is that of a mixture of autoregressive processes with correlations ρ from 0 to
+    0.95, weighted by their likelihood and by sqrt(1 - ρ), on a scale without skewness, and limited to the range of the
+    values. It is NaN for fewer than `MIN_NEIGHBORS` values, and if all values are equal.
     """
     count = values.shape[0]
-    # Each row (c, r) is summed alone, so that its bits do not depend on how many others there are.
+    # Each row (c, r) is summed separately, so that its bits do not depend on the other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
     if count >= MIN_NEIGHBORS:
-        at_a_time = max(1, IN_CACHE // (4 * count))
+        at_a_time = max(1, CHUNK_SIZE // (4 * count))
         for first in range(0, mean.size, at_a_time):
             some = slice(first, first + at_a_time)
-            lower[some], upper[some] = _ends_of_neighbours(rows[some], mean[some])
+            lower[some], upper[some] = _neighbors_interval(rows[some], mean[some])
     return tuple(each.reshape(values.shape[1:]) for each in (mean, lower, upper))  # type: ignore[return-value]
 
 
-def _ends_of_neighbours(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
+def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     """Return the ends of the intervals of rows of values (c, r), NaN where all values are equal."""
     from scipy.special import stdtr
 
-    # In units of their spread, so that no scale overflows.
+    # Values in units of their standard deviation, to avoid overflow.
     count, deviations = values.shape[1], values - mean[:, np.newaxis]
     spread = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
     differ = (spread > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(differ, spread, 1.0)[:, np.newaxis], _CORRELATIONS
     y[~differ] = np.linspace(-1.0, 1.0, count)
-    # Of the autoregressive process in closed form: 1' R^-1 1, the weighted mean, and the weighted sum of squares.
-    ones, inflation, quantile, density = _of_count(count)
+    # Closed forms of the autoregressive process: 1' R^-1 1, weighted mean, and weighted sum of squares.
+    ones, inflation, quantile, density = _mixture_constants(count)
     inner = y[:, 1:-1].sum(axis=1)[:, np.newaxis]
     centre = (y[:, :1] + y[:, -1:] + (1 - rho) * inner) / (1 + rho) / ones  # (c, rho)
     squares = np.empty_like(centre)
@@ -329,9 +333,9 @@ def _ends_of_neighbours(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     weights /= weights.sum(axis=1, keepdims=True)
     errors = np.sqrt(squares / (count - 1) * inflation)
 
-    # The mixture's distribution is concave above 0, so that Newton's steps from below its quantile stay below it.
+    # The distribution of the mixture is concave above 0, so Newton steps from below the quantile stay below it.
     high, moves = quantile * errors.min(axis=1), np.ones(mean.shape, bool)
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MAX_STEPS):
         t = high[:, np.newaxis] / errors
         slope = density * (weights * (1 + t * t / (count - 1)) ** (-count / 2) / errors).sum(axis=1)
         step = (0.5 + CONFIDENCE / 2 - (weights * stdtr(count - 1, t)).sum(axis=1)) / slope
@@ -340,7 +344,7 @@ def _ends_of_neighbours(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
         if not moves.any():
             break
     bend = (y**3).mean(axis=1) / (y**2).mean(axis=1) ** 1.5 / 3
-    is_straight = np.abs(bend) <= _STRAIGHT
+    is_straight = np.abs(bend) <= _MIN_SKEWNESS
     bend = np.where(is_straight, 1.0, bend)
     below = np.where(is_straight, high, -np.expm1(-bend * high) / bend)
     above = np.where(is_straight, high, np.expm1(bend * high) / bend)
@@ -350,12 +354,12 @@ def _ends_of_neighbours(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
 
 
 def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Mean and interval of values (r, ...) at positions on lines, in the order of neighbours, or of means of lines."""
+    """Return the mean and its interval of values (r, ...) at neighboring positions, by means of lines if several."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first, index = np.unique(lines, return_index=True, return_inverse=True)
     each = values
-    if first.size > 1:  # one value for each line, in the order of the lines, whose mean is that of all
+    if first.size > 1:  # one value for each line, whose mean is that of all values
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         sums = np.zeros((first.size, *values.shape[1:]))
         np.add.at(sums, index, values)
@@ -370,24 +374,25 @@ def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Flo
 
 @dataclass(frozen=True)
 class ScansMean:
-    """Mean of members of several scans of two parts, and what its uncertainty is made of."""
+    """Mean over members of several scans of two parts, and the components of its variance."""
 
     mean: float
-    variances: tuple[float, ...]  # of the mean: of which scans of the upper and of the lower part, and of positions
+    variances: tuple[float, ...]  # of the mean: from scans of the upper part, of the lower part, and from positions
     freedom: float  # of the variance of the mean, by Satterthwaite (1946)
-    test: float  # standard deviation of a test of other scans at one position in one direction from the mean
+    test: float  # standard deviation from the mean of a test of other scans at one position in one direction
     test_freedom: float
 
     @property
     def half_width(self) -> float:
-        """Half the 95 % interval of the mean of both parts; infinite where there are too few members."""
+        """Half width of the 95 % interval of the mean of both parts; infinite for too few members."""
         return float(student_quantile(min(self.freedom, MAX_FREEDOM))) * math.sqrt(sum(self.variances))
 
 
 def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScansMean | None:
-    """Means of values (r, ...) of members that are of scans (r,) of either part, by two-way random effects; or None.
+    """Return the mean of values (r, ...) of members over scans (r,) of both parts; None for fewer than two cells.
 
-    Searle, Casella & McCulloch, Variance Components (1992), chapter 4: mean squares not above the last are pooled.
+    Two-way random effects (Searle, Casella & McCulloch, Variance Components, 1992, chapter 4); mean squares that do not
+    exceed the last one are pooled.
     """
     flat = values.reshape(values.shape[0], -1)
     every = np.full((int(upper.max()) + 1, int(lower.max()) + 1), np.nan)
@@ -408,7 +413,7 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     freedom = float(freedoms[~apart].sum())
     rest = float(sums[~apart].sum()) / max(freedom, 1.0)
     shares = np.append(np.where(apart, squares - rest, 0.0)[:2], rest)
-    # A mean square enters the variance once, and that of what is left is taken off for each part that stands apart.
+    # Each separate mean square enters the variance once; the residual one is subtracted for each of these.
     weights = np.append(np.where(apart, squares, 0.0)[:2], (1 - apart.sum()) * rest)
     each = np.maximum([*freedoms[:2], freedom], 1.0)
     within = (flat - every[upper, lower][:, np.newaxis]).ravel()
@@ -423,11 +428,12 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
 
 
 def _test_freedom(parts: Floats, freedoms: Floats) -> float:
-    """Degrees of freedom of a variance of a test, a sum of parts.
+    """Return the degrees of freedom of the variance of a test, a sum of components.
 
-    They are Satterthwaite's, or less, so that the interval is at least as wide as that of each part alone. With two
-    scans the variance between them has one degree of freedom, and where it comes out small, Satterthwaite's are those
-    of the rest: intervals then covered 0.86 to 0.90 of the tests, and cover 0.94 to 0.99 now.
+    They are at most those of Satterthwaite, so that the interval is at least as wide as that of each component alone.
+    With two scans, the variance between scans has one degree of freedom. If its estimate is small, the degrees of
+    freedom of Satterthwaite are those of the other components, and intervals covered only 0.86 to 0.90 of the tests;
+    with this limit they cover 0.94 to 0.99.
     """
     from scipy.special import stdtridf
 
@@ -442,6 +448,6 @@ def _test_freedom(parts: Floats, freedoms: Floats) -> float:
 
 
 def _satterthwaite(variance: float, parts: Floats, freedoms: Floats) -> float:
-    """Degrees of freedom of a variance that is a sum of parts."""
+    """Return the degrees of freedom of a variance that is a sum of components (Satterthwaite, 1946)."""
     squares = float((parts**2 / freedoms).sum())
     return float(variance**2 / squares) if squares > 0 else math.inf
