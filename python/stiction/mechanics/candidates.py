@@ -41,7 +41,7 @@ class Candidates:
     position : (c, 3) ndarray, µm
         Position on the lower surface.
     gap : (c,) ndarray, µm
-        Gap above that at first contact of the grid points: a candidate touches at larger approaches. Slightly
+        Gap minus the gap at first contact of the grid points: a candidate touches at larger approaches. Slightly
         negative if a minimum between grid points is lower than all grid points.
     radii : (c, 2) ndarray, µm
         Principal radii of the relative curvature, the larger one first.

@@ -33,6 +33,7 @@ class Contacts(TextRepr):
         Grid point of the contact: its cell ("cell"), or the point to its left ("gap-minimum"). On surfaces the point
         below it to the left, counted row by row.
     centre : (c, 3) ndarray, µm
+        Centre of the contact.
     normal : (c, 3) ndarray
         Unit vector from the lower to the upper surface.
     tangent : (c, 3) ndarray
@@ -47,9 +48,11 @@ class Contacts(TextRepr):
     along : (c, 3) ndarray
         Unit vector of the larger semi-axis; on profiles the y axis.
     overlap : (c,) ndarray, µm
+        Overlap of the undeformed asperities along the normal.
     force : (c,) ndarray, mN
         Normal force of the contact law.
     area : (c,) ndarray, µm²
+        Contact area of the contact law.
     opposing : (c,) ndarray of bool
         Whether the normal force on the upper surface points against the motion. Only these contacts have friction,
         unless ``sliding="all"``.
@@ -174,9 +177,9 @@ class Asperities(TextRepr):
     Attributes
     ----------
     slope : (n,) ndarray
-        f' of the natural cubic spline, dimensionless.
+        Slope f' of the natural cubic spline.
     curvature : (n,) ndarray, 1/µm
-        f'' of the spline; zero at both ends.
+        Second derivative f'' of the spline; zero at both ends.
     normal : (n, 3) ndarray
         Unit vector (x, y, z) out of the solid, with z as height; y is 0.
     radius : (n,) ndarray, µm

@@ -74,13 +74,13 @@ class Validity(TextRepr):
 
     Attributes
     ----------
-    relative_overlap : ndarray
+    relative_overlap : (k,) ndarray
         Load-weighted mean of overlap/R. Hertz assumes a << R, that is, much less than 1.
-    share_beyond_hertz : ndarray
+    share_beyond_hertz : (k,) ndarray
         Load fraction on contacts with overlap > R/10.
-    share_below_grid : ndarray
+    share_below_grid : (k,) ndarray
         Load fraction on contacts with a radius below the grid spacing, which depend on the grid.
-    share_crossed : ndarray
+    share_crossed : (k,) ndarray
         Fraction of the possible contacts that were rejected because their sphere centres had crossed.
 
     Examples
@@ -111,11 +111,11 @@ class SurfaceValidity(Validity):
 
     Attributes
     ----------
-    share_overlapping : ndarray
+    share_overlapping : (k,) ndarray
         Load fraction on ellipses that overlap another ellipse in projection: such contacts would merge.
-    share_at_edge : ndarray
+    share_at_edge : (k,) ndarray
         Load fraction on ellipses that the edge of the map cuts; only the part inside counts.
-    share_unanswered : ndarray
+    share_unanswered : (k,) ndarray
         Fraction of the grid minima within the approach next to which the spline has no minimum, for example on
         plateaus; NaN without grid minima.
 

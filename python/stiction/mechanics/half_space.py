@@ -49,23 +49,24 @@ def resolved_range(work: float, spacing: float, effective_modulus: float) -> flo
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceContact(PlotRepr):
-    """Contact at one load, over the grid; all arrays are read-only.
+    """Contact of two surfaces at one load, over the grid; all arrays are read-only.
 
     Attributes
     ----------
-    pressure : ndarray, GPa
-    gap : ndarray, µm
+    pressure : (n,) or (rows, columns) ndarray, GPa
+        Contact pressure.
+    gap : (n,) or (rows, columns) ndarray, µm
         Gap between the deformed surfaces: 0 in contact, to the tolerance; below 0 where the hardness limits the
         pressure; NaN at missing points.
-    patches : ndarray of int
+    patches : (n,) or (rows, columns) ndarray of int
         Patch number of every point under pressure, from 1; 0 without pressure. Points are connected with all
         neighbours, eight on surfaces, and across the edges if periodic.
-    opposing : ndarray of bool
-        Whether the point's patch opposes the motion, with a first axis for d directions if several are given.
-    share : ndarray
+    opposing : (n,), (rows, columns), (d, n) or (d, rows, columns) ndarray of bool
+        Whether the point's patch opposes the motion, for one direction or for d directions.
+    share : (n,) or (rows, columns) ndarray
         Fraction of the point's cell in contact: 0 without pressure, below 1 at patch edges. The sum times the cell
         area is the projected real contact area.
-    heights : ndarray, µm
+    heights : (n,) or (rows, columns) ndarray, µm
         Heights of the lower surface before deformation.
     spacing : tuple of float, µm
         Spacing of the points along y and x, or x.
@@ -115,7 +116,7 @@ class HalfSpaceCurve(FrictionCurve):
         NaN on a free half-plane, whose far points have no finite displacement.
     closure : (k,) ndarray, µm
         Decrease of the mean gap since first contact: the approach minus the mean displacement, without the bending of
-        free bodies. This is what is measured across a joint. For periodic surfaces it equals the approach.
+        free bodies. Joint tests measure the closure. For periodic surfaces it equals the approach.
     error : (k,) ndarray
         Largest gap at a point under pressure, or largest overlap (except where the pressure is the hardness), in
         root-mean-square deviations of the gap, or of the displacements under a uniform pressure if that is larger.
@@ -138,6 +139,7 @@ class HalfSpaceCurve(FrictionCurve):
     contact_load : (k,) ndarray, mN
         Total of the pressures: the load plus the attraction between adhering surfaces.
     effective_modulus : float, GPa
+        E* of the pair.
 
     Examples
     --------

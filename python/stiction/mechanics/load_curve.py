@@ -57,7 +57,9 @@ class LoadCurve(FrictionCurve, Sums):
     approach : (k,) ndarray, µm
         Displacement of the upper surface since first contact.
     contact_count : (k,) ndarray of int
+        Number of contacts.
     contact_area : (k,) ndarray, µm²
+        Real contact area.
     normal_elastic, tangential_elastic : (k,) ndarray, mN
         Σ F n_z over all contacts; -Σ F s·n over sliding contacts: opposing ones, or all with ``sliding="all"``.
     normal_frictional, tangential_frictional : (k,) ndarray, mN per unit mu0
@@ -70,6 +72,7 @@ class LoadCurve(FrictionCurve, Sums):
     crossed_count : (k,) ndarray of int
         Number of possible contacts that were rejected because their sphere centres had crossed.
     effective_modulus : float, GPa
+        E* of the pair.
     sliding : {"opposing", "all"}
         Contacts in the friction sums.
 

@@ -58,16 +58,20 @@ class Material:
     Attributes
     ----------
     name : str
+        Name in `materials`.
     kind : {"metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"}
+        Group of the material.
     young_modulus : MaterialValue, GPa
+        Young's modulus E.
     poisson_ratio : MaterialValue
+        Poisson's ratio ν.
     hardness : MaterialValue or None, GPa
         Indentation hardness, the mean pressure at which the surface yields. It depends on the treatment, and increases
         for smaller indentations. None for elastomers, which do not yield.
     aliases : tuple of str
         Other names that `material` accepts.
     junction_growth : MaterialValue or None
-        α of p² + α s² = H², for the growth of plastic contacts under shear; None if it is taken as 0.
+        α of p² + α s² = H², for the growth of plastic contacts under shear (see `hardness_under_shear`); None for 0.
 
     Examples
     --------

@@ -22,12 +22,14 @@ class FourParameterIwan(TextRepr):
     Attributes
     ----------
     sliding_load : float, mN
+        Sliding load F_S of the curve, not fitted.
     stiffness : float, mN/µm
-        F_S, and the initial tangential stiffness K_T: taken from the curve, not fitted.
+        Initial tangential stiffness K_T of the curve, not fitted.
     chi : float
-        Above -1 and at most 0: at small amplitudes, the energy loss per cycle is proportional to amplitude^(χ + 3).
+        Exponent χ, above -1 and at most 0: at small amplitudes, the energy loss per cycle is proportional to
+        amplitude^(χ + 3).
     beta : float
-        At least 0: the stiffness lost at the end of presliding over the stiffness lost before.
+        Ratio β, at least 0: the stiffness lost at the end of presliding over the stiffness lost before.
     residual : (k,) ndarray, mN
         Load of the model minus that of the curve, at the displacements of the curve.
 

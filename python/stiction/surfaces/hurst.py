@@ -93,9 +93,9 @@ class HurstEstimate(TableRepr):
     value : float
         H, where C1D ∝ q^(-1-2H) for a profile and C2D ∝ q^(-2-2H) for a surface.
     lower, upper : float
-        95 % interval. If the band was found, it includes the uncertainty of the end of the roll-off.
+        95 % interval. It includes the uncertainty of the end of the roll-off unless the band was given.
     shortest_wavelength, longest_wavelength : float, µm
-        The fitted band.
+        Ends of the fitted band.
     harmonics : int
         Number of harmonics of the profile, or of wave vectors of the surface, in the band.
     prefactor : float

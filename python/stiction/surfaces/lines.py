@@ -31,6 +31,7 @@ class LineRoughness(TextRepr):
     Attributes
     ----------
     lines : int
+        Number of lines.
     Pq : float, µm
         Root-mean-square height over all lines.
     Pdq, Pdq_neighbours : float
@@ -38,8 +39,8 @@ class LineRoughness(TextRepr):
     spectrum : PowerSpectrum
         Mean spectrum of the lines, after a Hann window.
     band : (float, float), µm, or None
-        Shortest and longest wavelength for the fit of the Hurst exponents: given, or the median over the lines. None if
-        fewer than half of the lines have a self-affine band.
+        Shortest and longest wavelength for the fit of the Hurst exponents: the given band, or the median band of the
+        lines. None if fewer than half of the lines have a self-affine band.
     fitted : int
         Number of lines, evenly spaced, that were searched for a band and fitted.
     with_band : int

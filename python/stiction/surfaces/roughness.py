@@ -31,7 +31,7 @@ def describe_levelling(history: tuple[str, ...]) -> str:
 class RoughnessParameters(ParameterSet):
     """Parameters of a primary profile about its mean, with the names of ISO 21920-2.
 
-    See the table of parameters for names, formulas and units.
+    The reference of roughness parameters lists their names, formulas and units.
 
     Examples
     --------
@@ -122,7 +122,7 @@ def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[s
 class SurfaceParameters(ParameterSet):
     """Parameters of a surface about its mean plane, with the names of ISO 25178-2.
 
-    See the table of parameters for names, formulas and units.
+    The reference of roughness parameters lists their names, formulas and units.
 
     Examples
     --------

@@ -248,7 +248,7 @@ class InstrumentLimit(TableRepr):
     wavelength : float, µm
         The largest of `pixels`, `noise` and `tip`.
     reason : str
-        Which of them it is: "pixels", "tip", or the appearance of the noise: "noise floor", "quantisation", "line",
+        Cause of the limit: "pixels", "tip", or the appearance of the noise: "noise floor", "quantisation", "line",
         "roll-up" (a rise at the shortest wavelengths) or "hump".
     pixels : float, µm
         Two points of the coarser spacing.

@@ -99,12 +99,12 @@ class SectionFilters:
 class SectionParameters(ParameterSet):
     """Parameters of the roughness profile (R) and the waviness profile (W) of ISO 21920-2.
 
+    The reference of roughness parameters lists their names, formulas and units.
+
     Attributes
     ----------
     filters : SectionFilters
         Cutoffs and evaluation length of these values.
-
-    See the table of parameters for names, formulas and units.
 
     Examples
     --------

@@ -38,7 +38,7 @@ class PowerSpectrum(PlotRepr):
     density : (n,) ndarray of float, µm³
         C1D(q); its integral over q from 0, times 1/π, is the mean square height. For bins the mean.
     count : (n,) ndarray of float
-        Number of harmonics per value: 1, or those in the bin. The harmonic at the Nyquist wave number counts half,
+        Number of harmonics per value: 1, or the number in the bin. The harmonic at the Nyquist wave number counts half,
         because it has no counterpart at the negative wave number.
     resolution : float, 1/µm
         Spacing of the harmonics, 2π / extent.
@@ -172,11 +172,11 @@ class ProfileMoments(TableRepr):
     Attributes
     ----------
     height : float, µm²
-        m0, about the mean.
+        m0, variance of the heights about their mean.
     slope : float
-        m2.
+        m2, mean square slope.
     curvature : float, 1/µm²
-        m4.
+        m4, mean square curvature.
 
     Examples
     --------
@@ -301,8 +301,10 @@ class SurfaceSpectrum(TextRepr):
     Attributes
     ----------
     wave_number_y : (rows,) ndarray of float, 1/µm
+        Wave numbers along y, ascending, with zero in the middle; for an even number of points the first is the Nyquist
+        wave number.
     wave_number_x : (columns,) ndarray of float, 1/µm
-        Ascending, zero in the middle; for an even number of points the first is the Nyquist wave number.
+        Wave numbers along x, in the same order.
     density : (rows, columns) ndarray of float, µm⁴
         C2D(q); its integral over both wave numbers, times 1/4π², is the mean square height. Zero at q = 0.
 

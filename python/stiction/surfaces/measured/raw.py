@@ -27,11 +27,38 @@ _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # methods that allow read
 
 
 class FormatError(ValueError):
-    """File that cannot be read as a measured surface: damaged, of another kind, or incomplete."""
+    """Error for a file that cannot be read or written: damaged, of another kind, incomplete, or already present.
+
+    Notes
+    -----
+    It is a `ValueError`. The message names the file and the reason in one sentence.
+
+    Examples
+    --------
+    >>> from stiction import FormatError, read_profile
+    >>> try:
+    ...     read_profile("absent.csv")
+    ... except FormatError as error:
+    ...     print(error)
+    absent.csv: cannot be read: No such file or directory
+    """
 
 
 class FormatWarning(UserWarning):
-    """File that contradicts itself, or heights that are implausible for a surface."""
+    """Warning about a file that contradicts itself, or about heights that are implausible for a surface.
+
+    Notes
+    -----
+    The readers issue it. The message contains the name of each caveat and the option that settles it; the argument
+    `accept` of the readers silences the caveats that it names.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> from stiction import FormatWarning
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", FormatWarning)  # reject files with caveats
+    """
 
 
 @dataclass(frozen=True)
