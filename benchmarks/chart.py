@@ -5,7 +5,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
-from stiction.views.style import FULL_WIDTH, LEANING, MILLIMETRE, STYLE, save_picture
+from stiction.views.style import FULL_WIDTH, LEANING, MILLIMETRE, STYLE, save_figure
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 
@@ -84,7 +84,7 @@ def draw() -> None:
         axes.set_xlabel("time on one thread, in times of stiction's")
         for side in ("top", "right", "left"):
             axes.spines[side].set_visible(False)
-        save_picture(figure, DOCS / "images/performance.png")
+        save_figure(figure, DOCS / "images/performance.png")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from stiction import Study, run, self_affine_surface, write_surface
-from stiction.views.figures import drawn
+from stiction.views.figures import draw_figures
 from stiction.views.text import result_text
 
 
@@ -39,4 +39,4 @@ study = Study().with_changes(
 )
 result = run(study)
 print(result_text(result.summary()))
-drawn(result, Path())
+draw_figures(result, Path())

@@ -72,7 +72,7 @@ def no_figures():
     @contextlib.contextmanager
     def undrawn():
         with pytest.MonkeyPatch.context() as patch, disable_drawing():
-            patch.setattr("stiction.views.figures.drawn", lambda *_, **__: [])
+            patch.setattr("stiction.views.figures.draw_figures", lambda *_, **__: [])
             yield
 
     return undrawn

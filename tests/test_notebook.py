@@ -33,7 +33,7 @@ from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load, member_values
 from stiction.studies.pair import pair_study
-from stiction.views.rows import answer_record
+from stiction.views.rows import point_record
 from support.command import call_stiction, check_stiction
 
 NAMES = [name for name in stiction.__all__ if name != "__version__"]
@@ -426,7 +426,7 @@ def where(tmp_path_factory):
 @pytest.fixture(scope="module")
 def by_command(where):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stiction.views.figures.drawn", lambda *_, **__: [])
+        patch.setattr("stiction.views.figures.draw_figures", lambda *_, **__: [])
         completed = call_stiction("pair", "upper.npy", "lower.npy", *OPTIONS, "--output", "command", cwd=where)
     assert completed.returncode == 0, completed
     return open_result(where / "command")
@@ -442,7 +442,7 @@ def test_pair_function_equals_command(by_command, by_function, where):
     xarray.testing.assert_identical(by_function.dataset, by_command.dataset)
     assert by_function.to_dataframe().equals(by_command.to_dataframe())
     assert repr(by_function) == repr(by_command)
-    records = [[answer_record(point) for point in each.summary().points] for each in (by_function, by_command)]
+    records = [[point_record(point) for point in each.summary().points] for each in (by_function, by_command)]
     assert records[0] == records[1]
     again = open_result(where / "function")
     assert (again.value, again.verdict) == (by_function.value, by_function.verdict)

@@ -10,7 +10,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import flipped, half_space, levelled, pair, read_profile
-from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, RULES, STYLE, UPPER, label, save_picture
+from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, RULE_COLOURS, STYLE, UPPER, label, save_figure
 
 ROOT = Path(__file__).resolve().parents[2]
 SCANS = ROOT / "examples/scans"
@@ -45,7 +45,7 @@ def friction_against_load():
         )
         computed = result.summary().headlines
         rules = [{item.rule: (item.value, item.lower, item.upper) for item in one.rules} for one in computed]
-        return {rule: np.transpose([one[rule] for one in rules]) for rule in RULES}
+        return {rule: np.transpose([one[rule] for one in rules]) for rule in RULE_COLOURS}
 
 
 def faces():
@@ -81,7 +81,7 @@ def draw(curves, dark):
     left.set(xlabel="x (µm)", ylabel="height (nm)", title="two lapped faces, and where they touch")
 
     for rule, words in (("all", "friction at all contacts"), ("opposing", "at opposing contacts only")):
-        (mean, low, high), colour = curves[rule], RULES[rule] if not dark or rule != "all" else "#a99cf0"
+        (mean, low, high), colour = curves[rule], RULE_COLOURS[rule] if not dark or rule != "all" else "#a99cf0"
         right.fill_between(LOADS, low, high, color=colour, alpha=0.3, linewidth=0)
         right.semilogx(LOADS, mean, color=colour)
         at = float(np.interp(np.log(LOAD), np.log(LOADS), mean))
@@ -99,7 +99,7 @@ def main():
     curves = friction_against_load()
     for dark, name in ((False, "first.png"), (True, "first_dark.png")):
         with mpl.rc_context(STYLE | {"font.size": 7.5} | (DARK if dark else {})):
-            save_picture(draw(curves, dark), ROOT / "docs/images" / name)
+            save_figure(draw(curves, dark), ROOT / "docs/images" / name)
 
 
 if __name__ == "__main__":

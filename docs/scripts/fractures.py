@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.ndimage import gaussian_filter, zoom
 from stiction import Surface, half_space, levelled
-from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE, save_picture
+from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE, save_figure
 
 IMAGE = Path(__file__).resolve().parents[1] / "images/fractures.png"
 DIAMETER = 122e3  # µm
@@ -199,7 +199,7 @@ def draw(shown):
         axes[0, 0].set(ylabel=f"closure since {LEAST + 0.06:.2f} MPa (mm)", ylim=(0, None))
         axes[1, 0].set(ylabel="stiffness (MPa/mm)")
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
-        save_picture(figure, IMAGE)
+        save_figure(figure, IMAGE)
 
 
 if __name__ == "__main__":

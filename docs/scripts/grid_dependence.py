@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from stiction import Study, run
 from stiction.mechanics.friction import compute_load
 from stiction.studies.intervals import PowerSums
-from stiction.views.style import FULL_WIDTH, MILLIMETRE, STYLE, dimension_colours, save_picture
+from stiction.views.style import FULL_WIDTH, MILLIMETRE, STYLE, dimension_colours, save_figure
 
 DOCS = Path(__file__).parents[1]
 POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
@@ -111,7 +111,7 @@ def draw() -> None:
     for ax in axes[-1]:
         ax.set_xlabel("points (thousands)")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), title="$D$\nbands: 95 %", loc="outside right center")
-    save_picture(figure, DOCS / "images/grid_dependence.png")
+    save_figure(figure, DOCS / "images/grid_dependence.png")
     (DOCS / "generated/grid_dependence.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

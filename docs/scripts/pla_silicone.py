@@ -15,7 +15,7 @@ import pandas
 from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 from scipy.special import erf
-from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE, save_picture
+from stiction.views.style import ALL, FORCE, FULL_WIDTH, MILLIMETRE, STYLE, save_figure
 
 IMAGE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
 SHOWN = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
@@ -64,7 +64,7 @@ def main(path):
         right.set(xlabel="normal load (mN)", ylabel="coefficient of kinetic friction", xscale="log", ylim=(0, 4))
         left.legend(loc="upper left")
         right.legend(loc="upper right")
-        save_picture(figure, IMAGE)
+        save_figure(figure, IMAGE)
 
 
 if __name__ == "__main__":

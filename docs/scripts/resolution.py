@@ -156,7 +156,7 @@ def joining():
     """Compute one surface as measured by three simulated instruments, and its joined spectrum."""
     from scipy.ndimage import grey_dilation
     from stiction.views.scans import joined_figure
-    from stiction.views.style import save_picture
+    from stiction.views.style import save_figure
 
     points, radius = 2048, 0.01  # µm
     whole = self_affine_surface(
@@ -188,7 +188,7 @@ def joining():
     )
     first = [scans[name][0] for name in scans]
     one_each = joined_spectrum(first, tip_radii=[None, None, radius], names=list(scans))
-    save_picture(joined_figure(one_each), DOCS / "images/characterise_joined.png")
+    save_figure(joined_figure(one_each), DOCS / "images/characterise_joined.png")
     q, _, density = surface_spectrum(whole, periodic=True).waves()
     half = 10 ** (0.5 / PER_DECADE)
     known = []

@@ -403,7 +403,7 @@ def test_first_result_has_at_most_the_requested_positions(app, fresh):
     fresh.execute_script("posted(`/jobs/${current}/stop`)")
     assert finished(fresh) in ("stopped", "done")
     fill(fresh, {"shifts": "2"})
-    by = "a first answer, by asperities without hardness, at 2 positions, here and in the pictures"
+    by = "preview with the asperity model, without hardness, at 2 positions, here and in the pictures"
     with app.held(0):
         press(fresh)
         until(lambda: fresh.find_element("id", "answer").text, lambda text: by in text)

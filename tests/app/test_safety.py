@@ -175,7 +175,7 @@ def test_menu_entry_starts_the_app(app):
     arguments = dict(line.split("=", 1) for line in entry.splitlines()[1:])
     assert arguments["Path"] == str(app.folder)
     command = [*shlex.split(arguments["Exec"]), "--help"]
-    assert "drop two scans" in subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert "two scans" in subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
 def test_request_bodies_are_limited(app):
@@ -249,7 +249,7 @@ def test_upload_on_full_disk_is_reported_in_a_sentence(app):
         status, _, body = app.ask("PUT", "/scans?name=x.csv", bytes(3 * 10**6))
     finally:
         resource.prlimit(app.process.pid, resource.RLIMIT_FSIZE, limits)
-    assert (status, body) == (400, b"the scan cannot be kept: File too large")
+    assert (status, body) == (400, b"the scan cannot be stored: File too large")
     assert list(app.private()[0].glob("*.partial")) == []
 
 
@@ -280,7 +280,7 @@ def test_stopped_first_results_do_not_block_requests(app, tmp_path):
                 "options": [*options, ["shifts", f"{shifts}"]],
             }
             job = app.post("/jobs", arguments)["job"]
-            until(lambda: app.jobs()[-1]["words"], lambda words: words == "pressing asperities")
+            until(lambda: app.jobs()[-1]["words"], lambda words: words == "computing a preview")
             app.post(f"/jobs/{job}/stop", {})
         assert app.ask("GET", f"/scans/{upper}")[0] == 200
         until(lambda: {item["state"] for item in app.jobs()[-6:]}, lambda states: states == {"stopped"})
@@ -339,7 +339,7 @@ def test_killed_command_is_reported(tmp_path):
                 assert resource.prlimit(child, resource.RLIMIT_DATA)[0] <= 0.5 * total
                 os.kill(child, signal.SIGKILL)
             (job,) = until(server.jobs, lambda jobs: jobs[0]["state"] == "failed")
-        assert job["error"] == "the system has ended the command (SIGKILL); perhaps memory is short"
+        assert job["error"] == "the system ended the command (SIGKILL); memory may be insufficient"
 
 
 def _children(parent):

@@ -255,7 +255,7 @@ def test_plot_uses_output_directory_and_formats(folder, tmp_path, monkeypatch):
         values.append((where, formats))
         return [where / "a.pdf"]
 
-    monkeypatch.setattr("stiction.views.figures.drawn", drawn)
+    monkeypatch.setattr("stiction.views.figures.draw_figures", drawn)
     text = said("plot", "lines", "--output", str(tmp_path / "figures"), "--format", "pdf,svg", cwd=folder)
     assert text.splitlines() == [f"wrote {tmp_path / 'figures' / 'a.pdf'}"]
     assert values == [(tmp_path / "figures", ("pdf", "svg"))]

@@ -21,7 +21,7 @@ from stiction import (
 from stiction.studies.resolution import resolution_at
 from stiction.studies.store import open_stored
 from stiction.surfaces.pairing import SpectrumPairs
-from stiction.views.resolution import limits
+from stiction.views.resolution import resolution_limits
 from support.command import assert_rejected, call_stiction, check_stiction
 
 SPACING, POINTS = 0.02, 256
@@ -120,7 +120,7 @@ def test_pair_of_spectra_supports_all_commands(where):
     check_stiction("at", "pair", "--load", "30 MPa", cwd=where)
     check_stiction("report", "pair", cwd=where, without_figures=True)
     at_cut_offs = resolution_at(open_stored(where / "pair")).isel(load=0, mu0=0, tau0=0)
-    closed = limits(at_cut_offs, study)["spectral"]  # what the picture over cut-offs draws beside
+    closed = resolution_limits(at_cut_offs, study)["spectral"]  # what the picture over cut-offs draws beside
     assert float(closed.mean_pressure.max()) == pytest.approx(4.0)
     assert float(closed.wavelength.max()) > 1.0
     over = [item["cut_off"] for item in record["resolution"]["cut_offs"]]
@@ -150,7 +150,7 @@ REFUSED = ["--output", "refused"]
         (["pair", "upper.csv", "lower.csv", *OPTIONS, "--shifts", "4", *REFUSED], "--shifts"),
         (["pair", "upper.csv", "lower.csv", *OPTIONS, "--unit", "um", *REFUSED], "has no unit"),
         (["pair", "upper.csv", "lower.csv", *OPTIONS, "--cutoff", "3 um", *REFUSED], "rows and columns are required"),
-        (["characterise", "upper.csv", "--output", "refused.html"], "is the spectrum of several scans"),
+        (["characterise", "upper.csv", "--output", "refused.html"], "is a spectrum of several scans"),
     ],
 )
 def test_pair_of_spectra_rejects_options_of_scans(where, arguments, message):

@@ -24,7 +24,7 @@ from stiction.studies.evaluation import at_load
 from stiction.studies.pair import pair_study
 from stiction.studies.study import study_of
 from stiction.studies.summary import summarize
-from stiction.views.rows import table_of
+from stiction.views.rows import summary_table
 
 LOADS = ["20 MPa", "40 MPa"]
 COMMON = {"effective_modulus": "10 GPa", "mu0": 0.2, "tau0": "50 MPa", "onset": 1, "load": LOADS}
@@ -189,7 +189,7 @@ def test_entry_of_a_quantity_is_consistent(name):
 
 def test_csv_columns_are_the_quantities_shown_in_csv_in_their_order(at_loads):
     at = at_loads["half-planes"]
-    columns = list(table_of(summarize(at, study_of(at))).columns)
+    columns = list(summary_table(summarize(at, study_of(at))).columns)
     shown = [name for name in shown_in("csv") if name in at and "direction" not in at[name].dims]
     places = [
         next(i for i, column in enumerate(columns) if column.startswith(QUANTITIES[name].short)) for name in shown

@@ -12,9 +12,9 @@ from stiction.studies.evaluation import at_load
 from stiction.studies.members import bodies_of
 from stiction.studies.point import is_unloaded, points
 from stiction.studies.pull_off import Sticking
-from stiction.views.pull_off import sticking_text
-from stiction.views.rows import csv_text, record_text
-from stiction.views.text import answer_text, result_text
+from stiction.views.pull_off import pull_off_text
+from stiction.views.rows import summary_csv, summary_json
+from stiction.views.text import result_text, values_text
 from support.rough_surfaces import rough_maps
 
 EXACT = 1e-9
@@ -78,8 +78,8 @@ def test_pull_off_is_in_rows_text_report_and_figure(sticky, tmp_path):
     message = repr(sticky)
     assert message.startswith("Sticks without a load: yes. Pull-off force ")
     for words in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
-        assert words in csv_text(sticky.summary()).splitlines()[0]
-    values = json.loads(record_text("pair", sticky.summary()))["values"]
+        assert words in summary_csv(sticky.summary()).splitlines()[0]
+    values = json.loads(summary_json("pair", sticky.summary()))["values"]
     assert {value["unit"] for value in values if value["name"] in HELD} == {"mN", "GPa"}
     assert "adhesion 50 mJ/m² over 0.5 nm" in sticky.sentence
     (at_no_load,) = {
@@ -109,13 +109,13 @@ def test_pair_without_load_assesses_sticking(sticky):
     assert free.dataset["load"].values.max() < 0.01 * float(free.dataset["pull_off"].mean())
     assert [one.unloaded for one in mixed.summary().points] == [True, False]
     assert mixed.summary().points[1].value == pytest.approx(sticky.summary().points[1].value, rel=OF_SOLUTIONS)
-    record = json.loads(record_text("pair", free.summary()))["answers"][0]
+    record = json.loads(summary_json("pair", free.summary()))["answers"][0]
     assert record["sticking"]["sticks"] == "yes"
     assert record["sticking"]["pull_off"]["lower"] < record["sticking"]["pull_off"]["value"]
     assert record["verdict"] == "Do not quote"
-    assert sticking_text(answer.sticking).removesuffix(".") in free.sentence
-    assert sticking_text(answer.sticking, "μ0 = 0.3").endswith(" with μ0 = 0.3.")
-    several = answer_text(free.summary(0, mu0=[0.2, 0.3]))
+    assert pull_off_text(answer.sticking).removesuffix(".") in free.sentence
+    assert pull_off_text(answer.sticking, "μ0 = 0.3").endswith(" with μ0 = 0.3.")
+    several = values_text(free.summary(0, mu0=[0.2, 0.3]))
     assert "with μ0 = 0.2." in " ".join(several.split())
     with pytest.raises(ValueError, match="load must be above 0, got 0"):
         pressed(load=0)
@@ -266,7 +266,7 @@ def test_complete_contact_is_a_status_in_text_rows_and_json(tmp_path):
     fraction = soft.at_study_loads["contact_area_fraction"]
     assert float(fraction.max()) == 1
     assert soft.summary().points[0].contact_status == "complete"
-    record = json.loads(record_text("pair", soft.summary()))
+    record = json.loads(summary_json("pair", soft.summary()))
     assert record["answers"][0]["contact_status"] == "complete"
     (row,) = (item for item in record["values"] if item["name"] == "contact_area_fraction")
     assert (row["status"], row["value"]) == ("complete", 1.0)

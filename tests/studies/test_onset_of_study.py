@@ -115,7 +115,7 @@ def test_table_figure_and_report_show_onset(study, tmp_path):
     assert result.figures() == ["onset"]
     panels = result.figure("onset").axes
     assert [panel.get_ylabel() for panel in panels] == [
-        "creep before sliding (nm)", "slips at half of the load (%)", "tangential stiffness (mN/µm)",
+        "pre-sliding displacement (nm)", "slip at half the sliding load (%)", "tangential stiffness (mN/µm)",
     ]  # fmt: skip
     assert all(np.isfinite(line.get_ydata()).any() for line in panels[0].get_lines()[::2])
     page = report_page(result.source)

@@ -10,7 +10,7 @@ from stiction.studies.runner import fill
 from stiction.studies.store import open_stored
 from stiction.surfaces.scale import scale_dependent_roughness
 from stiction.surfaces.surface import Surface
-from stiction.views.resolution import cut_off_rows, limits, plastic_limit, waves_text, yielding
+from stiction.views.resolution import cut_off_rows, plastic_limit, resolution_limits, wavelengths_text, yield_estimates
 from support.measured_studies import study_of, write_maps, write_profiles
 
 
@@ -63,7 +63,7 @@ def test_stored_resolution_is_read_only_with_its_result(study, tmp_path):
     assert [row[0] for row in rows[1:]] == ["none", "200 nm", "400 nm", "plastic limit"]
     assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
     assert plastic_limit(point, few) == pytest.approx(0.3 + 0.05 / 4)
-    least = limits(point, few)["area_fraction"]
+    least = resolution_limits(point, few)["area_fraction"]
     area = result["contact_area_fraction"].sel(statistic="mean").values
     assert least == pytest.approx(2.0 / 4 / float(result["nominal_area"]))
     assert (area > least).all()
@@ -82,7 +82,7 @@ def test_wavelengths_are_those_of_the_gap(study):
     assert result.shortest == pytest.approx(0.2)
     assert result.longest == pytest.approx(max(gap.extent))
     assert result.fraction_below(0.8) == pytest.approx(float(roughness.fraction_below(0.8)))
-    assert waves_text(result).startswith("Wavelengths from 200 nm to 9.6 µm; those below 400 nm contribute ")
+    assert wavelengths_text(result).startswith("Wavelengths from 200 nm to 9.6 µm; those below 400 nm contribute ")
     assert seen(Study.named("quick")) is None
 
 
@@ -104,7 +104,7 @@ def test_elastic_scan_lists_plastic_wavelengths_for_hardnesses(tmp_path):
         np.save(tmp_path / f"{side}.npy", created.heights)
     soft = study_of(tmp_path, spacing="0.1 um", members=2, contact='direction = [0, 180]\nload = ["2 mN"]')
     point = at_load(run(soft), [2.0]).isel(cut_off=0, load=0, mu0=0, tau0=1)
-    table = yielding(point, soft, seen(soft))
+    table = yield_estimates(point, soft, seen(soft))
     pressure = float(point["mean_pressure"].sel(statistic="mean"))
     assert [row[0] for row in table] == [0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0]
     assert [row[4] for row in table] == pytest.approx([0.3 + 0.05 / row[0] for row in table])
@@ -113,7 +113,7 @@ def test_elastic_scan_lists_plastic_wavelengths_for_hardnesses(tmp_path):
             assert wave > 0.2  # within the scan
         elif hardness > 1.1 * pressure:
             assert not wave > 0.5
-    finer = limits(point.expand_dims("cut_off"), soft)
+    finer = resolution_limits(point.expand_dims("cut_off"), soft)
     assert np.all(np.diff(finer["finer_area_fraction"][:, 0]) < 0)
 
 

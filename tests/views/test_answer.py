@@ -7,9 +7,9 @@ import pytest
 from stiction.studies.assessment import HIGH_PRESSURE, HIGHEST_PRESSURE, Doubt
 from stiction.studies.point import points
 from stiction.studies.summary import ORIGIN, summarize, summarize_point
-from stiction.views.point import over_text
+from stiction.views.point import averaged_directions_text
 from stiction.views.sentence import KAPPA, READINGS_DIFFER, finer_text, inputs_text, sentence_text, slopes_text
-from stiction.views.text import answers_text
+from stiction.views.text import coefficients_text
 from support.synthetic_results import generated, generated_study, measured, measured_study
 
 
@@ -172,7 +172,7 @@ def test_missing_coefficient_has_its_status_as_reason():
     message = one(measured(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
     assert (message.status, message.verdict) == ("not-reached", "Do not quote")
     assert "no solved load is as large" in sentence_text(message)
-    text = answers_text([one(measured(all_rub=np.nan, opposing=np.nan), measured_study())])
+    text = coefficients_text([one(measured(all_rub=np.nan, opposing=np.nan), measured_study())])
     assert text.startswith("μ_s = none")
     assert "ok" not in text.splitlines()[0]
 
@@ -197,7 +197,7 @@ def test_caveats_about_inputs_are_listed_and_faults_come_first():
     ],
 )
 def test_averaged_members_are_described(directions, words):
-    assert over_text(directions) == words
+    assert averaged_directions_text(directions) == words
 
 
 def test_profiles_have_two_directions_and_a_nominal_pressure():
@@ -212,8 +212,8 @@ def test_profiles_have_two_directions_and_a_nominal_pressure():
 def test_reading_of_load_is_given_if_it_matters():
     for difference, message in ((2 * READINGS_DIFFER, True), (READINGS_DIFFER / 2, False)):
         sentence = sentence_text(one(measured(reading_difference=difference), measured_study()))
-        assert ("the load is that of the elastic contact" in sentence) == message
-        assert ("with another meaning of the load μ_s differs by 2 %" in sentence) == message
+        assert ("the load is the elastic contact force" in sentence) == message
+        assert ("with another definition of the load μ_s differs by 2 %" in sentence) == message
 
 
 def test_small_slope_estimate_lists_neglected_effects():
@@ -299,7 +299,7 @@ def test_bracket_with_hardness_has_two_ends():
     # Nothing is said of finer scans where nothing is to be quoted.
     one = summarize(measured(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (one.verdict, one.bracket) == ("Do not quote", None)
-    assert "finer scan" not in answers_text([one])
+    assert "finer scan" not in coefficients_text([one])
 
 
 @pytest.mark.parametrize(("reference", "said"), [("1.1 GPa", "1.1 GPa;"), ("0.9..1.3 GPa", "1.1 GPa (0.9..1.3 GPa);")])
@@ -365,7 +365,7 @@ def test_measured_hardness_has_no_range(study):
 def test_bracket_is_absent_with_a_fault():
     one = summarize(measured(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (one.verdict, one.bracket) == ("Do not quote", None)
-    assert "finer scan" not in answers_text([one])
+    assert "finer scan" not in coefficients_text([one])
 
 
 def test_bracket_contains_value_below_plastic_limit():

@@ -29,7 +29,7 @@ from stiction import (
     surface_spectrum,
 )
 from stiction.surfaces.spectrum import find_peak
-from stiction.views.characterisation import HARMLESS, Characterisation, characterisation_text
+from stiction.views.characterisation import NEGLIGIBLE_SLOPE_FRACTION, Characterisation, characterisation_text
 from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.scans import joined_figure
 
@@ -55,7 +55,7 @@ class TestText:
         assert message["Hurst exponent H"] == f"{found.value:.3f} [{found.lower:.3f}, {found.upper:.3f}] (95 %)"
         assert message["fractal dimension D"] == f"{2 - found.value:.3f} (classical, 2 - H)"
         assert message["paper"] == f"{(4 - found.value) / 2:.3f} (paper, (4 - H)/2)"
-        assert message["fitted band"].endswith(f"(found; {found.harmonics} harmonics)")
+        assert message["fitted band"].endswith(f"(automatic; {found.harmonics} harmonics)")
         assert message["m0"].endswith(" µm²")
         assert message["m4"].endswith(" 1/µm²")
         assert "Hann" in message["spectrum"]
@@ -81,13 +81,13 @@ class TestText:
         assert rows(characterisation_text(Profile(heights, spacing=0.01)))["Pq"] == message
 
 
-def test_negligible_untrusted_wavelengths_are_called_harmless(profile):
+def test_negligible_untrusted_wavelengths_are_called_negligible(profile):
     noise = np.random.default_rng(1).normal(size=len(profile))
     smooth = cut_off(profile, 0.3).heights
-    for rms, words in ((1e-5, "harmless, "), (1e-4, "not to be trusted below")):
+    for rms, words in ((1e-5, "negligible, "), (1e-4, "unreliable below")):
         result = Characterisation(Profile(smooth + rms * noise, spacing=0.01))
         assert words in {row.label: row.texts[0] for row in result.rows}["instrument"]
-        assert (result.limit.slope_fraction < HARMLESS) == (rms < 1e-4)
+        assert (result.limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION) == (rms < 1e-4)
 
 
 def test_spectrum_without_power_law_has_no_exponent(profile):
@@ -96,7 +96,7 @@ def test_spectrum_without_power_law_has_no_exponent(profile):
     result = Characterisation(Profile(heights, spacing=0.01), band=(0.1, 5.0))
     message = {row.label: row.texts[0] for row in result.rows}
     assert result.misfit > 1.5
-    assert message["Hurst exponent H"].startswith("none: the spectrum is no line")
+    assert message["Hurst exponent H"].startswith("none: the spectrum is not a power law")
     values = {value["name"]: value for row in result.rows for value in row.values}
     assert (values["hurst_exponent"]["value"], values["hurst_exponent"]["status"]) == (None, "no-line")
     spectrum = next(ax for ax in characterisation_figure(result).axes if "density $C$" in ax.get_ylabel())
@@ -153,7 +153,7 @@ def test_band_that_begins_on_a_peak_is_reported():
     rough = self_affine(2, hurst_exponent=0.7, rms=0.05, points=8000, spacing=0.05, longest_wavelength=8.0)
     waves = 0.4 * np.sin(2 * np.pi * rough.x / 8.0)
     text = characterisation_text(Profile(rough.heights + waves, spacing=0.05), band=(0.2, 8.2))
-    assert "the band begins on a peak at" in text
+    assert "the band starts on a peak at" in text
     assert "begins on a peak" not in characterisation_text(rough, band=(0.2, 8.2))  # a roll-off is none
 
 
@@ -195,10 +195,10 @@ def test_surface_has_parameters_moments_dimension_and_figure(surface, characteri
     assert message["Sdr"] == f"{100 * found.Sdr:.4g} %"
     assert message["Str"] == f"{found.Str:.4g}"
     assert message["fractal dimension D"].startswith(f"{2 - estimate.value:.3f} (classical")
-    assert f"(found; {estimate.harmonics} waves)" in text
+    assert f"(automatic; {estimate.harmonics} wavelengths)" in text
     moments = surface_spectrum(surface).moments(90)
     assert message["m4"].split()[2] == f"{moments.curvature:.4g}"
-    assert message["off the line"].startswith("factor 1.")
+    assert message["misfit"].startswith("factor 1.")
     assert "band found in" not in message
     assert "band found in" not in characterisation_text(surface, band=(0.4, 4.0))
     figure = characterisation_figure(characterised)
@@ -213,7 +213,7 @@ def test_friction_by_slope_assumes_equal_roughness_of_both_surfaces():
     heights = slope * np.sqrt(2) / (2 * np.pi) * np.sin(2 * np.pi * x)
     line = gentle_friction(0.4, rms_gradient=slope * np.sqrt(2), rms_slope=slope * np.sqrt(2))
     message = rows(characterisation_text(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0)))
-    assert message["friction by slope"].startswith(f"{line:.3f}, of two such bodies, estimated from slopes alone")
+    assert message["friction by slope"].startswith(f"{line:.3f}, for two such surfaces, small-slope estimate")
     # Of a surface along both axes.
     x, y = np.meshgrid(np.arange(64) * 0.1, np.arange(64) * 0.1)
     random = np.random.default_rng(1)
@@ -232,7 +232,7 @@ class TestJoined:
         joined = joined_spectrum(scans, names=["microscope", "probe"])
         figure = joined_figure(joined)
         spectra, _, pressure = figure.axes
-        assert [text.get_text() for text in spectra.get_legend().texts] == ["microscope", "probe", "together"]
+        assert [text.get_text() for text in spectra.get_legend().texts] == ["microscope", "probe", "joined"]
         own = joined.roughness()
         known = spectral_resolution(
             own, own, pressure=1e-4, hardness=None, mu0=0.2, tau0=0.1, effective_modulus=1.0

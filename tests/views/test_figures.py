@@ -12,13 +12,13 @@ from stiction.studies.evaluation import at_load, reached_loads
 from stiction.studies.maps import friction_map
 from stiction.studies.study import study_of
 from stiction.views import style
-from stiction.views.figures import drawn
-from stiction.views.figures.contact import climbing, contact_figure, contacts_figure, touching_figure
-from stiction.views.figures.ensemble import FADE, _faded, _fading, area_figure, friction_figure
+from stiction.views.figures import draw_figures
+from stiction.views.figures.contact import contact_figure, contact_map_figure, contacts_figure, find_opposing_contacts
+from stiction.views.figures.ensemble import FADING, _compute_fading, _fade, area_figure, friction_figure
 from stiction.views.figures.standard import figures_of
 from stiction.views.report import report_page
-from stiction.views.rows import record_text, table_of
-from stiction.views.style import FORMATS, save_picture, spread_out
+from stiction.views.rows import summary_json, summary_table
+from stiction.views.style import FORMATS, save_figure, spread_labels
 from support.generated_studies import SMALL, empty_dataset
 from support.measured_studies import maps_result
 from support.report_numbers import ReportNumbers
@@ -54,8 +54,8 @@ def test_figures_have_the_combined_interval_of_the_headline(maps):
     study = study_of(maps).with_changes({"surfaces.both_readings": True})
     result = maps.assign_attrs(study=study.to_toml())
     summary, figures = Result.of(result).summary(), dict(figures_of(result))
-    table = table_of(summary)
-    record = json.loads(record_text("at", summary))
+    table = summary_table(summary)
+    record = json.loads(summary_json("at", summary))
     shown = [value for value in record["values"] if value["name"] == "friction_combined"]
     assert record["values"][0] == shown[0]
     assert {value["interval"] for value in shown} == {"combined"}
@@ -90,14 +90,14 @@ def test_figures_have_the_combined_interval_of_the_headline(maps):
 def test_figures_are_written_in_every_format(result, tmp_path):
     expected = study_of(result).with_changes({"figures.draw": ["profiles"], "surfaces.points": 2000})
     one = result.assign_attrs(study=expected.to_toml())
-    paths = drawn(one, tmp_path, formats=FORMATS)
+    paths = draw_figures(one, tmp_path, formats=FORMATS)
     assert [path.name for path in paths] == ["profiles.png", "profiles.pdf", "profiles.svg"]
     assert imread(paths[0]).std() > 0.03
     assert imread(paths[0]).shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
     before = [path.read_bytes() for path in paths]
     assert before[1].startswith(b"%PDF")
     assert before[2].startswith(b"<?xml")
-    assert drawn(one, tmp_path, formats=FORMATS) == paths
+    assert draw_figures(one, tmp_path, formats=FORMATS) == paths
     assert [path.read_bytes() for path in paths] == before  # equal figures are equal files
 
 
@@ -109,12 +109,12 @@ def test_foreign_files_are_not_replaced_and_empty_results_are_rejected(tmp_path)
         Figure().savefig(other)
         content = other.read_bytes()
         with pytest.raises(ValueError, match="exists already"):
-            save_picture(Figure(), other)
+            save_figure(Figure(), other)
         assert other.read_bytes() == content
     with pytest.raises(ValueError, match="formats"):
-        drawn(empty_dataset(SMALL), tmp_path, formats=["tiff"])
+        draw_figures(empty_dataset(SMALL), tmp_path, formats=["tiff"])
     with pytest.raises(ValueError, match="nothing to draw"):
-        drawn(empty_dataset(SMALL), Path())
+        draw_figures(empty_dataset(SMALL), Path())
 
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
@@ -155,21 +155,21 @@ def test_friction_curves_equal_the_map_at_a_common_load(result):
 @pytest.mark.parametrize("part", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str)
 def test_figures_of_small_results_are_drawn_without_warning(result, part, tmp_path):
     one = result.isel(amplitude=[0], **part)
-    save_picture(friction_figure(one, 0.0), tmp_path / "friction.png")
-    save_picture(area_figure(one), tmp_path / "area.png")
+    save_figure(friction_figure(one, 0.0), tmp_path / "friction.png")
+    save_figure(area_figure(one), tmp_path / "area.png")
 
 
 def test_cells_fade_to_equally_bright_grey_with_interval_width():
     cells = [(1.0, 0.9, 1.1), (1.0, 0.0, 1.0), (1.0, -3.0, 5.0), (1.0, np.nan, np.nan), (np.nan, np.nan, np.nan)]
     columns = zip(("friction_coefficient", "lower", "upper"), zip(*cells, strict=True), strict=True)
-    sure, half, wide, unknown, nothing = _fading(
+    sure, half, wide, unknown, nothing = _compute_fading(
         {name: SimpleNamespace(values=np.array(item)) for name, item in columns}
     )
     assert (sure, nothing) == (0, 0)
-    assert wide == unknown == FADE[2]
-    assert half == pytest.approx(FADE[2] * (1.0 - FADE[0]) / (FADE[1] - FADE[0]))
+    assert wide == unknown == FADING[2]
+    assert half == pytest.approx(FADING[2] * (1.0 - FADING[0]) / (FADING[1] - FADING[0]))
     purple, luminance = np.array([0.5, 0.1, 0.6]), np.array([0.2126, 0.7152, 0.0722])
-    grey = _faded(purple, np.array(1.0))
+    grey = _fade(purple, np.array(1.0))
     assert grey == pytest.approx([purple @ luminance] * 3)
 
 
@@ -203,10 +203,10 @@ def test_curves_over_load_equal_means_of_the_result(maps):
     figure = figure_of(maps, "friction")
     upper, lower = figure.axes
     reference = at_load(maps, maps["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0, mu0=0, tau0=0)
-    for line, rule in zip(upper.lines, style.RULES, strict=False):
+    for line, rule in zip(upper.lines, style.RULE_COLOURS, strict=False):
         expected = reference["friction_all_round"].sel(sliding=rule, statistic="mean")
         np.testing.assert_allclose(line.get_ydata(), expected.values)
-        assert line.get_color() == style.RULES[rule]
+        assert line.get_color() == style.RULE_COLOURS[rule]
     np.testing.assert_allclose(
         lower.lines[0].get_ydata(), 100 * reference["contact_area_fraction"].sel(statistic="mean").values
     )
@@ -257,14 +257,14 @@ def test_contacts_are_drawn_at_their_position_and_loads_add_up(maps):
 
 def test_surfaces_touch_at_drawn_contacts(maps, lines):
     picture = contact_picture(maps)
-    (axes,) = touching_figure(picture, direction=90.0).axes
+    (axes,) = contact_map_figure(picture, direction=90.0).axes
     kind = np.ma.filled(axes.images[1].get_array(), np.nan)
-    patch, climbs = picture["patch"].values, climbing(picture, 90.0)
+    patch, climbs = picture["patch"].values, find_opposing_contacts(picture, 90.0)
     assert np.array_equal(np.isfinite(kind), patch > 0)
     assert np.array_equal(np.unique(patch[kind == 1]), 1 + np.flatnonzero(climbs))
     assert len(axes.collections) == bool((picture["contact_at_edge"].values > 0).any())
     picture = contact_picture(lines)
-    whole, close = touching_figure(picture).axes
+    whole, close = contact_map_figure(picture).axes
     assert len(whole.collections[2].get_offsets()) == picture.sizes["contact"]
     strongest = picture["contact_x"].values[picture["contact_force"].values.argmax()]
     low, high = close.get_xlim()
@@ -285,14 +285,14 @@ def test_force_arrows_stay_inside_their_frame(circular_arc, tmp_path):
     assert "times larger" in large.get_title(loc="left")
     # And two flat bodies without a contact are drawn.
     flat = Profile(np.zeros(200), spacing=0.01)
-    save_picture(contact_figure(flat, flat, 0.0, mu0=0.3), tmp_path / "contact.png")
+    save_figure(contact_figure(flat, flat, 0.0, mu0=0.3), tmp_path / "contact.png")
 
 
 # ---- Style -----------------------------------------------------------------------------------------------------------
 
 
 def test_labels_are_separate_and_ordered():
-    places = spread_out([1.0, 1.01, 0.99, 3.0], 0.1)
+    places = spread_labels([1.0, 1.01, 0.99, 3.0], 0.1)
     assert np.array_equal(np.argsort(places), [2, 0, 1, 3])
     assert np.diff(np.sort(places)).min() == pytest.approx(0.1)
     assert places[3] == 3.0

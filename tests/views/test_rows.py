@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from stiction.studies.assessment import Doubt
 from stiction.studies.summary import summarize
-from stiction.views.rows import SCHEMA, csv_text, frame, record_text
+from stiction.views.rows import SCHEMA, summary_csv, summary_json, values_frame
 from support.synthetic_results import LOADED, generated, generated_study, interval, measured, measured_study
 
 MANY = {"loads": (1.0, 10.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2)}
@@ -20,7 +20,7 @@ def rows_of(text):
 
 def test_frame_has_every_number_of_the_result():
     at = measured(**MANY)
-    rows = frame(at)
+    rows = values_frame(at)
     numbers = [name for name, table in at.data_vars.items() if table.dtype.kind in "if"]
     assert set(rows["name"]) == set(numbers)
     for name in numbers:
@@ -38,7 +38,7 @@ def test_frame_has_status_of_numbers():
     at = measured(loads=(1.0, 10.0))
     at["status"].loc[{"load": 10.0}] = "not-reached"
     at["friction_coefficient"].loc[{"load": 10.0}] = np.nan
-    rows = frame(at)
+    rows = values_frame(at)
     rows = rows[rows["name"] == "friction_coefficient"]
     assert set(rows[rows["load"] == 10.0]["status"]) == {"not-reached"}
     assert set(rows[rows["load"] == 1.0]["status"]) == {"ok"}
@@ -46,7 +46,7 @@ def test_frame_has_status_of_numbers():
 
 def test_csv_has_a_row_for_each_motion_with_assessment_and_caveats():
     beside = Doubt("a parabola, which carries the load", "take it off", "caution")
-    rows = rows_of(csv_text(summarize(measured(**MANY), measured_study(), input_caveats=[beside])))
+    rows = rows_of(summary_csv(summarize(measured(**MANY), measured_study(), input_caveats=[beside])))
     assert len(rows) == 2 * 2 * 2 * 2 * 2 * (1 + 2 + 4)
     first = rows[0]
     assert first["upper body to (degree)"] == "all directions"
@@ -60,7 +60,7 @@ def test_csv_has_a_row_for_each_motion_with_assessment_and_caveats():
     assert {float(row[area]) for row in rows} == {LOADED["contact_area"]}
     assert {row["verdict"] for row in rows} == {"Quote with care"}
     assert {row["doubts"] for row in rows} == {"a parabola, which carries the load: take it off"}
-    rows = rows_of(csv_text(summarize(generated(), generated_study())))
+    rows = rows_of(summary_csv(summarize(generated(), generated_study())))
     assert len(rows) == 2 * 2 * 2
     assert {row["fractal dimension"] for row in rows} == {"1.1", "1.4"}
     assert {row["sliding"] for row in rows} == {"opposing"}
@@ -77,10 +77,10 @@ RESULTS = {
 @pytest.mark.parametrize("name", RESULTS)
 def test_json_has_one_schema(name):
     at, study = RESULTS[name]
-    record = json.loads(record_text("at", summarize(at, study)))
+    record = json.loads(summary_json("at", summarize(at, study)))
     assert list(record)[:3] == ["schema", "stiction", "command"]
     assert (record["schema"], record["command"]) == (SCHEMA, "at")
-    assert len(record["values"]) == len(frame(at))
+    assert len(record["values"]) == len(values_frame(at))
     for value in record["values"]:
         assert list(value) == ["name", "value", "unit", "lower", "upper", "interval", "at", "status"]
         assert value["value"] is None or math.isfinite(value["value"])
@@ -93,7 +93,7 @@ def test_json_has_one_schema(name):
 
 def test_json_has_value_assessment_and_reasons():
     record = json.loads(
-        record_text("pair", summarize(measured(share_at_edge=0.6, half=0.02), measured_study()), positions=3)
+        summary_json("pair", summarize(measured(share_at_edge=0.6, half=0.02), measured_study()), positions=3)
     )
     (message,) = record["answers"]
     assert message["verdict"] == "Do not quote"

@@ -7,7 +7,15 @@ import pytest
 from stiction._number_format import from_to, percent, quoted, significant, with_interval, with_unit
 from stiction.studies.assessment import Doubt
 from stiction.studies.summary import Left, summarize
-from stiction.views.text import aligned, axes_text, doubts_text, fitted, overview_text, quantities_text, result_text
+from stiction.views.text import (
+    assessment_text,
+    axes_text,
+    format_table,
+    overview_text,
+    quantities_text,
+    result_text,
+    wrap_text,
+)
 from support.synthetic_results import generated, generated_study, interval, measured, measured_study
 
 COLUMNS = 80
@@ -87,26 +95,26 @@ def test_remedy_without_visible_effect_is_left_out():
     for ends, message in (((0.205, 0.215), True), ((one.lower, one.upper - 1e-6), False)):
         options = replace(one, budget=(Left("finer waves", *ends, 0.0),))
         assert options.most is not None
-        assert ("would give" in doubts_text([options])) == message
+        assert ("would give" in assessment_text([options])) == message
 
 
 def test_columns_that_do_not_fit_are_wrapped():
     rows = [["name", "first column", "second column"], ["a", "1", "2"]]
-    assert aligned(rows, 80).splitlines() == ["name  first column  second column", "a     1             2"]
-    assert aligned(rows, 20).splitlines() == [
+    assert format_table(rows, 80).splitlines() == ["name  first column  second column", "a     1             2"]
+    assert format_table(rows, 20).splitlines() == [
         "name  first column", "a     1", "name  second column", "a     2",
     ]  # fmt: skip
 
 
 def test_wrapped_columns_repeat_all_label_columns():
     rows = [["load", "μ0", "first column", "second column"], ["1 mN", "0.2", "1", "2"]]
-    assert aligned(rows, 26, labels=2).splitlines() == [
+    assert format_table(rows, 26, labels=2).splitlines() == [
         "load  μ0   first column", "1 mN  0.2  1", "load  μ0   second column", "1 mN  0.2  2",
     ]  # fmt: skip
 
 
 def test_wrapped_text_keeps_number_and_unit_together():
-    text = fitted("x" * 33 + " τ0 = 50 MPa and more words that fill the line up to its end", 40)
+    text = wrap_text("x" * 33 + " τ0 = 50 MPa and more words that fill the line up to its end", 40)
     assert "τ0 = 50 MPa" in text.splitlines()[1]
 
 

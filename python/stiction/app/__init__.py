@@ -1,1 +1,1 @@
-"""`stiction app`: a page on this computer where two scans are dropped, and commands that compute what it shows."""
+"""Browser app `stiction app`: a local server and page that run the commands of stiction."""

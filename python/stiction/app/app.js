@@ -1,18 +1,18 @@
 "use strict";
 
-// The page of the server: what is asked for, and what is told. Numbers come as text.
+// Page of the app: form, uploads, jobs and results. The server sends numbers as text.
 
 const byId = (id) => document.getElementById(id);
-const AT_REST = 400; // ms without a change, after which the words follow
-const POLL = 500; // ms between two questions of how far jobs have come
+const AT_REST = 400; // ms without a change before the values are updated
+const POLL = 500; // ms between two requests for the progress of jobs
 const sides = ["upper", "lower"];
 const scans = {upper: null, lower: null};
-const arriving = {upper: 0, lower: 0}; // files of each side that are being sent or read
+const arriving = {upper: 0, lower: 0}; // number of files per side being uploaded or read
 const form = byId("pair");
 let jobs = [];
 let current = null; // number of the job that is shown
-let framed = ""; // its page
-let told = null; // what its page has picked, if that is not what was asked for
+let framed = ""; // address of the report shown for it
+let told = null; // values selected in its report if they differ from the inputs
 
 const node = (tag, set = {}, ...children) => {
   const made = Object.assign(document.createElement(tag), set);
@@ -20,16 +20,16 @@ const node = (tag, set = {}, ...children) => {
   return made;
 };
 
-// Nobody but this page has it: a browser sends cookies to other servers of this computer too.
+// Only this page has the key; a browser also sends cookies to other servers of this computer.
 if (location.hash) {
   localStorage.setItem("key", location.hash.slice(1));
   history.replaceState(null, "", "/");
 }
 const key = localStorage.getItem("key") ?? "";
-/** An address that the browser itself asks for, and no script. */
+/** Return an address with the key, for requests by the browser itself. */
 const keyed = (address) => `${address}${address.includes("?") ? "&" : "?"}key=${key}`;
 
-/** What the server answers; its refusal is an error with its sentence. */
+/** Return the JSON response of the server; throw an error with its message if it rejects the request. */
 async function fetched(address, options = {}) {
   const response = await fetch(address, {...options, headers: {"x-stiction-key": key}}).catch(() => { throw new Error("the server does not answer"); });
   if (!response.ok) throw new Error(await response.text());
@@ -42,7 +42,7 @@ function complain(place, text) {
   place.textContent = text;
 }
 
-/** A command's own sentence: at the scan that it names, or at the field of the option that it begins with. */
+/** Show the error of a job at the scan that it names, or at the field of the option at its start. */
 function complainOf(job) {
   for (const marked of document.querySelectorAll("[aria-invalid]")) marked.removeAttribute("aria-invalid");
   const text = job.error;
@@ -78,7 +78,7 @@ async function take(side, file) {
   complain(place.querySelector(".wrong"), "");
   arriving[side] += 1;
   try {
-    if (file.size > document.body.dataset.most) throw new Error(`A scan may have ${document.body.dataset.most / 1e6} MB here.`);
+    if (file.size > document.body.dataset.most) throw new Error(`The limit for a scan is ${document.body.dataset.most / 1e6} MB.`);
     const {scan} = await fetched(`/scans?name=${encodeURIComponent(file.name)}`, {method: "PUT", body: file});
     scans[side] = {scan, name: file.name};
     await look(side);
@@ -119,18 +119,18 @@ async function demo() {
   form.requestSubmit();
 }
 
-const {units: UNITS, texts: TEXTS} = JSON.parse(document.body.dataset.numbers); // of bare numbers; a comma separates
+const {units: UNITS, texts: TEXTS} = JSON.parse(document.body.dataset.numbers); // units of bare numbers; fields where a comma separates values
 const number = (name) => form[name].value.trim().replace(",", ".");
 
-/** The options of `stiction pair` that the form stands for; its fields have their names, twice if of both bodies. */
+/** Return the options of `stiction pair` for the form. Fields for both bodies occur twice. */
 function optionsOfPair() {
   const found = {};
   for (const [name, text] of new FormData(form)) {
     const given = TEXTS.includes(name) ? text.trim() : text.trim().replaceAll(",", ".");
-    const hasUnit = /\p{L}{2}|[A-Z]/u.test(given); // as in "150 HV", and not in "1e-3"
+    const hasUnit = /\p{L}{2}|[A-Z]/u.test(given); // true for "150 HV", false for "1e-3"
     (found[name] ??= []).push(given && !hasUnit ? given + (UNITS[name] ?? "") : given);
   }
-  found.missing = [found.missing.find(Boolean)]; // is of both
+  found.missing = [found.missing.find(Boolean)]; // one value for both scans
   if (found.young) {
     for (const side of sides) delete found[side];
     for (const name of ["young", "poisson"]) found[name] = [found[name].join(",")];
@@ -139,7 +139,7 @@ function optionsOfPair() {
     .flatMap(([name, [one, other = one]]) => (one === other ? [[name, one]] : [[name, one], [name, other]]));
 }
 
-/** Why a scan cannot be pressed yet; empty if it can. */
+/** Return the reason why a scan is not ready; empty if it is. */
 function scanProblem(side) {
   if (arriving[side]) return `the ${side} scan is still being read`;
   if (!scans[side]) return `the ${side} scan is missing`;
@@ -166,7 +166,7 @@ async function ask(wrong, body) {
     byId("page").hidden = true;
     remember();
     await poll();
-    byId("job").scrollIntoView({block: "nearest"}); // on a phone it is below the form
+    byId("job").scrollIntoView({block: "nearest"}); // the result is below the form on a phone
   } catch (error) {
     complain(byId(wrong), error.message);
   }
@@ -174,7 +174,7 @@ async function ask(wrong, body) {
 
 let polling = 0;
 
-/** Ask how far jobs have come, and again in a moment: short questions, because a browser has few connections for all its windows. */
+/** Request the progress of all jobs periodically. Requests are short, because a browser has few connections. */
 async function poll() {
   clearTimeout(polling);
   const found = await fetched("/jobs").catch(() => null);
@@ -215,10 +215,10 @@ function render() {
   frame.contentWindow.location.replace(page + (before || (job.command.startsWith("stiction run") ? `#d=${dimension()}` : "")));
 }
 
-const KIND = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"}; // how the style calls each verdict
+const KIND = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"}; // CSS class of each assessment
 const WORDS = {all: "friction at all contacts", opposing: "friction at opposing contacts only (the paper's rule)"};
 
-/** Values, verdict and reasons; what is not the last is grey, and has no verdict. */
+/** Show values, assessment and caveats. Intermediate results are grey and have no assessment. */
 function say(answer, by, isLast) {
   const place = byId("answer");
   const text = JSON.stringify([answer, by, isLast]);
@@ -237,7 +237,7 @@ function say(answer, by, isLast) {
     node("p", {className: "sentence", id: "sentence", hidden: true}, answer.sentence));
 }
 
-/** The line that gives the same numbers. */
+/** Return the command line that gives the same numbers. */
 function commandOf({command}) {
   if (!told) return command;
   const [, what, name] = command.split(" ");
@@ -261,11 +261,11 @@ function connectPage() {
   new ResizeObserver(fit).observe(inside.documentElement);
 }
 
-/** The words of what is picked on the page. */
+/** Update the values when others are selected in the report. */
 async function follow() {
   const job = jobs.find(({number: each}) => each === current);
   const {load, mu0, tau0, dimension: d} = paged()?.getElementById("readout")?.dataset ?? {};
-  if (!job?.answer || job.by || load === undefined) return; // as long as it is computed the page alone follows
+  if (!job?.answer || job.by || load === undefined) return; // during the computation only the report is updated
   const isNear = (one, other) => Math.abs(one - other) <= 1e-9 * Math.abs(other);
   const {at} = job.answer;
   const wanted = {load, mu0, tau0: Number((1000 * tau0).toPrecision(12)), d: job.command.startsWith("stiction pair") ? "" : d, isAskedLoad: isNear(load, at.load)};
@@ -280,7 +280,7 @@ async function follow() {
   render();
 }
 
-/** What is typed into the form moves the page. */
+/** Transfer a number from the form to the report. */
 function move(name) {
   const input = paged()?.getElementById(`${name}-number`);
   if (!input || byId("page").hidden || !number(name) || !(Number(number(name)) >= 0)) return;
@@ -318,7 +318,7 @@ async function listResults() {
     const words = error ?? `${kind === "measured" ? "a pair" : "a study"}, ${finished} of ${total}`;
     const button = node("button", {type: "button", disabled: Boolean(error) || !finished, onclick: () => ask("open-wrong", {command: "open", name})}, name);
     return node("li", {}, button, ` ${words}`);
-  }), ...(list.length ? [] : [node("li", {}, "There are none: stiction was begun elsewhere.")]));
+  }), ...(list.length ? [] : [node("li", {}, "There are no results in the directory where stiction was started.")]));
   byId("results").dataset.text = text;
   setTimeout(listResults, 2000);
 }
@@ -367,7 +367,7 @@ for (const [id, action] of Object.entries({
   stop: () => posted(`/jobs/${current}/stop`),
   quote: () => copy(byId("quote"), byId("sentence").textContent),
   copy: () => copy(byId("copy"), byId("command").textContent),
-  menu: () => posted("/menu").then(({file}) => `It is there: ${file}`, ({message}) => message).then((text) => { byId("menu-said").textContent = text; }),
+  menu: () => posted("/menu").then(({file}) => `Added: ${file}`, ({message}) => message).then((text) => { byId("menu-said").textContent = text; }),
 })) byId(id).addEventListener("click", action);
 if (document.body.dataset.demo && !scans.upper) demo();
 poll();

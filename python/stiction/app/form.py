@@ -17,7 +17,7 @@ FIELDS: dict[str, FormField] = {
 """Fields by the name of their option, without dashes."""
 
 READING = tuple(flag for flag, field in FIELDS.items() if field.place == "scan")
-"""Options of how a scan is read, which the page has once for each scan."""
+"""Reading options, which the page has once for each scan."""
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
@@ -39,7 +39,7 @@ def _field_html(flag: str, field: FormField) -> str:
 
 
 def numbers_json() -> str:
-    """Return how the page completes texts: units of bare numbers, and options in which a comma separates values."""
+    """Return JSON that tells the page how to complete entries: units of bare numbers, and options with commas."""
     units = {flag: f" {field.unit}" for flag, field in FIELDS.items() if field.unit}
     return json.dumps({"units": units, "texts": [flag for flag, field in FIELDS.items() if field.has_commas]})
 
@@ -48,13 +48,13 @@ _FLAG = re.compile(r"--([a-z0-9-]+)")
 
 
 def first_option(message: str) -> str:
-    """Return the option of the form that a message of the command begins with, empty if there is none."""
+    """Return the form option at the start of a command message; empty if there is none."""
     match = _FLAG.match(message)
     return match[1] if match and match[1] in FIELDS else ""
 
 
 def with_labels(message: str) -> str:
-    """Return a message of the command in which options of the form are called by the labels of their fields."""
+    """Return a command message with form options replaced by the labels of their fields."""
 
     def label(match: re.Match[str]) -> str:
         field = FIELDS.get(match[1])

@@ -1,6 +1,6 @@
-"""`python -m stiction.app.preview FILE READING`: what a scan holds, as JSON with a small picture.
+"""`python -m stiction.app.preview FILE READING`: print the content of a scan as JSON with a small image.
 
-READING is JSON: options of `read_measurement` by name, as texts.
+READING is JSON: options of `read_measurement` by name, with text values.
 """
 
 from __future__ import annotations
@@ -23,61 +23,64 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import check_roughness, rms_gradient, roughness_parameters
 
-DRAWN = 160  # rows, columns or points of a picture, at most
-COLOURS = ("#7a8490", "#8a63c7")  # of lower and upper lines; both are seen on light and on dark ground
+MAX_DRAWN_POINTS = 160  # maximum number of rows, columns or points of an image
+COLOURS = ("#7a8490", "#8a63c7")  # of the lower and upper line, visible on light and dark backgrounds
 
 
-def look(file: str, reading: dict[str, str]) -> dict[str, Any]:
-    """What a scan holds, as `stiction characterise` says it, with a small picture; or why it cannot be read."""
+def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
+    """Return the content of a scan with a small image, or the error that prevents reading it."""
     texts = {name.replace("-", "_"): text for name, text in reading.items() if text}
-    given: dict[str, Any] = {name: split_list(name, text) for name, text in texts.items()}
-    with warnings.catch_warnings(record=True) as caught:
+    options: dict[str, Any] = {name: split_list(name, text) for name, text in texts.items()}
+    with warnings.catch_warnings(record=True) as caught_warnings:
         warnings.simplefilter("always")
         try:
-            scan = load_reading(file, **given)
+            scan = load_reading(file, **options)
             body = scan.body
-            level = levelled(body, "line" if isinstance(body, Profile) else "plane")  # type: ignore[call-overload]
-            if isinstance(level, Profile):
-                found = roughness_parameters(level)
-                height, slope = found.Pq, found.Pdq
+            levelled_body = levelled(body, "line" if isinstance(body, Profile) else "plane")  # type: ignore[call-overload]
+            if isinstance(levelled_body, Profile):
+                parameters = roughness_parameters(levelled_body)
+                height, slope = parameters.Pq, parameters.Pdq
             else:
-                check_roughness(level)
-                height, slope = float(level.heights.std()), rms_gradient(level, "seven-point")
+                check_roughness(levelled_body)
+                height, slope = float(levelled_body.heights.std()), rms_gradient(levelled_body, "seven-point")
         except (ValueError, ImportError, MemoryError) as error:
-            return {"error": str(error) or "there is not enough memory for this"}
-    is_line = isinstance(level, Profile)
-    names = ("Pq", "Pdq") if is_line else ("Sq", "Sdq")
-    size = " × ".join(with_unit(each, "um") for each in np.atleast_1d(body.extent)[::-1])
-    points = " × ".join(f"{each}" for each in np.shape(body.heights)[::-1])
-    if isinstance(level, Profile):
-        kind, picture = "svg+xml", svg(level.heights[:: -(-len(level) // (3 * DRAWN))]).encode()
+            return {"error": str(error) or "not enough memory for this scan"}
+    is_profile = isinstance(levelled_body, Profile)
+    names = ("Pq", "Pdq") if is_profile else ("Sq", "Sdq")
+    size = " × ".join(with_unit(item, "um") for item in np.atleast_1d(body.extent)[::-1])
+    points = " × ".join(f"{item}" for item in np.shape(body.heights)[::-1])
+    if isinstance(levelled_body, Profile):
+        kind, image = (
+            "svg+xml",
+            svg(levelled_body.heights[:: -(-len(levelled_body) // (3 * MAX_DRAWN_POINTS))]).encode(),
+        )
     else:
-        kind, picture = "png", png(level.heights, level.extent)
+        kind, image = "png", png(levelled_body.heights, levelled_body.extent)
     return {
-        "holds": "profile" if is_line else "surface", names[0]: height, names[1]: slope,
+        "holds": "profile" if is_profile else "surface", names[0]: height, names[1]: slope,
         "words": f"{size}, {points} points; {names[0]} {with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
         "points": int(np.size(body.heights)), "reading": str(scan),
-        "warning": "; ".join([*map(str, scan.caveats), *(str(each.message) for each in caught)]),
-        "picture": f"data:image/{kind};base64,{base64.b64encode(picture).decode()}",
+        "warning": "; ".join([*map(str, scan.caveats), *(str(item.message) for item in caught_warnings)]),
+        "picture": f"data:image/{kind};base64,{base64.b64encode(image).decode()}",
     }  # fmt: skip
 
 
 def svg(*lines: Floats) -> str:
-    """Lines in one frame, as SVG."""
+    """Draw lines in one frame as SVG."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
-    drawn = ""
+    elements = ""
     for line, colour in zip(lines, COLOURS, strict=False):
         x, y = np.linspace(0, 300, len(line)), 95 - 90 * (line - low) / ((high - low) or 1.0)
         points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
-        drawn += f'<polyline fill="none" stroke="{colour}" points="{points}"/>'
-    return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 100">{drawn}</svg>'
+        elements += f'<polyline fill="none" stroke="{colour}" points="{points}"/>'
+    return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 100">{elements}</svg>'
 
 
 def png(heights: Floats, extent: tuple[float, float]) -> bytes:
-    """A map in greys, whose first row is the lowest; its pixels are square."""
+    """Render a height map as a PNG with square pixels; the first row is at the bottom."""
     from matplotlib.image import imsave
 
-    sizes = [max(2, round(DRAWN * each / max(extent))) for each in extent]
+    sizes = [max(2, round(MAX_DRAWN_POINTS * item / max(extent))) for item in extent]
     rows, columns = (np.linspace(0, n - 1, m).round().astype(int) for n, m in zip(heights.shape, sizes, strict=True))
     file = io.BytesIO()
     imsave(file, heights[np.ix_(rows, columns)], cmap=HEIGHT_MAP, origin="lower")
@@ -85,4 +88,4 @@ def png(heights: Floats, extent: tuple[float, float]) -> bytes:
 
 
 if __name__ == "__main__":
-    print(json.dumps(look(sys.argv[1], json.loads(sys.argv[2]))))
+    print(json.dumps(preview_scan(sys.argv[1], json.loads(sys.argv[2]))))

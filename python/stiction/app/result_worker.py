@@ -1,4 +1,4 @@
-"""What the server is told of a result by a process of its own: the answer, and what can be saved, as files."""
+"""Worker process that reads a result for the server: prints its values and writes the files to save."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from stiction.studies.runner import first_result
 from stiction.studies.study import Study
 from stiction.views.files import result_csv
 from stiction.views.report import report_page
-from stiction.views.rows import answer_record, record_text
+from stiction.views.rows import point_record, summary_json
 
 
-def first_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """The study of a first answer, by asperities, of what a command line of `pair` would ask for with these options."""
+def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
+    """Return the preview study with the asperity model for the scans and options of a `pair` command."""
     fields = {name_on_command_line(name): name for name in OPTIONS}
     values: dict[str, list[str]] = {}
     for flag, text in options:
@@ -29,37 +29,38 @@ def first_study(files: list[Path], options: list[tuple[str, str]]) -> Study | No
 
 
 def main() -> None:
-    """Print the answer of a result, and of how many members; write its page, and at last the rest.
+    """Print the values of a result and its number of members, and write its report and files.
 
-    The argument is JSON: `folder` of the result, or `first` with the scans and options of which a first answer is
-    wanted; `name`, the `command` whose last answer it is, `files` for a folder to write, and the private `root`.
+    The argument is JSON: `folder` of the result, or `first` with the scans and options of a preview; `name`; the
+    `command` of a final result (empty for an intermediate result); `files`, the directory to write; and the private
+    directory `root`.
     """
-    asked = json.loads(sys.argv[1])
+    request = json.loads(sys.argv[1])
     try:
-        if "first" in asked:
-            study = first_study([Path(each) for each in asked["first"][0]], asked["first"][1])
+        if "first" in request:
+            study = load_preview_study([Path(each) for each in request["first"][0]], request["first"][1])
             result = None if study is None else first_result(study)
         else:
-            result = open_result(asked["folder"])
-        print(json.dumps(None if result is None else _told(result, asked)))
+            result = open_result(request["folder"])
+        print(json.dumps(None if result is None else _write_files(result, request)))
     except FAULTS as error:
-        sys.exit(f"stiction: {error or 'there is not enough memory for this'}")
+        sys.exit(f"stiction: {error or 'not enough memory for this result'}")
 
 
-def _told(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
-    command = asked["command"]
-    answer = answer_record(result.summary().first)
-    texts = {"page.html": report_page(result, name=asked["name"])}
+def _write_files(result: Result, request: dict[str, Any]) -> dict[str, Any]:
+    command = request["command"]
+    answer = point_record(result.summary().first)
+    texts = {"page.html": report_page(result, name=request["name"])}
     if result.path is not None and command:
         texts |= {
-            "result.json": record_text(command, result.summary()),
+            "result.json": summary_json(command, result.summary()),
             "result.csv": result_csv(result),
             "study.toml": (result.path / "study.toml").read_text("utf-8"),
         }
-    files = Path(asked["files"])
+    files = Path(request["files"])
     files.mkdir(parents=True)
     for name, text in texts.items():
-        (files / name).write_text(without_paths(text, asked["root"]), "utf-8", "replace")
+        (files / name).write_text(without_paths(text, request["root"]), "utf-8", "replace")
     return {"answer": answer, "finished": int(result.members.size), "total": result.study.ensemble.repetitions}
 
 

@@ -1,4 +1,4 @@
-"""Begin the server in a private folder, open a browser, and end when no window is open any more."""
+"""Start the server in a private directory, open a browser, and exit when no window is open."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from stiction.app.server import Server
 PREFIX = "stiction-app-"
 
 ALONE = 90.0
-"""Seconds without a question of a window after which the server ends; browsers let a hidden one ask once a minute."""
+"""Seconds without a request after which the server exits; browsers limit hidden windows to one per minute."""
 
-FIRST = 600.0  # seconds that it waits for the first one
+MAX_WAIT_FIRST_WINDOW = 600.0  # seconds that the server waits for the first window
 
 MAX_IDLE = 20.0  # seconds that a connection may take to send the head of its request
 MAX_IDLE_CONNECTIONS = 64
-"""Connections without a complete head of a request; of more, the oldest is closed, so that files remain for others."""
+"""Maximum number of connections without a complete request head; the oldest one is closed."""
 
 
 class Connection(H11Protocol):
-    """A connection that is closed if its request does not arrive in time."""
+    """HTTP connection that is closed if its request does not arrive in time."""
 
     idle: ClassVar[dict[Connection, asyncio.TimerHandle]] = {}
 
@@ -62,34 +62,36 @@ class Connection(H11Protocol):
 
 
 def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
-    """Serve the page until its last window has been closed for a while, unless it is kept, or somebody interrupts."""
-    with tempfile.TemporaryDirectory(prefix=PREFIX) as folder, socket.create_server(("127.0.0.1", 0)) as listening:
-        server = Server(Path(folder).resolve(), Path.cwd(), listening.getsockname()[1], has_demo=demo)
+    """Serve the page until its last window has been closed for a while or the command is interrupted."""
+    with tempfile.TemporaryDirectory(prefix=PREFIX) as folder, socket.create_server(("127.0.0.1", 0)) as listener:
+        server = Server(Path(folder).resolve(), Path.cwd(), listener.getsockname()[1], has_demo=demo)
         address = f"{server.origin}/?token={server.token}"
         config = uvicorn.Config(
             server, http=Connection, ws="none", backlog=MAX_IDLE_CONNECTIONS, lifespan="on", log_config=None,
             access_log=False, proxy_headers=False, server_header=False, timeout_graceful_shutdown=2,
             h11_max_incomplete_event_size=2**14,
         )  # fmt: skip
-        serving = uvicorn.Server(config)
-        print_message(f"{address}\nopens in one browser, once; Ctrl-C ends it")
+        http_server = uvicorn.Server(config)
+        print_message(f"{address}\nThis address works once, in one browser. Press Ctrl-C to stop the server.")
         with suppress(KeyboardInterrupt):
-            asyncio.run(_serve(serving, server, listening, address, keep))
+            asyncio.run(_serve(http_server, server, listener, address, keep))
 
 
-async def _serve(serving: uvicorn.Server, server: Server, listening: socket.socket, address: str, keep: bool) -> None:
+async def _serve(
+    http_server: uvicorn.Server, server: Server, listener: socket.socket, address: str, keep: bool
+) -> None:
     loop = asyncio.get_running_loop()
 
     def end() -> None:
         server.end()
-        serving.should_exit = True
+        http_server.should_exit = True
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, end)
-    # Our own handlers: uvicorn would raise a signal once more, and the folder would stay.
-    serving.capture_signals = suppress  # type: ignore[method-assign,assignment]
+    # uvicorn's handlers would raise the signal again, and the directory would not be removed.
+    http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.asked = loop.time()
-    task = asyncio.create_task(serving.serve(sockets=[listening]))
+    task = asyncio.create_task(http_server.serve(sockets=[listener]))
     await asyncio.to_thread(webbrowser.open, address)
     while not task.done():
         await asyncio.wait([task], timeout=0.5)
@@ -98,5 +100,5 @@ async def _serve(serving: uvicorn.Server, server: Server, listening: socket.sock
 
 
 def is_left(server: Server, now: float) -> bool:
-    """Whether no window has asked for so long that there is none any more, or none has come."""
-    return now - server.asked > (ALONE if server.has_window else FIRST)
+    """Return whether all windows are closed, or no window was opened in time."""
+    return now - server.asked > (ALONE if server.has_window else MAX_WAIT_FIRST_WINDOW)

@@ -1,4 +1,4 @@
-"""Surfaces that are made: two to begin with, and the profiles that the sliders stand for."""
+"""Generated surfaces: the two sample surfaces, and the profiles described by the sliders."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction.app.preview import DRAWN, svg
+from stiction.app.preview import MAX_DRAWN_POINTS, svg
 from stiction.studies.members import pairs_of
 from stiction.studies.study import Study
 from stiction.surfaces.measured.writing import write_surface
@@ -15,26 +15,26 @@ from stiction.surfaces.self_affine import self_affine_surface
 
 
 def surfaces(folder: Path) -> list[Path]:
-    """Write an upper and a lower ground face of 26 µm, heights 50 nm (Sq)."""
+    """Write an upper and a lower ground surface of 26 µm with an rms height of 50 nm (Sq)."""
     folder.mkdir(parents=True, exist_ok=True)
-    made = [folder / f"{side}.csv" for side in ("upper", "lower")]
-    for path in made:
+    paths = [folder / f"{side}.csv" for side in ("upper", "lower")]
+    for path in paths:
         if not path.exists():
             face = self_affine_surface(
                 12, hurst_exponent=0.8, rms=0.05, shape=(128, 128), spacing=0.2, longest_wavelength=6.0,
                 shortest_wavelength=1.0, side=path.stem,  # type: ignore[arg-type]
             )  # fmt: skip
             write_surface(face, path)
-    return made
+    return paths
 
 
 def profiles(changes: Any) -> str:
-    """A picture of the first pair of `quick` with these changes, around where its profiles touch."""
+    """Draw the first pair of `quick` with these changes around its first contact, as SVG."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(iter(pairs_of(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))
-    touch = int(np.argmin(gap := upper.heights - lower.heights))
+    contact_index = int(np.argmin(gap := upper.heights - lower.heights))
     width = min(len(lower), round(4 * surfaces.longest() / lower.spacing))
-    start = max(0, min(touch - width // 2, len(lower) - width))
-    seen = slice(start, start + width, max(1, width // (3 * DRAWN)))
-    return svg(lower.heights[seen], upper.heights[seen] - gap[touch])
+    start = max(0, min(contact_index - width // 2, len(lower) - width))
+    window = slice(start, start + width, max(1, width // (3 * MAX_DRAWN_POINTS)))
+    return svg(lower.heights[window], upper.heights[window] - gap[contact_index])

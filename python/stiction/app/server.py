@@ -1,4 +1,4 @@
-"""The page's server: who may ask, and what may be asked for."""
+"""Local web server of the app: access control, uploaded scans, jobs and results."""
 
 from __future__ import annotations
 
@@ -31,26 +31,26 @@ from stiction.app.jobs import Job, Jobs, RefusedError, without_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
 
-MOST_BYTES = 300_000_000  # of a scan; as much text as the readers take
-MOST_IN_ALL = 2_000_000_000  # of all scans
-MOST_ASKED = 2**16  # bytes of any other request
-SLOWEST = 120.0  # seconds for a request and its answer
-LONGEST = 60  # characters of the name of a scan
-MOST_LISTED = 100  # results in the list
-MOST_POINTS = 2**21  # of a scan, for a first answer
-REFUSED = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
-KEY = "x-stiction-key"
-OPEN = ("/", "/app.js", "/app.css")  # paths that hold nothing private, for which the cookie will do
+MAX_SCAN_BYTES = 300_000_000  # maximum number of bytes of a scan, as much text as the readers accept
+MAX_TOTAL_BYTES = 2_000_000_000  # maximum number of bytes of all scans
+MAX_REQUEST_BYTES = 2**16  # maximum number of bytes of any other request
+MAX_REQUEST_TIME = 120.0  # maximum number of seconds for a request and its response
+MAX_NAME_LENGTH = 60  # maximum number of characters of a scan name
+MAX_LISTED_RESULTS = 100  # maximum number of listed results
+MAX_PREVIEW_POINTS = 2**21  # maximum number of points of a scan for a preview
+REQUEST_ERRORS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
+KEY_HEADER = "x-stiction-key"
+PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths without private content, for which the cookie is sufficient
 
 OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
-"""What the page may ask of each command."""
+"""Options of each command that the page may set."""
 
 CHANGES = re.compile(
     r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"
 )
-"""Values of a study that the page may set: those of generated surfaces, of which none names a file."""
+"""Keys of a study that the page may set: generated surfaces, without file names."""
 
-PAGE = (
+REPORT_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
     "frame-ancestors 'self'"
 )
@@ -59,18 +59,18 @@ HEADERS = {
     "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "cache-control": "no-store", "x-content-type-options": "nosniff", "referrer-policy": "no-referrer",
     "cross-origin-opener-policy": "same-origin", "cross-origin-resource-policy": "same-origin",
-    "connection": "close",  # what else somebody sends is not read
+    "connection": "close",  # further data on the connection is not read
 }  # fmt: skip
-ENDED = PlainTextResponse("The server has ended.\n", 503)
-FOREIGN = PlainTextResponse("Pages of others have nothing to ask for here.\n", 403)
+ENDED_RESPONSE = PlainTextResponse("The server has ended.\n", 503)
+FOREIGN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.\n", 403)
 
 
 class Server:
-    """What the page asks for, and its answers; scans and results are in `root`, results to open are listed of `here`.
+    """ASGI application of the page. Scans and results are in `root`, existing results in `here`.
 
-    It answers to `origin` alone, which has to say `token` once, and then two secrets: a cookie, which a browser also
-    sends to other ports of this computer, and a key, which only the page has. When a window has `asked` last is by the
-    loop's clock.
+    The server accepts requests from `origin` only. The first request needs `token`, all others two secrets: a cookie,
+    which a browser also sends to other ports of this computer, and a key, which only the page has. `asked` is the time
+    of the last request of a window by the clock of the event loop.
     """
 
     def __init__(self, root: Path, here: Path, port: int, *, has_demo: bool = False) -> None:
@@ -97,7 +97,7 @@ class Server:
         ]  # fmt: skip
         self._app = Starlette(
             routes=[Route(path, handler, methods=[method]) for method, path, handler in routes],
-            exception_handlers=dict.fromkeys(REFUSED, _refusal),
+            exception_handlers=dict.fromkeys(REQUEST_ERRORS, _refusal),
             lifespan=self._life,
         )  # fmt: skip
 
@@ -107,15 +107,15 @@ class Server:
         await self.jobs.end()
 
     def end(self) -> None:
-        """Answer every request that waits, or comes from now on, that the server has ended."""
+        """Answer all pending and later requests with the message that the server has ended."""
         self._has_ended = True
         for task in self._requests:
             task.cancel()
 
-    # ---- Who may ask ------------------------------------------------------------------------------------------------
+    # ---- Access control ---------------------------------------------------------------------------------------------
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
-        """Answer a request of our own page, and no other."""
+        """Answer a request of our own page and reject all others."""
 
         async def sent(message: Any) -> None:
             if message["type"] == "http.response.start":
@@ -127,27 +127,27 @@ class Server:
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
         if self._has_ended:
-            return await ENDED(scope, receive, sent)
+            return await ENDED_RESPONSE(scope, receive, sent)
         task: Any = asyncio.current_task()
         self._requests.add(task)
         try:
-            async with asyncio.timeout(SLOWEST):
+            async with asyncio.timeout(MAX_REQUEST_TIME):
                 await (self._refused(Request(scope)) or self._app)(scope, receive, sent)
         except TimeoutError:
             pass
         except asyncio.CancelledError:
-            with suppress(RuntimeError):  # an answer has begun already
-                await ENDED(scope, receive, sent)
+            with suppress(RuntimeError):  # the response has already started
+                await ENDED_RESPONSE(scope, receive, sent)
         finally:
             self._requests.discard(task)
 
     def _refused(self, request: Request) -> Response | None:
         headers = request.headers
         if headers.getlist("host") != [self.host]:
-            return PlainTextResponse(f"This server answers to {self.origin} alone.\n", 421)
+            return PlainTextResponse(f"This server accepts requests for {self.origin} only.\n", 421)
         origin = headers.getlist("origin")
         if any(each != self.origin for each in origin) or (request.method != "GET" and not origin):
-            return FOREIGN
+            return FOREIGN_RESPONSE
         token = request.query_params.get("token", "")
         if request.url.path == "/" and request.method == "GET" and token:
             if self.token is not None and _same(token, self.token):
@@ -156,17 +156,19 @@ class Server:
                 response.set_cookie(self._cookie, self._secret, httponly=True, samesite="strict", path="/")
                 return response
         elif headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
-            return FOREIGN
-        key = headers.get(KEY) or request.query_params.get("key", "")
-        is_known = request.url.path in OPEN or _same(key, self._key)
+            return FOREIGN_RESPONSE
+        key = headers.get(KEY_HEADER) or request.query_params.get("key", "")
+        is_known = request.url.path in PUBLIC_PATHS or _same(key, self._key)
         if not (_same(request.cookies.get(self._cookie, ""), self._secret) and is_known):
-            return PlainTextResponse("Open the address that `stiction app` has printed: it opens one browser.\n", 403)
+            return PlainTextResponse(
+                "Open the address that `stiction app` has printed. It works in one browser.\n", 403
+            )
         return None
 
     # ---- Pages ------------------------------------------------------------------------------------------------------
 
     async def page(self, _: Request) -> Response:
-        """The page itself."""
+        """Return the page."""
         words = "".join(
             f'<option value="{each.name}" data-young="{float(each.young_modulus):.4g}" '
             f'data-poisson="{float(each.poisson_ratio):.3g}">{each.name}</option>'
@@ -174,13 +176,13 @@ class Server:
         )
         demo, menu = "demo" if self.has_demo else "", "" if sys.platform == "linux" else "hidden"
         text = Template(_file("app.html")).substitute(
-            materials=words, demo=demo, menu=menu, most=MOST_BYTES, reading=fields_html("scan"),
+            materials=words, demo=demo, menu=menu, most=MAX_SCAN_BYTES, reading=fields_html("scan"),
             more=fields_html("more"), numbers=numbers_json(),
         )  # fmt: skip
         return Response(text, media_type="text/html")
 
     async def part(self, request: Request) -> Response:
-        """Return the script, or the style, behind that of the report that it shares."""
+        """Return the script, or the style sheets of the report and the app."""
         kind = request.path_params["kind"]
         if kind == "js":
             return Response(_file("app.js"), media_type="text/javascript")
@@ -189,9 +191,9 @@ class Server:
         return Response(_file("page.css", "stiction.views.report") + _file("app.css"), media_type="text/css")
 
     async def menu(self, _: Request) -> Response:
-        """Put the server into the applications menu of this person's desktop, to be begun without a terminal."""
+        """Add the app to the applications menu of the desktop, so that it starts without a terminal."""
         if re.search(r'["`$\\%\n]', f"{sys.executable}{self.here}"):
-            raise RefusedError(f"{sys.executable}: a menu cannot hold this name")
+            raise RefusedError(f"{sys.executable}: this path cannot be used in a menu entry")
         data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
         data.mkdir(parents=True, exist_ok=True)
         with replaced_file(data / "stiction.desktop", b"Name=stiction\n", ValueError) as partial:
@@ -205,12 +207,16 @@ class Server:
     # ---- Scans ------------------------------------------------------------------------------------------------------
 
     async def take(self, request: Request) -> Response:
-        """Take a scan under the last part of its name, without whatever could mean something to a file system."""
+        """Store an uploaded scan under the last part of its name, without special characters."""
         kept = sum(path.stat().st_size for path in self.scans.values())
-        length = _length(request, min(MOST_BYTES, MOST_IN_ALL - kept - self.arriving))
+        length = _length(request, min(MAX_SCAN_BYTES, MAX_TOTAL_BYTES - kept - self.arriving))
         name = re.sub(r"[^\w.() -]", "_", re.split(r"[/\\]", request.query_params.get("name", ""))[-1]).strip(". ")
         stem, dot, ending = name.rpartition(".")
-        name = f"{(stem or 'scan')[: LONGEST - 10]}{dot}{ending[:9]}" if dot else (name or "scan")[:LONGEST]
+        name = (
+            f"{(stem or 'scan')[: MAX_NAME_LENGTH - 10]}{dot}{ending[:9]}"
+            if dot
+            else (name or "scan")[:MAX_NAME_LENGTH]
+        )
         partial = self.root / f"{secrets.token_hex(4)}.partial"
         digest = hashlib.sha256(name.encode())
         self.arriving += length
@@ -219,39 +225,39 @@ class Server:
                 async for chunk in request.stream():
                     digest.update(chunk)
                     await asyncio.to_thread(file.write, chunk)
-            scan = digest.hexdigest()[:16]  # the same scan once more is no other
+            scan = digest.hexdigest()[:16]  # an identical scan gets the same identifier
             path = self.root / "files" / scan / name
             path.parent.mkdir(parents=True, exist_ok=True)
             partial.rename(path)
             self.scans[scan] = path
         except OSError as error:
-            with suppress(RuntimeError):  # all of it has come
-                async for _ in request.stream():  # or the browser would not hear why
+            with suppress(RuntimeError):  # the request is complete
+                async for _ in request.stream():  # otherwise the browser would not receive the error
                     pass
-            raise RefusedError(f"the scan cannot be kept: {error.strerror}") from None
+            raise RefusedError(f"the scan cannot be stored: {error.strerror}") from None
         finally:
             self.arriving -= length
             partial.unlink(missing_ok=True)
         return JSONResponse({"scan": scan})
 
     async def demo(self, _: Request) -> Response:
-        """Two surfaces of our own, as if they had been dropped."""
+        """Return two sample surfaces as if they had been uploaded."""
         found = await asyncio.to_thread(sample_surfaces.surfaces, self.root / "files" / "demo")
         self.scans |= {path.stem: path for path in found}
         return JSONResponse([{"scan": path.stem, "name": path.name} for path in found])
 
     def _scan(self, number: object) -> Path:
         if number not in self.scans:
-            raise HTTPException(404, "this scan is not here any more: drop it again")
+            raise HTTPException(404, "this scan is no longer available; drop it again")
         return self.scans[str(number)]
 
     async def scan(self, request: Request) -> Response:
-        """A scan as a file."""
+        """Return a scan as a file."""
         path = self._scan(request.path_params["scan"])
         return FileResponse(path, filename=path.name)
 
     async def look(self, request: Request) -> Response:
-        """What a scan holds."""
+        """Return the preview of a scan."""
         scan, query = request.path_params["scan"], request.query_params
         reading = json.dumps({name: query.get(name, "")[:80] for name in READING})
         said = await self.jobs.said(["stiction.app.preview", str(self._scan(scan)), reading])
@@ -261,20 +267,20 @@ class Server:
     # ---- Jobs -------------------------------------------------------------------------------------------------------
 
     async def list_jobs(self, _: Request) -> Response:
-        """How far every job has come."""
+        """Return the progress of all jobs."""
         self.asked, self.has_window = asyncio.get_running_loop().time(), True
         jobs = json.dumps([job.public() for job in self.jobs.all.values()])
         return Response(without_paths(jobs, self.root), media_type="application/json")
 
     async def ask(self, request: Request) -> Response:
-        """Put a command into the queue: `pair` of two scans, `run` of generated surfaces, or a result to be opened."""
-        _length(request, MOST_ASKED)
+        """Add a command to the queue: `pair` for two scans, `run` for generated surfaces, or an existing result."""
+        _length(request, MAX_REQUEST_BYTES)
         if not isinstance(asked := await request.json(), dict):
             raise HTTPException(400)
         command, options = asked.get("command"), asked.get("options")
         if command == "open":
             name = asked.get("name", "")
-            folder = self._folders().get(name) or _missing("there is no such result any more")
+            folder = self._folders().get(name) or _missing("this result no longer exists")
             return JSONResponse({"job": self.jobs.add(name, ["info", name], folder=folder).number})
         if command not in OPTIONS or not isinstance(options, list):
             raise HTTPException(400)
@@ -288,7 +294,7 @@ class Server:
             return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *chosen]).number})
         scans = [asked.get(side) for side in ("upper", "lower")]
         files = [self._scan(scan) for scan in scans]
-        is_small = all(0 < self.points.get(str(scan), 0) <= MOST_POINTS for scan in scans)
+        is_small = all(0 < self.points.get(str(scan), 0) <= MAX_PREVIEW_POINTS for scan in scans)
         first = ([str(file) for file in files], options) if is_small else None
         title = " on ".join(file.name for file in files)
         return JSONResponse({"job": self.jobs.add(title, ["pair", *map(str, files), *chosen], first=first).number})
@@ -297,37 +303,37 @@ class Server:
         return self.jobs.all.get(request.path_params["job"]) or _missing()
 
     async def stop(self, request: Request) -> Response:
-        """End a job; what is finished of it is kept."""
+        """Stop a job and keep its finished part."""
         self._job(request).stop()
         return JSONResponse({})
 
     async def at(self, request: Request) -> Response:
-        """The answer of a result for another mu0 and tau0."""
+        """Return the values of a result for other mu0 and tau0."""
         job, query = self._job(request), request.query_params
         numbers = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
         said = await self.jobs.at(job, numbers, float(query["d"]) if "d" in query else None)
         return Response(said, media_type="application/json")
 
     async def share(self, request: Request) -> Response:
-        """A page, JSON, CSV or the study of a job."""
+        """Return the report, JSON, CSV or study file of a job."""
         folder, what = self._job(request).files or _missing(), request.path_params["what"]
         if what not in [each.name for each in folder.iterdir()]:
             _missing()
         name = what if "save" in request.query_params else None
-        return FileResponse(folder / what, filename=name, headers={"content-security-policy": PAGE})
+        return FileResponse(folder / what, filename=name, headers={"content-security-policy": REPORT_POLICY})
 
-    # ---- Results that are there, and generated surfaces -------------------------------------------------------------
+    # ---- Existing results and generated surfaces -------------------------------------------------------------
 
     def _folders(self) -> dict[str, Path]:
         found = [each.parent for each in self.here.glob("*/study.toml") if (each.parent / "blocks").is_dir()]
-        return {os.fsencode(each.name).decode("utf-8", "replace"): each for each in sorted(found)[:MOST_LISTED]}
+        return {os.fsencode(each.name).decode("utf-8", "replace"): each for each in sorted(found)[:MAX_LISTED_RESULTS]}
 
     async def results(self, _: Request) -> Response:
-        """The results in the folder in which the server was begun, and how far each has come."""
+        """Return the results in the current directory with their progress."""
         return JSONResponse(await asyncio.to_thread(lambda: [_listed(*each) for each in self._folders().items()]))
 
     async def profiles(self, request: Request) -> Response:
-        """A picture of two generated profiles around where they first touch."""
+        """Return an image of two generated profiles around their first contact."""
         changes = dict(json.loads(request.query_params.get("set", "")))
         if not all(CHANGES.fullmatch(f"{key}=") for key in changes):
             raise HTTPException(400)
@@ -365,12 +371,13 @@ async def _refusal(_: Request, refused: Exception) -> Response:
 
 
 def _length(request: Request, most: int) -> int:
-    """The length of a body, which is refused if it is too long or does not say how long it is."""
+    """Return the length of a request body; raise HTTPException if it is too long or unknown."""
     length = request.headers.get("content-length", "")
     if "transfer-encoding" in request.headers or not length.isdecimal():
         raise HTTPException(411)
     if int(length) > most:
         raise HTTPException(
-            413, f"a scan may have {MOST_BYTES / 1e6:.0f} MB here, and all of them {MOST_IN_ALL / 1e6:.0f}"
+            413,
+            f"the limit is {MAX_SCAN_BYTES / 1e6:.0f} MB for a scan and {MAX_TOTAL_BYTES / 1e6:.0f} MB for all scans",
         )
     return int(length)

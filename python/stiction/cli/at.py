@@ -131,9 +131,9 @@ def at(
         values = _select_direction(values, direction)
     summary = result.summary_of(values)
     if as_json:
-        print_output(rows.record_text("at", summary))
+        print_output(rows.summary_json("at", summary))
     else:
-        if defaults := text.own_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
+        if defaults := text.default_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
             print_output(defaults)
         print_output(text.result_text(summary, verbose=verbose))
 

@@ -79,7 +79,7 @@ def calibrate(
     from stiction.studies.interfaces import Ball, FrictionTest, write_interface
     from stiction.studies.tests_file import friction_tests
     from stiction.views.calibration import calibration_figure, calibration_record, calibration_text
-    from stiction.views.style import save_picture
+    from stiction.views.style import save_figure
 
     bodies: dict[str, Any] = {folder.resolve().name: open_with_warning(folder) for folder in pair or ()}
     if len(bodies) < len(pair or ()):
@@ -118,7 +118,7 @@ def calibrate(
         print_written, figure = message_printer(as_json), Path(f"{output}.png")
         description = {"tests": "one" if forces is None else forces.name, "surfaces": ", ".join(bodies)}
         write_interface(interface, output, description)
-        save_picture(calibration_figure(interface), figure)
+        save_figure(calibration_figure(interface), figure)
         print_written(f"wrote {output}, for stiction pair --interface, and {figure}")
 
 
@@ -141,11 +141,11 @@ def interfaces(folder: InterfaceFolder = None, as_json: Json = False) -> None:
     from stiction.studies.interfaces import interfaces as builtin_interfaces
     from stiction.studies.interfaces import read_interfaces
     from stiction.views.calibration import interfaces_text
-    from stiction.views.rows import record
+    from stiction.views.rows import record_json
 
     values_by_name = builtin_interfaces() if folder is None else read_interfaces(folder)
     if not (values_by_name or as_json):
         print_output(f"{folder}: contains no interfaces; stiction calibrate with --output NAME writes one")
         return
     listed = [{**values, "name": name} for name, values in values_by_name.items()]
-    print_output(record("interfaces", [], interfaces=listed) if as_json else interfaces_text(listed))
+    print_output(record_json("interfaces", [], interfaces=listed) if as_json else interfaces_text(listed))

@@ -110,8 +110,8 @@ def characterise(
     from stiction.surfaces.cut_off import cut_off
     from stiction.views import characterisation as views
     from stiction.views.files import new_text
-    from stiction.views.rows import record
-    from stiction.views.style import save_picture
+    from stiction.views.rows import record_json
+    from stiction.views.style import save_figure
 
     reading = {name: str(text) for name, text in given_options(context).items() if name in READING}
     outputs = (
@@ -140,7 +140,7 @@ def characterise(
         )
     if dry_run:
         if as_json:
-            print_output(record("characterise", [], kind="files", files=[scan.record() for scan in readings]))
+            print_output(record_json("characterise", [], kind="files", files=[scan.record() for scan in readings]))
         return
     if together or repeated:
         (_join_scans if together else _compare_scans)(files, characterisations, outputs, as_json=as_json)
@@ -172,7 +172,7 @@ def characterise(
         else:
             from stiction.views.figures.roughness import characterisation_figure
 
-            save_picture(characterisation_figure(characterisations[0]), path)
+            save_figure(characterisation_figure(characterisations[0]), path)
         message_printer(as_json)(f"wrote {printable_path(path)}{remark}")
 
 
@@ -181,19 +181,21 @@ def _join_scans(files: list[Path], scans: list[Characterisation], outputs: list[
     from stiction.cli.result_output import message_printer
     from stiction.surfaces.joined_spectrum import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
-    from stiction.views.rows import record
+    from stiction.views.rows import record_json
     from stiction.views.scans import joined_figure, joined_record, joined_text
-    from stiction.views.style import save_picture
+    from stiction.views.style import save_figure
 
     names = [file.name for file in files]
     names = names if len(set(names)) == len(names) else list(map(str, files))
     joined = joined_spectrum([scan.body for scan in scans], tip_radii=[scan.tip_radius for scan in scans], names=names)
-    print_output(record("characterise", [], kind="joined", **joined_record(joined)) if as_json else joined_text(joined))
+    print_output(
+        record_json("characterise", [], kind="joined", **joined_record(joined)) if as_json else joined_text(joined)
+    )
     for path in outputs:
         if path.suffix.lower() == ".csv":
             write_spectrum(joined, path)
         else:
-            save_picture(joined_figure(joined), path)
+            save_figure(joined_figure(joined), path)
         message_printer(as_json)(f"wrote {printable_path(path)}, {len(files)} scans")
 
 
@@ -203,13 +205,13 @@ def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: li
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.repeated_scans import compare_repeated_scans
     from stiction.views.files import new_text
-    from stiction.views.rows import record
+    from stiction.views.rows import record_json
     from stiction.views.scans import octaves_csv, repeated_figure, repeated_record, repeated_text
-    from stiction.views.style import save_picture
+    from stiction.views.style import save_figure
 
     comparison = compare_repeated_scans(scans[0].body, scans[1].body)
     print_output(
-        record("characterise", [], kind="repeated", **repeated_record(comparison))
+        record_json("characterise", [], kind="repeated", **repeated_record(comparison))
         if as_json
         else repeated_text(comparison)
     )
@@ -222,7 +224,7 @@ def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: li
         elif path.suffix.lower() == ".csv":
             new_text(path, octaves_csv(comparison))
         else:
-            save_picture(repeated_figure(comparison), path)
+            save_figure(repeated_figure(comparison), path)
         message_printer(as_json)(f"wrote {printable_path(path)}, {' and '.join(file.name for file in files)}")
 
 

@@ -121,7 +121,7 @@ def pair(
     from stiction.cli.result_output import message_printer, print_result, print_values, write_pair_files
     from stiction.studies.members import about
     from stiction.views.files import VIEWS, check_files
-    from stiction.views.rows import record_text
+    from stiction.views.rows import summary_json
 
     part_number, print_written = parse_part(part), message_printer(as_json)
     check_output_directory(output)
@@ -170,7 +170,7 @@ def pair(
     if part_number is not None:
         return
     if as_json:
-        checks = [json.loads(record_text("pair", result.summary())) for result in results[1:]]
+        checks = [json.loads(summary_json("pair", result.summary())) for result in results[1:]]
         readings = [scan.reading for file in bodies.files for scan in file.scans]
         fields: dict[str, Any] = {"files": [reading.record() for reading in readings if reading is not None]}
         print_result(results[0], command="pair", as_json=True, fields=fields | ({"check": checks} if checks else {}))
@@ -184,9 +184,9 @@ def preview_line(study: Study) -> str:
     Raises `ValueError` if the surfaces do not touch.
     """
     from stiction.studies.runner import first_result
-    from stiction.views.text import first_text
+    from stiction.views.text import preview_text
 
-    return first_text(first_result(study).summary())
+    return preview_text(first_result(study).summary())
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:

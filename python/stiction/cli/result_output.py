@@ -54,20 +54,20 @@ def print_values(
         raise
     except ValueError as error:  # the surfaces do not touch
         if as_json:
-            print_output(rows.record(command, [], **(fields or {}), remark=str(error)))
+            print_output(rows.record_json(command, [], **(fields or {}), remark=str(error)))
         else:
             print_output(f"μ_s  none: {error}")
         return lambda: None
     if not as_json:
         max_lines = MAX_CAVEAT_LINES if command == "pair" else None
-        answer = text.answer_text(summary, verbose=verbose, most=max_lines) if study.is_measured else ""
+        answer = text.values_text(summary, verbose=verbose, max_lines=max_lines) if study.is_measured else ""
         print_output(answer or text.overview_text(summary, MAX_CAVEAT_LINES))
 
     def print_remainder() -> None:
         complete_summary = result.summary()  # with the studies that were computed in the meantime
         if as_json:
-            print_output(rows.record_text(command, complete_summary, **(fields or {})))
-        elif study.is_measured and (remainder := text.beside_text(complete_summary, verbose=verbose)):
+            print_output(rows.summary_json(command, complete_summary, **(fields or {})))
+        elif study.is_measured and (remainder := text.resolution_and_onset_text(complete_summary, verbose=verbose)):
             print_output(remainder)
 
     return print_remainder
@@ -75,7 +75,7 @@ def print_values(
 
 def write_pair_files(result: Result, *, print_written: Callable[[str], None]) -> None:
     """Write the report, the table and a figure of a measured pair into its directory, and print their names."""
-    from stiction.views.figures import drawn
+    from stiction.views.figures import draw_figures
     from stiction.views.files import TABLE, VIEWS, replace_text, result_csv
     from stiction.views.report import save_report
 
@@ -83,7 +83,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     assert folder is not None, "the result of the command is stored"
     replace_text(folder / TABLE, result_csv(result), VIEWS[TABLE])
     show_status("drawing")
-    drawings = drawn(result, folder, first=True)
+    drawings = draw_figures(result, folder, first=True)
     report = folder / "report.html"
     save_report(result, report, name=folder.resolve().name)
     print_written(f"wrote {report} (open it), {' and '.join([TABLE, *(drawing.name for drawing in drawings)])}")
@@ -91,10 +91,10 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
 
 def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
     """Draw the figures of a result into a directory and print their names."""
-    from stiction.views.figures import drawn
+    from stiction.views.figures import draw_figures
 
     show_status("drawing")
-    for path in drawn(result, directory, formats=formats):
+    for path in draw_figures(result, directory, formats=formats):
         print_output(f"wrote {path}")
 
 

@@ -22,7 +22,7 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
     from stiction.studies.result import Result
     from stiction.studies.store import open_stored
     from stiction.studies.study import Study, differences
-    from stiction.views.text import fitted
+    from stiction.views.text import wrap_text
 
     stored = open_stored(directory)
     study, finished = stored.study, stored.count
@@ -37,7 +37,7 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
         changes = [f"{key} = {value}" for key, _, value in differences(Study(), study)]
         lines = ["default values except", *changes] if changes else ["default values"]
         for index, line in enumerate(lines):
-            print_output(fitted(f"{'' if index else 'study':<13}{line}", hang=" " * 15))
+            print_output(wrap_text(f"{'' if index else 'study':<13}{line}", hang=" " * 15))
     elif verbose:
         print_output(study.to_toml())
     print_output(f"repetitions  {finished} of {study.ensemble.repetitions} finished")
@@ -54,9 +54,9 @@ def plot(
     formats: Annotated[str, option("--format FORMATS", 'Formats of the figures, from "png,pdf,svg".')] = "png",
 ) -> None:
     """Draw the figures of a result again. The result may be unfinished."""
-    from stiction.views.style import checked_formats
+    from stiction.views.style import parse_formats
 
-    chosen_formats = checked_formats(split_values(formats))
+    chosen_formats = parse_formats(split_values(formats))
     result = open_with_warning(directory)
     target = directory if output is None else output
     try:

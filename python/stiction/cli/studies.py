@@ -79,12 +79,12 @@ def studies(
     if name is not None:
         print_output(Study.named(name).to_toml())
         return
-    from stiction.views.text import fitted
+    from stiction.views.text import wrap_text
 
     names = study_names()
     width = max(map(len, names)) + 2
     for name in names:
-        print_output(fitted(f"{name:<{width}}{study_summary(name)}", hang=" " * width))
+        print_output(wrap_text(f"{name:<{width}}{study_summary(name)}", hang=" " * width))
 
 
 def _load_study(text: str) -> tuple[Study, Path]:

@@ -408,9 +408,9 @@ class Result:
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the table of the CSV file: a row for each load, mu0, tau0, rule and motion, with its caveats."""
-        from stiction.views.rows import table_of
+        from stiction.views.rows import summary_table
 
-        return table_of(self.summary())
+        return summary_table(self.summary())
 
     def figures(self) -> list[str]:
         """Return the names that `figure` accepts."""

@@ -1,4 +1,4 @@
-"""Results as files for other programs, by the ending of their names."""
+"""Output of results to files, in a format chosen by the file name."""
 
 from __future__ import annotations
 
@@ -10,35 +10,35 @@ from stiction._text import printable_path
 from stiction.studies.result import Result
 from stiction.views.latex import latex_table
 from stiction.views.report.page import MARK
-from stiction.views.spreadsheet import csv_of_frame
+from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.style import MARKS
 
 TABLE = "result.csv"
 VIEWS = {TABLE: b"coefficient of static friction: lower", "report.html": MARK.encode(), "friction.png": MARKS[".png"]}
-"""Files that a pair writes into its folder when it has been computed, and the mark by which each is recognised."""
+"""Files that `pair` writes into its directory, with the marks by which they are recognised."""
 
 
 def check_files(folder: Path, marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if a file in a folder, to be replaced later, exists without its mark."""
+    """Raise `ValueError` if a file that will be replaced exists without its mark."""
     for name, mark in marks.items():
         check_replaceable(folder / name, mark, ValueError)
 
 
 def replace_text(path: Path, text: str, mark: bytes) -> None:
-    """Write a text in place of an older file with the mark; a `ValueError` if another file has the name."""
+    """Write a text file that may replace an older file with the mark; raise `ValueError` for any other file."""
     with replaced_file(path, mark, ValueError) as partial:
         partial.write_text(text, encoding="utf-8")
 
 
 def new_text(path: Path, text: str) -> None:
-    """Write a text to a new file; a `ValueError` if the file exists or cannot be written."""
+    """Write a new text file; raise `ValueError` if the file exists or cannot be written."""
     with new_file(path, ValueError) as partial:
         partial.write_text(text, encoding="utf-8")
 
 
 def result_csv(result: Result) -> str:
     """Return the values of a result at the loads of its study as CSV."""
-    return csv_of_frame(result.to_dataframe())
+    return frame_to_csv(result.to_dataframe())
 
 
 WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
@@ -46,15 +46,15 @@ WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
     ".csv": ("a table", lambda result, path: new_text(path, result_csv(result))),
     ".tex": ("a LaTeX table", lambda result, path: new_text(path, latex_table(result.summary()))),
 }
-"""What writes a result to a file that does not exist yet, and what the file then holds, by the ending of its name."""
+"""Description and writer of each output format by file ending."""
 
 
 def write_result(result: Result, path: Path) -> None:
-    """Write a result to a new file, in the format that its name says.
+    """Write a result to a new file in the format of its file ending.
 
     Raises a `ValueError` if the file exists, cannot be written, or its name has no ending of `WRITERS`.
     """
     if path.suffix.lower() not in WRITERS:
-        endings = " or ".join(f"{ending} ({what})" for ending, (what, _) in WRITERS.items())
+        endings = " or ".join(f"{ending} ({description})" for ending, (description, _) in WRITERS.items())
         raise ValueError(f"{printable_path(path)}: its name must end in {endings}")
     WRITERS[path.suffix.lower()][1](result, path)

@@ -1,4 +1,4 @@
-"""A table for a contact law of another code: as text for the terminal, and as CSV."""
+"""Format tables of friction, area and stiffness for another simulation code: terminal text and CSV."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ import xarray
 from stiction._number_format import with_interval, with_unit
 from stiction.mechanics.quantities import column_of
 from stiction.studies.friction_table import STRAIGHT
-from stiction.views.spreadsheet import csv_of_frame
-from stiction.views.text import aligned, fitted
+from stiction.views.spreadsheet import frame_to_csv
+from stiction.views.text import format_table, wrap_text
 
 _TITLES = {
     "friction_coefficient": ("mu_s", 1.0), "contact_area_fraction": ("A/A0 (%)", 100.0),
     "normal_stiffness": ("stiffness over area (GPa/um)", 1.0), "approach": ("approach (um)", 1.0),
     "stiffness_factor": ("b of k/A0 = b p^c (GPa/um at 1 GPa)", 1.0),
 }  # fmt: skip
-"""Columns that a table calls otherwise than `column_of`, and the factor to their units."""
+"""Columns whose names differ from `column_of`, with the factor to their units."""
 
-_OF_LOADS = tuple(_TITLES)[:4]
-_FACTORS = ("area_factor", "stiffness_factor", "stiffness_exponent")
-_PLACES = ("sliding", "hurst_exponent", "rms", "pressure", "mu0", "tau0")
-_OF_LAWS = (*_FACTORS, "area_deviation", "stiffness_deviation")
+_LOAD_QUANTITIES = tuple(_TITLES)[:4]
+_LAW_PARAMETERS = ("area_factor", "stiffness_factor", "stiffness_exponent")
+_COORDINATES = ("sliding", "hurst_exponent", "rms", "pressure", "mu0", "tau0")
+_LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
 
 def friction_table_csv(table: xarray.Dataset) -> str:
-    """What `friction_table` returns: a row for each rule, H, Sq, pressure, mu0 and tau0; units in the header."""
-    return _csv(table[list(_OF_LOADS)], _PLACES)
+    """Return a `friction_table` as CSV with a row for each rule, H, Sq, pressure, mu0 and tau0; units in the header."""
+    return _csv(table[list(_LOAD_QUANTITIES)], _COORDINATES)
 
 
 def laws_csv(table: xarray.Dataset) -> str:
-    """The fitted laws A/A0 = a p and k/A0 = b p^c of a `friction_table`, with p in GPa: a row for each H and Sq."""
-    return _csv(table[list(_OF_LAWS)], _PLACES[1:3])
+    """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV with a row for each H and Sq."""
+    return _csv(table[list(_LAW_QUANTITIES)], _COORDINATES[1:3])
 
 
 def _csv(part: xarray.Dataset, places: tuple[str, ...]) -> str:
@@ -50,36 +50,36 @@ def _csv(part: xarray.Dataset, places: tuple[str, ...]) -> str:
         if (factor := column_of(name)[1]) != 1:
             frame[name] *= factor
     frame = frame.rename(columns={name: column_of(name)[0] for name in places})
-    return csv_of_frame(frame)
+    return frame_to_csv(frame)
 
 
 def friction_table_text(table: xarray.Dataset) -> str:
-    """The fitted laws of each roughness of a `friction_table`, and between which values its coefficients are."""
+    """Format the fitted laws of each roughness, and the range of the coefficients of friction."""
     ends = " to ".join(with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     laws = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"
-    lines = [fitted(f"Pressures of {ends}; {laws}"), ""]
+    lines = [wrap_text(f"Pressures of {ends}; {laws}"), ""]
     rows = [["H, Sq", "a (1/GPa)", "b (GPa/µm)", "c", "μ_s all contacts", "μ_s opposing contacts", "largest deviation"]]
     for place in np.ndindex(table.sizes["hurst_exponent"], table.sizes["rms"]):
         at = table.isel(hurst_exponent=place[0], rms=place[1])
-        off = [float(at[f"{name}_deviation"]) for name in ("area", "stiffness")]
+        deviations = [float(at[f"{name}_deviation"]) for name in ("area", "stiffness")]
         coefficients = at["friction_coefficient"].sel(statistic="mean")
         rows.append(
             [
                 f"{float(at['hurst_exponent']):.3g}, {with_unit(float(at['rms']), 'um')}",
-                *(with_interval(*at[name].values.tolist()).replace(" no interval", "") for name in _FACTORS),
-                *(_span(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),
-                ", ".join("none" if np.isnan(each) else f"{100 * each:.0f} %" for each in off),
+                *(with_interval(*at[name].values.tolist()).replace(" no interval", "") for name in _LAW_PARAMETERS),
+                *(_range_text(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),
+                ", ".join("none" if np.isnan(deviation) else f"{100 * deviation:.0f} %" for deviation in deviations),
             ]
         )  # fmt: skip
-    lines.append(aligned(rows))
+    lines.append(format_table(rows))
     if max(float(table[f"{name}_deviation"].max()) for name in ("area", "stiffness")) > STRAIGHT:
-        lines += ["", fitted("Where a law is off by more than 10 %, take the numbers of the table instead.")]
+        lines += ["", wrap_text("Use the tabulated values instead of a law that deviates by more than 10 %.")]
     return "\n".join(lines) + "\n"
 
 
-def _span(coefficients: xarray.DataArray) -> str:
-    known = coefficients.values[np.isfinite(coefficients.values)]
-    if not known.size:
+def _range_text(coefficients: xarray.DataArray) -> str:
+    finite = coefficients.values[np.isfinite(coefficients.values)]
+    if not finite.size:
         return "none"
-    low, high = f"{known.min():.3g}", f"{known.max():.3g}"
+    low, high = f"{finite.min():.3g}", f"{finite.max():.3g}"
     return low if low == high else f"{low} to {high}"

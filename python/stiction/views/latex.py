@@ -1,4 +1,4 @@
-"""Results as a LaTeX table: a row for each point of a summary."""
+"""Format results as a LaTeX table: a row for each point of a summary."""
 
 from __future__ import annotations
 
@@ -8,44 +8,49 @@ from stiction._number_format import percent, quoted, significant
 from stiction.mechanics.quantities import column_of
 from stiction.studies.summary import PointSummary, Summary
 
-_RULES = {"all": r"$\mu_s$, all contacts", "opposing": r"$\mu_s$, opposing contacts"}
-_PLACES = {"hurst_exponent": "$H$", "fractal_dimension": "$D$", "mu0": r"$\mu_0$"}
-_ESCAPES = str.maketrans({each: f"\\{each}" for each in "&%$#_{}"} | {"∞": r"$\infty$"})
+_RULE_HEADINGS = {"all": r"$\mu_s$, all contacts", "opposing": r"$\mu_s$, opposing contacts"}
+_COORDINATE_HEADINGS = {"hurst_exponent": "$H$", "fractal_dimension": "$D$", "mu0": r"$\mu_0$"}
+_ESCAPES = str.maketrans({character: f"\\{character}" for character in "&%$#_{}"} | {"∞": r"$\infty$"})
 
 
 def latex_table(summary: Summary) -> str:
     r"""Return the headlines of a summary as a LaTeX ``tabular``: conditions, coefficients with intervals, assessment.
 
-    Conditions that all points share are a comment above the table. Intervals are the combined 95 % intervals, in the
-    digits of the terminal.
+    Conditions common to all points are comments above the table. Intervals are the combined 95 % intervals, with the
+    same digits as on the terminal.
     """
     points = summary.headlines
     names = [name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at]
     varying = [name for name in names if len({point.at[name] for point in points}) > 1]
     shared = [f"{_title(name)} = {_coordinate(name, points[0])}" for name in names if name not in varying]
-    area = "contact_area_fraction" in summary.at
+    has_area = "contact_area_fraction" in summary.at
     rules = [rule.rule for rule in points[0].rules]
-    head = [*map(_title, varying), *(_RULES[rule] for rule in rules), *([r"$A/A_0$"] if area else []), "assessment"]
-    rows = [[*(_coordinate(name, point) for name in varying), *_values(point, area)] for point in points]
+    head = [
+        *map(_title, varying),
+        *(_RULE_HEADINGS[rule] for rule in rules),
+        *([r"$A/A_0$"] if has_area else []),
+        "assessment",
+    ]
+    rows = [[*(_coordinate(name, point) for name in varying), *_values(point, has_area)] for point in points]
     lines = [f"% {text}" for text in shared]
     lines += [rf"\begin{{tabular}}{{{'l' * len(head)}}}", r"\hline", _row(head), r"\hline", *map(_row, rows)]
     return "\n".join([*lines, r"\hline", r"\end{tabular}"]) + "\n"
 
 
-def _values(point: PointSummary, area: bool) -> list[str]:
+def _values(point: PointSummary, has_area: bool) -> list[str]:
     """Return the coefficient of each rule, the area fraction and the assessment of a point."""
     cells = [quoted(rule.value, rule.lower, rule.upper) for rule in point.rules]
-    cells += [percent(point.quantity("contact_area_fraction")[0])] if area else []
+    cells += [percent(point.quantity("contact_area_fraction")[0])] if has_area else []
     return [cell.translate(_ESCAPES) for cell in (*cells, point.verdict)]
 
 
 def _title(name: str) -> str:
     """Return the heading of a coordinate with its unit."""
-    return _PLACES.get(name, column_of(name)[0].translate(_ESCAPES))
+    return _COORDINATE_HEADINGS.get(name, column_of(name)[0].translate(_ESCAPES))
 
 
 def _coordinate(name: str, point: PointSummary) -> str:
-    factor = 1.0 if name in _PLACES else column_of(name)[1]
+    factor = 1.0 if name in _COORDINATE_HEADINGS else column_of(name)[1]
     return significant(factor * point.at[name], 4)
 
 

@@ -1,4 +1,4 @@
-"""Materials as a table for the terminal, with numbered sources, and as JSON."""
+"""Format materials as a table with numbered sources, or as JSON."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from stiction.views.rows import record
-from stiction.views.text import aligned, fitted
+from stiction.views.rows import record_json
+from stiction.views.text import format_table, wrap_text
 
 if TYPE_CHECKING:
     from stiction.mechanics.materials import Material, MaterialValue
@@ -16,33 +16,33 @@ _PROPERTIES = {"young_modulus": "GPa", "poisson_ratio": "1", "hardness": "GPa"}
 
 
 def materials_text(chosen: Sequence[Material]) -> str:
-    """A table of ranges, those of a kind one after the other, and what the numbers in brackets are."""
+    """Format a table of ranges grouped by kind of material, followed by the numbered sources."""
     sources: dict[str, int] = {}
 
     def cell(value: MaterialValue | None) -> str:
         if value is None:
             return "does not yield"
-        shown = f"{value.low:g}" if value.low == value.high else f"{value.low:g}\N{EN DASH}{value.high:g}"
-        return f"{shown} [{sources.setdefault(value.source, len(sources) + 1)}]"
+        text = f"{value.low:g}" if value.low == value.high else f"{value.low:g}\N{EN DASH}{value.high:g}"
+        return f"{text} [{sources.setdefault(value.source, len(sources) + 1)}]"
 
     rows = []
-    for kind, group in itertools.groupby(chosen, key=lambda each: each.kind):
+    for kind, group in itertools.groupby(chosen, key=lambda item: item.kind):
         rows.append([f"{kind}", "E (GPa)", "ν", "hardness (GPa)"])
-        rows += [[each.name, *(cell(getattr(each, name)) for name in _PROPERTIES)] for each in group]
-    others = [f"{each.name}: {', '.join(each.aliases)}" for each in chosen if each.aliases]
-    parts = [aligned(rows), *([fitted(f"Also known as: {'; '.join(others)}.")] if others else [])]
-    parts.append("\n".join(fitted(f"[{number}] {source}", hang="    ") for source, number in sources.items()))
+        rows += [[item.name, *(cell(getattr(item, name)) for name in _PROPERTIES)] for item in group]
+    others = [f"{item.name}: {', '.join(item.aliases)}" for item in chosen if item.aliases]
+    parts = [format_table(rows), *([wrap_text(f"Also known as: {'; '.join(others)}.")] if others else [])]
+    parts.append("\n".join(wrap_text(f"[{number}] {source}", hang="    ") for source, number in sources.items()))
     return "\n\n".join(parts) + "\n"
 
 
 def materials_record(chosen: Sequence[Material]) -> str:
-    """The same as JSON."""
+    """Return materials as a JSON record."""
     entries: list[dict[str, Any]] = []
-    for each in chosen:
-        entries.append({"name": each.name, "kind": each.kind, "aliases": list(each.aliases)})
+    for item in chosen:
+        entries.append({"name": item.name, "kind": item.kind, "aliases": list(item.aliases)})
         for name, unit in _PROPERTIES.items():
-            value = getattr(each, name)
+            value = getattr(item, name)
             entries[-1][name] = value and {
                 "value": float(value), "low": value.low, "high": value.high, "unit": unit, "source": value.source
             }  # fmt: skip
-    return record("materials", [], materials=entries)
+    return record_json("materials", [], materials=entries)

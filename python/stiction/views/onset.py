@@ -1,4 +1,4 @@
-"""What a pair says of how it begins to slide: a sentence, a table and a record of the curve beside its result."""
+"""Format the onset of sliding: a sentence, a table and a JSON record."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 HALF = 0.5
-AMPLITUDES = (0.5, 0.9)  # amplitudes of cycles over the sliding load
+AMPLITUDES = (0.5, 0.9)  # tangential load amplitudes of cycles, relative to the sliding load
 
 
 def onset_text(onset: xarray.Dataset) -> str:
@@ -31,8 +31,8 @@ def onset_text(onset: xarray.Dataset) -> str:
     factor, unit = _stiffness_scale(onset["stiffness"])
     if math.isfinite((ends := _ends(onset["stiffness"], factor))[0]):
         parts.append(f"initial tangential stiffness {quoted(*ends)} {unit}")
-    words = "; ".join(parts)
-    return words[0].upper() + words[1:] + "."
+    text = "; ".join(parts)
+    return text[0].upper() + text[1:] + "."
 
 
 def _length_scale(table: xarray.DataArray) -> tuple[float, str]:
@@ -47,13 +47,14 @@ def _stiffness_scale(table: xarray.DataArray) -> tuple[float, str]:
     return (1e-3, "N/µm") if _ends(table)[0] >= LARGE_STIFFNESS else (1.0, "mN/µm")
 
 
-LARGE_STIFFNESS = 1e4  # in mN/µm, from which on it is printed in N/µm
+LARGE_STIFFNESS = 1e4  # mN/µm, above which a stiffness is printed in N/µm
 
 
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
-    """A table of means and intervals, headings first."""
-    a = onset.attrs
-    head = f"{with_unit(float(a['load_mN']), 'mN')}, μ0 = {float(a['mu0']):g}, τ0 = {_strength(float(a['tau0_GPa']))}"
+    """Return a table of means and intervals, headings first."""
+    attributes = onset.attrs
+    load, tau0 = with_unit(float(attributes["load_mN"]), "mN"), _strength(float(attributes["tau0_GPa"]))
+    head = f"{load}, μ0 = {float(attributes['mu0']):g}, τ0 = {tau0}"
     half = onset.sel(fraction=HALF)
     (length, length_unit), (rigid, rigid_unit), (normal, normal_unit) = (
         _length_scale(onset["displacement_at_sliding"]),
@@ -66,31 +67,34 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
         [f"tangential stiffness ({rigid_unit})", _cell(onset["stiffness"], rigid)],
         [f"normal stiffness, unloading or by ultrasound ({normal_unit})", _cell(onset["unloading_stiffness"], normal)],
         ["contact that slips at half of the sliding load (%)", _cell(half["slipped_area"], 100.0)],
-        ["load on it (%)", _cell(half["slipped_load"], 100.0)],
+        ["load on the slipping contact (%)", _cell(half["slipped_load"], 100.0)],
         *(
-            [f"energy of a cycle of {each:g} of it (pJ)", _cell(onset["energy_lost"].sel(fraction=each), 1000.0)]
-            for each in AMPLITUDES
+            [
+                f"energy dissipated in a cycle of {amplitude:g} times the sliding load (pJ)",
+                _cell(onset["energy_lost"].sel(fraction=amplitude), 1000.0),
+            ]
+            for amplitude in AMPLITUDES
         ),
     ]
     return [["onset of sliding", head], *(row for row in rows if row[1] != "none")]
 
 
 def onset_note(onset: xarray.Dataset) -> str:
-    """What the numbers are means of, and what they assume."""
-    a = onset.attrs
-    members = int(a["members"])
+    """Return a note on the averaged members and the assumptions."""
+    attributes = onset.attrs
+    members = int(attributes["members"])
     count = "one member" if members == 1 else f"{members} members"
-    words = f"The onset of sliding is for {count}, with friction at all contacts."
-    if not int(a.get("poisson_given", 1)) and np.isfinite(onset["stiffness"].values[0]):
-        words += f" Poisson's ratio is assumed to be {float(np.ravel(a['poisson_ratio'])[0]):g}."
-    return words
+    text = f"The onset of sliding is for {count}, with friction at all contacts."
+    if not int(attributes.get("poisson_given", 1)) and np.isfinite(onset["stiffness"].values[0]):
+        text += f" Poisson's ratio is assumed to be {float(np.ravel(attributes['poisson_ratio'])[0]):g}."
+    return text
 
 
 def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
-    """The curve, its numbers and the parameters of models fitted to it, as JSON has them: mN, µm, GPa."""
+    """Return the curve, its characteristic values and the fitted model parameters as a JSON record (mN, µm, GPa)."""
 
-    def records(of: xarray.Dataset, *names: str) -> dict[str, Any]:
-        return {name: dict(zip(STATISTICS, map(finite, _ends(of[name])), strict=True)) for name in names}
+    def records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
+        return {name: dict(zip(STATISTICS, map(finite, _ends(dataset[name])), strict=True)) for name in names}
 
     numbers = records(onset, "sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
     of_curve = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
@@ -98,21 +102,23 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
         {"fraction": float(fraction), **records(onset.sel(fraction=fraction), *of_curve)}
         for fraction in onset["fraction"].values
     ]
-    known = {str(name): value for name, value in onset.attrs.items()}
+    attributes = {str(name): value for name, value in onset.attrs.items()}
     models = {
-        model: {name.removeprefix(f"{model}_"): float(value) for name, value in known.items() if name.startswith(model)}
+        model: {
+            name.removeprefix(f"{model}_"): float(value) for name, value in attributes.items() if name.startswith(model)
+        }
         for model in ("iwan", "lugre")
     }
     return {
-        "sentence": onset_text(onset), "load": float(known["load_mN"]), "mu0": float(known["mu0"]),
-        "tau0": float(known["tau0_GPa"]), "members": int(known["members"]),
-        "poisson_ratio": np.ravel(known["poisson_ratio"]).astype(float).tolist(), **numbers,
+        "sentence": onset_text(onset), "load": float(attributes["load_mN"]), "mu0": float(attributes["mu0"]),
+        "tau0": float(attributes["tau0_GPa"]), "members": int(attributes["members"]),
+        "poisson_ratio": np.ravel(attributes["poisson_ratio"]).astype(float).tolist(), **numbers,
         **{model: parameters or None for model, parameters in models.items()}, "curve": curve,
     }  # fmt: skip
 
 
 def _ends(table: xarray.DataArray, factor: float = 1.0) -> tuple[float, float, float]:
-    mean, lower, upper = (factor * float(table.sel(statistic=each)) for each in STATISTICS)
+    mean, lower, upper = (factor * float(table.sel(statistic=statistic)) for statistic in STATISTICS)
     return mean, lower, upper
 
 
@@ -120,14 +126,14 @@ def _cell(table: xarray.DataArray, factor: float = 1.0) -> str:
     return with_interval(*_ends(table, factor))
 
 
-def words_of(name: str, study: Study) -> str:
-    """What tables call a quantity: creep, and what slips, with the strengths at which the study keeps them."""
-    onset, words = study.contact.onset, QUANTITIES[name].short
+def quantity_label(name: str, study: Study) -> str:
+    """Return the label of a quantity, with the strengths at which the study computed the onset of sliding."""
+    onset, text = study.contact.onset, QUANTITIES[name].short
     if name == "normal_stiffness" and study.contact.hardness is not None:
-        return f"{words} while loading"
+        return f"{text} while loading"
     if onset is None or name not in ("displacement_at_sliding", "fraction_slipped"):
-        return words
-    return f"{words} at μ0 = {onset.mu0:g}, τ0 = {_strength(float(onset.tau0))}"
+        return text
+    return f"{text} at μ0 = {onset.mu0:g}, τ0 = {_strength(float(onset.tau0))}"
 
 
 def _strength(tau0: float) -> str:

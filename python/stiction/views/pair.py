@@ -1,4 +1,4 @@
-"""`stiction.pair`: two bodies pressed together, with everything that is kept beside the result, as the command does."""
+"""`stiction.pair`: static friction of two measured bodies, equivalent to the command `stiction pair`."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def pair(
     executor: Executor | None = None,
     progress: bool = False,
 ) -> Result:
-    """Static friction of two measured profiles or surfaces at given loads, with intervals: the command as a function.
+    """Compute the static friction of two measured profiles or surfaces at given loads, with intervals.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def pair(
                 stacklevel=2,
             )
     folder = Path(tempfile.mkdtemp(prefix="stiction-") if directory is None else directory)
-    if directory is None:  # it is gone when Python ends
+    if directory is None:  # a temporary directory, removed when Python exits
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
     try:
         with argument_errors():
@@ -310,7 +310,7 @@ def pair(
                 tip=tip,
                 onset=onset,
             )
-        if isinstance(interface, Interface):  # kept beside the result, which names it
+        if isinstance(interface, Interface):  # stored alongside the result, which refers to it
             folder.mkdir(parents=True, exist_ok=True)
             write_interface(interface, folder / "interface.csv")
             options = options.model_copy(update={"interface": folder / "interface.csv"})

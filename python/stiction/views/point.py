@@ -1,4 +1,4 @@
-"""Words for a point of a result: sliding rules, materials, load and directions."""
+"""Text for the conditions of a point: sliding rules, materials, load and directions."""
 
 from __future__ import annotations
 
@@ -14,8 +14,11 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-RULES = {"all": "friction at all contacts", "opposing": "friction at opposing contacts only (the paper's rule)"}
-"""Sliding rules in words. For measured bodies the first is quoted first, because mu0 is measured on smooth faces."""
+RULE_DESCRIPTIONS = {
+    "all": "friction at all contacts",
+    "opposing": "friction at opposing contacts only (the paper's rule)",
+}
+"""Descriptions of the sliding rules, in the order in which results quote them."""
 
 
 def materials_text(study: Study) -> str:
@@ -40,22 +43,22 @@ def load_text(point: xarray.Dataset, study: Study) -> str:
     return f"{with_unit(load, 'mN')} ({with_unit(load / float(point['nominal_area']), 'GPa')})"
 
 
-def over_text(directions: Any) -> str:
+def averaged_directions_text(directions: Any) -> str:
     """Return the directions (degrees) of a mean in words."""
     degrees = np.sort(np.asarray(directions, dtype=float) % 360)
     if degrees.size == 1:
-        return f"the upper body moves {way_text(float(degrees[0]))}"
+        return f"the upper body moves {motion_text(float(degrees[0]))}"
     gaps = np.diff(np.append(degrees, degrees[0] + 360))
     if np.allclose(gaps, 360 / degrees.size):
         if degrees.size == 2:
             axis = {0.0: "x", 90.0: "y"}.get(float(degrees[0]), f"{degrees[0]:g}°")
             return f"the mean over both senses of {axis}"
         return f"the mean over {degrees.size} directions all round"
-    named = [f"{each:g}°" for each in degrees]
+    named = [f"{angle:g}°" for angle in degrees]
     return f"the mean over {', '.join(named[:-1])} and {named[-1]}"
 
 
-def way_text(direction: float) -> str:
+def motion_text(direction: float) -> str:
     """Return a direction in words: "to +x", "at 30°"."""
     axes = {0.0: "+x", 90.0: "+y", 180.0: "\N{MINUS SIGN}x", 270.0: "\N{MINUS SIGN}y"}
     return f"to {axes[direction]}" if direction in axes else f"at {direction:g}°"

@@ -1,4 +1,4 @@
-"""What a pair says of the finest wave that was seen: cut-offs, the limit that a hardness sets, and what lies beyond."""
+"""Effect of the scan resolution on a pair: cutoff study, plastic limit, and extrapolation to finer wavelengths."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 # ---- Waves -----------------------------------------------------------------------------------------------------------
 
 
-def waves_text(found: Seen) -> str:
-    """Which waves were seen, and how much of the slope is in the shortest octave of them."""
-    part = percent(found.fraction_below(2 * found.shortest))
+def wavelengths_text(scan: Seen) -> str:
+    """Return the range of resolved wavelengths and the contribution of the shortest octave to the slope."""
+    part = percent(scan.fraction_below(2 * scan.shortest))
     return (
-        f"Wavelengths from {with_unit(found.shortest, 'um')} to {with_unit(found.longest, 'um')}; those below "
-        f"{with_unit(2 * found.shortest, 'um')} contribute {part} of the gap's mean square slope h'\N{SUPERSCRIPT TWO}."
+        f"Wavelengths from {with_unit(scan.shortest, 'um')} to {with_unit(scan.longest, 'um')}; those below "
+        f"{with_unit(2 * scan.shortest, 'um')} contribute {part} of the gap's mean square slope h'\N{SUPERSCRIPT TWO}."
     )
 
 
@@ -50,9 +50,9 @@ def waves_text(found: Seen) -> str:
 
 
 def cut_off_rows(at: xarray.Dataset, study: Study) -> Rows:
-    """A table over cut-offs of what `resolution_at` gives at one load, mu0 and tau0, headings first.
+    """Return a table over cutoffs, headings first, for one load, mu0 and tau0 of `resolution_at`.
 
-    The plastic limit is its last row.
+    The last row is the plastic limit if there is a hardness.
     """
     rules = rules_of(study)
     rows = [["cutoff", "h'", "A/A0", "mean pressure", *(f"μ_s {RULE_TITLES[rule]}" for rule in rules)]]
@@ -79,40 +79,41 @@ def _coefficient(value: float) -> str:
 
 
 def plastic_limit(point: xarray.Dataset, study: Study) -> float | None:
-    """Return mu0 + tau0/H', below which no finer scan comes with friction at all contacts; None without a hardness."""
+    """Return mu0 + tau0/H', the lower bound for finer scans with friction at all contacts; None without a hardness."""
     adhesion = plastic_adhesion(point, study)
     return None if adhesion is None else float(point["mu0"]) + adhesion
 
 
 def cut_off_records(at: xarray.Dataset, study: Study) -> list[dict[str, Any]]:
-    """The same table as numbers: µm, GPa."""
+    """Return the table over cutoffs as records, in µm and GPa."""
     records = []
     for point in points(at):
         numbers = {name: value_of(point, name) for name in ("rms_gradient", "contact_area_fraction")}
         numbers["mean_pressure"] = pressure_of(point)
         for rule in rules_of(study):
             numbers[f"friction_{rule}"] = value_of(point.sel(sliding=rule), "friction_all_round")
-        where: dict[str, Any] = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
-        records.append(where | {name: finite(value) for name, value in numbers.items()})
+        coordinates: dict[str, Any] = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
+        records.append(coordinates | {name: finite(value) for name, value in numbers.items()})
     return records
 
 
 def cut_off_note(at: xarray.Dataset, study: Study) -> str:
-    """What the table is of, and what it says."""
+    """Return a note on the table over cutoffs."""
     members = value_of(at, "members")
-    words = f"Both surfaces are low-pass filtered at the cutoff; means over {members:.0f} members."
+    text = f"Both surfaces are low-pass filtered at the cutoff; means over {members:.0f} members."
     if plastic_limit(at, study) is not None:
-        words += " No finer scan passes the plastic limit. With friction at opposing contacts there is no such limit."
-    return words
+        text += " No finer scan passes the plastic limit. With friction at opposing contacts there is no such limit."
+    return text
 
 
 # ---- Without a hardness ----------------------------------------------------------------------------------------------
 
 
-def yielding(point: xarray.Dataset, study: Study, found: Seen) -> list[tuple[float, float, float, float, float]]:
-    """For typical hardnesses (GPa): waves (µm) at which the mean pressure is so much, the interval, and mu0 + tau0/H.
+def yield_estimates(point: xarray.Dataset, study: Study, scan: Seen) -> list[tuple[float, float, float, float, float]]:
+    """Estimate where typical hardnesses would be reached: hardness, wavelength with interval, and mu0 + tau0/H.
 
-    The elastic mean pressure is E* h'(λ)/κ, with κ as in this result; NaN where no wave has such a slope.
+    The wavelength (µm) is where the elastic mean pressure E* h'(λ)/κ, with κ of this result, equals the hardness (GPa).
+    It is NaN if the slope never becomes large enough.
     """
     modulus, pressure = modulus_of(point, study), pressure_of(point)
     if not pressure > 0:
@@ -120,22 +121,22 @@ def yielding(point: xarray.Dataset, study: Study, found: Seen) -> list[tuple[flo
     count = value_of(point, "contact_count")
     mu0, tau0 = float(point["mu0"]), float(point["tau0"])
     return [
-        (hardness, *found.yields_at(hardness / pressure, count), mu0 + tau0 / hardness)
+        (hardness, *scan.yields_at(hardness / pressure, count), mu0 + tau0 / hardness)
         for hardness in TYPICAL_HARDNESSES
         if hardness < modulus / 2
     ]
 
 
-def yielding_rows(point: xarray.Dataset, study: Study, found: Seen) -> Rows:
-    """A table of what typical hardnesses would give, headings first; empty where nothing is known."""
+def yield_rows(point: xarray.Dataset, study: Study, scan: Seen) -> Rows:
+    """Return a table of `yield_estimates`, headings first; empty if there are none."""
     rows = []
-    for hardness, wave, low, high, limit in yielding(point, study, found):
+    for hardness, wave, low, high, limit in yield_estimates(point, study, scan):
         if math.isnan(wave):
             reached = "never, for these slopes"
-        elif wave > found.shortest:
+        elif wave > scan.shortest:
             reached = "this scan already"
         else:
-            ends = ", ".join(with_unit(end, "um") for end in (low, min(high, found.shortest)))
+            ends = ", ".join(with_unit(end, "um") for end in (low, min(high, scan.shortest)))
             reached = f"{with_unit(wave, 'um')} [{ends}]"
         rows.append([with_unit(hardness, "GPa"), reached, f"{limit:.3f}"])
     return [["if the hardness is", "it yields at a wavelength of", "μ_s all contacts, at least"], *rows] if rows else []
@@ -147,15 +148,15 @@ ELASTIC = (
 )
 
 
-def yielding_records(point: xarray.Dataset, study: Study, found: Seen) -> list[dict[str, Any]]:
-    """The same as numbers: GPa, µm."""
+def yield_records(point: xarray.Dataset, study: Study, scan: Seen) -> list[dict[str, Any]]:
+    """Return `yield_estimates` as records, in GPa and µm."""
     return [
         {
             "load": float(point["load"]), "mu0": float(point["mu0"]), "tau0": float(point["tau0"]),
             "hardness": hardness, "reached_at_um": finite(wave), "lower": finite(low), "upper": finite(high),
             "friction_all_at_least": limit,
         }
-        for hardness, wave, low, high, limit in yielding(point, study, found)
+        for hardness, wave, low, high, limit in yield_estimates(point, study, scan)
     ]  # fmt: skip
 
 
@@ -163,56 +164,58 @@ def yielding_records(point: xarray.Dataset, study: Study, found: Seen) -> list[d
 
 
 def resolution_record(at: xarray.Dataset, study: Study, over: xarray.Dataset | None) -> dict[str, Any] | None:
-    """What JSON says of the resolution: waves, cut-offs and, without a hardness, where it would yield."""
-    found = seen(study)
-    if found is None and over is None:
+    """Return the JSON record of the resolution: wavelengths, cutoffs and, without a hardness, yield estimates."""
+    scan = seen(study)
+    if scan is None and over is None:
         return None
     record: dict[str, Any] = {}
-    if found is not None:
+    if scan is not None:
         record["waves"] = {
-            "shortest_um": found.shortest, "longest_um": found.longest, "rms_gradient": finite(found.gradient),
-            "fraction_of_mean_square_slope_in_shortest_octave": finite(found.fraction_below(2 * found.shortest)),
-            "hurst_exponent": None if found.estimate is None else finite(found.estimate.value),
+            "shortest_um": scan.shortest, "longest_um": scan.longest, "rms_gradient": finite(scan.gradient),
+            "fraction_of_mean_square_slope_in_shortest_octave": finite(scan.fraction_below(2 * scan.shortest)),
+            "hurst_exponent": None if scan.estimate is None else finite(scan.estimate.value),
         }  # fmt: skip
         if study.by_half_space and study.contact.hardness is None:
-            scan = at.isel(cut_off=[0]) if "cut_off" in at.dims else at
-            record["yielding"] = [each for point in points(scan) for each in yielding_records(point, study, found)]
+            unfiltered = at.isel(cut_off=[0]) if "cut_off" in at.dims else at
+            record["yielding"] = [
+                estimate for point in points(unfiltered) for estimate in yield_records(point, study, scan)
+            ]
     if over is not None:
         record["cut_offs"] = cut_off_records(over, study)
     return record
 
 
-def limits(at: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """What a picture over cut-offs draws besides: the limit of a hardness, and what is continued, as plain arrays.
+def resolution_limits(at: xarray.Dataset, study: Study) -> dict[str, Any]:
+    """Return the limits that a figure over cutoffs shows, as plain arrays.
 
-    Of what `resolution_at` gives at one load, mu0 and tau0: friction and area_fraction, the plastic limit (None without
-    a hardness); shortest (µm), below which nothing was seen (None where the files are gone); wavelength (µm),
-    finer_area_fraction and finer_friction ("all"), each (n, 3) value, lower, upper, of the elastic answer continued by
-    the Hurst exponent (empty with a hardness); spectral, what `spectral_resolution` says of spectra that several scans
-    have (None of single scans).
+    `at` is a result of `resolution_at` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``, the plastic
+    limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if the files are
+    missing); ``wavelength`` (µm), ``finer_area_fraction`` and ``finer_friction`` (rule "all"), arrays (n, 3) of value,
+    lower and upper end of the elastic result, extrapolated with the Hurst exponent (empty with a hardness);
+    ``spectral``, the result of `spectral_resolution` for joined spectra of several scans (None for single scans).
     """
-    limit, found = plastic_limit(at, study), seen(study)
+    limit, scan = plastic_limit(at, study), seen(study)
     table: dict[str, Any] = {
-        "friction": limit, "area_fraction": None, "shortest": None if found is None else found.shortest,
+        "friction": limit, "area_fraction": None, "shortest": None if scan is None else scan.shortest,
         "wavelength": np.empty(0), "finer_area_fraction": np.empty((0, 3)), "finer_friction": np.empty((0, 3)),
-        "spectral": _spectral(at, study),
+        "spectral": _spectral_estimate(at, study),
     }  # fmt: skip
     area, load = float(at["nominal_area"]), float(at["load"])
     if limit is not None:
         hardness = hardness_of(study)
         return table | {"area_fraction": load / hardness / area}
     fraction = value_of(at.isel(cut_off=0), "contact_area_fraction")
-    if found is None or not fraction > 0 or not study.by_half_space:
+    if scan is None or not fraction > 0 or not study.by_half_space:
         return table
-    waves, gradients, fractions = found.finer(fraction, value_of(at.isel(cut_off=0), "contact_count"))
+    waves, gradients, fractions = scan.finer(fraction, value_of(at.isel(cut_off=0), "contact_count"))
     steepness = gradients[:, :1]
     friction = float(at["mu0"]) + float(at["tau0"]) * fractions / interface_stretch(steepness) * area / load
-    friction *= friction_stretch(steepness, found.roughness.dimensions)
+    friction *= friction_stretch(steepness, scan.roughness.dimensions)
     return table | {"wavelength": waves, "finer_area_fraction": fractions, "finer_friction": friction}
 
 
-def _spectral(at: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """The closed form of two spectra of which at least one is of several scans."""
+def _spectral_estimate(at: xarray.Dataset, study: Study) -> xarray.Dataset | None:
+    """Return the closed-form estimate for two spectra, at least one of which joins several scans."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]

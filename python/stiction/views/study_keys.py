@@ -1,4 +1,4 @@
-"""Keys of study files as tables, made from the models that read them: for the documentation and the terminal."""
+"""Tables of the keys of study files for the documentation and the terminal, generated from the models."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from stiction.studies.generated_surfaces import SelfAffineSurfaces
 from stiction.studies.input_uncertainty import UncertainInputsTable
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.study import FRICTIONS, SHARED_FRICTION, SURFACES, Ensemble, Figures
-from stiction.views.text import fitted
+from stiction.views.text import wrap_text
 
-Row = tuple[str, str, str, str]  # key, default, what is allowed, meaning
+Row = tuple[str, str, str, str]  # key, default, allowed values, meaning
 
-_QUANTITIES: tuple[tuple[Any, str], ...] = (
+_QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
     (values.Length, "a length above 0"),
     (values.LengthOrZero, "a length, at least 0"),
     (values.Modulus, "a pressure above 0"),
@@ -29,10 +29,10 @@ _QUANTITIES: tuple[tuple[Any, str], ...] = (
     (values.Time, "a time above 0"),
     (values.WorkOfAdhesion, "an energy of an area, at least 0"),
 )
-"""What the validators of a study ask of quantities, in words."""
+"""Allowed values of the quantity types of a study."""
 
 _DEGREES = f"degrees from {-values.MOST_DEGREES} to {values.MOST_DEGREES}"
-_ALLOWED = {
+_ALLOWED_VALUES = {
     "law": " or ".join(
         [*(f'`"{name}"`' for name in LAWS_BY_NAME), *(f'a table of name `"{name}"`' for name in LAW_TABLES)]
     ),
@@ -46,109 +46,115 @@ _ALLOWED = {
     "upper": "a table, see below",
     "lower": "a table, see below",
 }
-"""What keys may be whose values are read by functions of their own."""
+"""Allowed values of keys with their own parsers."""
 
 _UNCERTAIN = 'a value with its uncertainty or a range, as text: `"0.2±0.02"`, `"20..80 MPa"`'
-_KNOWN = {
+_UNCERTAIN_TYPES = {
     UncertainInputsTable.model_fields["mu0"].annotation: _UNCERTAIN,
     UncertainInputsTable.model_fields["young"].annotation: f"a list of one or two such values: {_UNCERTAIN}",
 }
-"""What texts of the table `[known]` may be, by their types."""
+"""Allowed values in the table `[known]`, by type."""
 
-_PRESSED = "How each pair is pressed together; measured areas by the half-space unless `mechanics` says otherwise."
-_FRICTION = "What is asked for of measured surfaces, and what figures of generated ones show."
+_CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
+_FRICTION_DESCRIPTION = "Loads and friction of measured surfaces, and those in the figures of generated surfaces."
 _CONTACTS = tuple(dict.fromkeys(case for cases in CONTACTS.values() for case in cases.values()))
 _TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values.Case], ...]], ...] = (
-    ("`[surfaces]`, generated", "Fractal profiles, or areas of two kinds.", SURFACES[:3], ()),
-    ("`[surfaces]`, measured", "Two measured files, and how pairs are made of them.", SURFACES[3:], ()),
+    ("`[surfaces]`, generated", "Fractal profiles, or two kinds of areal surfaces.", SURFACES[:3], ()),
+    ("`[surfaces]`, measured", "Two measured files and their combination into pairs.", SURFACES[3:], ()),
     ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,), ()),
-    ("`[contact]`", _PRESSED, _CONTACTS, SHARED),
-    ("`[friction]`", _FRICTION, FRICTIONS, SHARED_FRICTION),
+    ("`[contact]`", _CONTACT_DESCRIPTION, _CONTACTS, SHARED),
+    ("`[friction]`", _FRICTION_DESCRIPTION, FRICTIONS, SHARED_FRICTION),
     ("`[known]`", f"{UncertainInputsTable.__doc__}", (UncertainInputsTable,), ()),
     ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), ()),
     ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,), ()),
 )
-"""Tables of a study file, their cases, and classes of keys that several cases share."""
+"""Tables of a study file: title, description, cases, and classes of keys common to several cases."""
 
 
 def key_tables() -> list[tuple[str, str, list[Row]]]:
     """Return title, description and rows of each table of a study file."""
     tables = []
-    for title, words, cases, shared in _TABLES:
+    for title, phrases, cases, shared in _TABLES:
         owners: dict[Row, list[type[values.Table]]] = {}
         for case in cases:
             for key, entry in case.model_fields.items():
-                if entry.repr:  # others are of bodies in memory, which no file of a study has
+                if entry.repr:  # other keys describe bodies in memory and do not occur in files
                     default = PydanticUndefined if entry.is_required() else entry.default
-                    owners.setdefault(_entry(key, default, entry, cases), []).append(case)
+                    owners.setdefault(_key_row(key, default, entry, cases), []).append(case)
         keys, rows = list(dict.fromkeys(row[0] for row in owners)), []
-        for (key, default, allowed, meaning), own in sorted(owners.items(), key=lambda item: keys.index(item[0][0])):
-            of = "" if len(own) == len(cases) else f" Of {_listed(_places(own, cases, shared))}."
-            rows.append((key, default, allowed, meaning + of))
+        for (key, default, allowed, meaning), owning_cases in sorted(
+            owners.items(), key=lambda item: keys.index(item[0][0])
+        ):
+            text = (
+                ""
+                if len(owning_cases) == len(cases)
+                else f" Of {_join_with_and(_case_names(owning_cases, cases, shared))}."
+            )
+            rows.append((key, default, allowed, meaning + text))
         for case in cases:
             if issubclass(case, SelfAffineSurfaces):
                 others = case.other_keys.items()
-                rows += [(f"`{key}`", "none", allowed, f"{of} Of {case.place}.") for key, (allowed, of) in others]
-        tables.append((title, words, rows))
+                rows += [(f"`{key}`", "none", allowed, f"{text} Of {case.place}.") for key, (allowed, text) in others]
+        tables.append((title, phrases, rows))
     return tables
 
 
-def _places(
+def _case_names(
     owners: Sequence[type[values.Table]], cases: Sequence[type[values.Table]], shared: Sequence[type[values.Case]]
 ) -> list[str]:
-    """Return the names of some cases of a table: of classes that cover several of them, or of the cases themselves."""
-    members = {each: {case for case in cases if issubclass(case, each)} for each in shared}
-    rest, places = set(owners), []
-    for each in sorted(shared, key=lambda each: -len(members[each])):
-        if members[each] <= rest:
-            places.append(each.place)
-            rest -= members[each]
-    return places + [case.place for case in cases if case in rest and issubclass(case, values.Case)]
+    """Return the names of cases of a table; a class that covers several cases replaces them."""
+    members = {item: {case for case in cases if issubclass(case, item)} for item in shared}
+    remaining, places = set(owners), []
+    for item in sorted(shared, key=lambda item: -len(members[item])):
+        if members[item] <= remaining:
+            places.append(item.place)
+            remaining -= members[item]
+    return places + [case.place for case in cases if case in remaining and issubclass(case, values.Case)]
 
 
 def study_keys() -> str:
-    """Return every key of a study file as tables in Markdown."""
+    """Return all keys of study files as tables in Markdown."""
     lines = []
-    for title, words, rows in key_tables():
-        lines += [f"## {title}", "", words, "", "| key | default | allowed | meaning |", "|---|---|---|---|"]
+    for title, phrases, rows in key_tables():
+        lines += [f"## {title}", "", phrases, "", "| key | default | allowed | meaning |", "|---|---|---|---|"]
         lines += [*map(markdown_row, rows), ""]
     return "\n".join(lines)
 
 
 def study_keys_text() -> str:
-    """Return every key of a study file for a terminal: a paragraph each, under the title of its table."""
+    """Return all keys of study files for a terminal, one paragraph per key."""
     blocks = []
     for title, _, rows in key_tables():
         lines = [title.replace("`", "")]
         for row in rows:
             key, default, allowed, meaning = (cell.replace("`", "") for cell in row)
-            lines.append(fitted(f"{key} = {default}: {allowed}. {meaning}", indent="  ", hang="    "))
+            lines.append(wrap_text(f"{key} = {default}: {allowed}. {meaning}", indent="  ", hang="    "))
         blocks.append("\n".join(lines))
     return "\n\n".join(blocks) + "\n"
 
 
-def _entry(key: str, usual: Any, entry: Any, cases: tuple[Any, ...]) -> tuple[str, str, str, str]:
-    """Key, default, what is allowed, meaning; a key that says of which case a table is has a row for all of them."""
-    default = "required" if usual is PydanticUndefined else _toml(usual)
+def _key_row(key: str, default_value: Any, entry: Any, cases: tuple[Any, ...]) -> tuple[str, str, str, str]:
+    """Return key, default, allowed values and meaning. A key that selects the case of a table has one row."""
+    default = "required" if default_value is PydanticUndefined else _toml_default(default_value)
     if key not in ("generator", "press", "mechanics"):
-        return f"`{key}`", default, _allowed_of(key, entry), str(entry.description)
+        return f"`{key}`", default, _allowed_text(key, entry), str(entry.description)
     fields = [case.model_fields[key] for case in cases if key in case.model_fields]
     meanings = dict.fromkeys(f'`"{field.default}"`: {str(field.description).removesuffix(".")}' for field in fields)
     allowed = list(dict.fromkeys(f'`"{field.default}"`' for field in fields))
-    return f"`{key}`", _toml(fields[0].default), _joined(allowed), "; ".join(meanings) + "."
+    return f"`{key}`", _toml_default(fields[0].default), _join_with_or(allowed), "; ".join(meanings) + "."
 
 
-def _allowed_of(key: str, entry: Any) -> str:
-    if entry.annotation in _KNOWN:
-        return _KNOWN[entry.annotation]
+def _allowed_text(key: str, entry: Any) -> str:
+    if entry.annotation in _UNCERTAIN_TYPES:
+        return _UNCERTAIN_TYPES[entry.annotation]
     if key == "direction":
-        one = f'`"+x"`, `"-x"` or {_DEGREES}'
-        return f"{one}, or a list of these"
-    return _ALLOWED.get(key) or _joined(_allowed(entry.annotation, entry.metadata))
+        singular = f'`"+x"`, `"-x"` or {_DEGREES}'
+        return f"{singular}, or a list of these"
+    return _ALLOWED_VALUES.get(key) or _join_with_or(_allowed_phrases(entry.annotation, entry.metadata))
 
 
-def _listed(words: list[str]) -> str:
-    return ", ".join(words[:-1]) + " and " + words[-1] if len(words) > 1 else words[0]
+def _join_with_and(phrases: list[str]) -> str:
+    return ", ".join(phrases[:-1]) + " and " + phrases[-1] if len(phrases) > 1 else phrases[0]
 
 
 def markdown_row(cells: Sequence[str]) -> str:
@@ -156,12 +162,12 @@ def markdown_row(cells: Sequence[str]) -> str:
     return "| " + " | ".join(cell.replace("|", r"\|").replace("E*", r"E\*") for cell in cells) + " |"
 
 
-def _allowed(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
-    """What a value may be, one phrase for each way."""
-    for kind, words in _QUANTITIES:
-        if annotation is kind or any(each in metadata for each in kind.__metadata__[:1]):
-            return [words]
-    if annotation is Quantity:  # of files, whose lengths are read by functions of their own
+def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
+    """Return the allowed values of a type, one phrase for each alternative."""
+    for kind, phrases in _QUANTITY_RANGES:
+        if annotation is kind or any(item in metadata for item in kind.__metadata__[:1]):
+            return [phrases]
+    if annotation is Quantity:  # lengths of files, which have their own parser
         return ["a length"]
     if get_origin(annotation) is Literal:
         return [f'`"{value}"`' for value in get_args(annotation)]
@@ -171,43 +177,46 @@ def _allowed(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
             return [f"a range `{{ start, stop, count{spacing} }}`"]
         return [f"a table of {', '.join(f'`{name}`' for name in annotation.model_fields)}"]
     if get_origin(annotation) is tuple:
-        items = [each for each in get_args(annotation) if each is not Ellipsis]
-        of = _joined(list(dict.fromkeys(words for each in items for words in _allowed(each))))
-        for one, many in _PLURALS:
-            of = of.replace(one, many)
-        return [f"a list of {of}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {of}"]
+        items = [item for item in get_args(annotation) if item is not Ellipsis]
+        text = _join_with_or(list(dict.fromkeys(phrases for item in items for phrases in _allowed_phrases(item))))
+        for singular, plural in _PLURALS:
+            text = text.replace(singular, plural)
+        return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
     if hasattr(annotation, "__metadata__"):  # an alias of Annotated
-        return _allowed(annotation.__origin__, annotation.__metadata__)
+        return _allowed_phrases(annotation.__origin__, annotation.__metadata__)
     if get_origin(annotation) is not None:  # a union
-        ways = [_allowed(each) for each in get_args(annotation) if each is not type(None)]
-        return list(dict.fromkeys(words for way in ways for words in way))
-    ends = {name: getattr(each, name) for each in _flat(metadata) for name in _ENDS if hasattr(each, name)}
-    what = {bool: "`true` or `false`", int: "a whole number", float: "a number", str: "a name"}[annotation]
-    return [" ".join([what, *(f"{_ENDS[name]} {_number(end)}" for name, end in ends.items())])]
+        ways = [_allowed_phrases(item) for item in get_args(annotation) if item is not type(None)]
+        return list(dict.fromkeys(phrases for way in ways for phrases in way))
+    ends = {
+        name: getattr(item, name) for item in _flatten_constraints(metadata) for name in _BOUNDS if hasattr(item, name)
+    }
+    kind_name = {bool: "`true` or `false`", int: "a whole number", float: "a number", str: "a name"}[annotation]
+    return [" ".join([kind_name, *(f"{_BOUNDS[name]} {_format_bound(end)}" for name, end in ends.items())])]
 
 
 _PLURALS = tuple(
-    (f"a {one}", f"{one}s") for one in ("length", "pressure", "force", "time", "number", "whole number", "name")
+    (f"a {singular}", f"{singular}s")
+    for singular in ("length", "pressure", "force", "time", "number", "whole number", "name")
 )
-_ENDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
+_BOUNDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 
-def _flat(metadata: Sequence[Any]) -> list[Any]:
-    """Constraints, also those within a Field."""
-    return [part for each in metadata for part in (each, *getattr(each, "metadata", ()))]
+def _flatten_constraints(metadata: Sequence[Any]) -> list[Any]:
+    """Return all constraints, including constraints within a Field."""
+    return [part for item in metadata for part in (item, *getattr(item, "metadata", ()))]
 
 
-def _number(end: float) -> str:
+def _format_bound(end: float) -> str:
     power = round(math.log2(end)) if end > 1e9 else 0
     return f"2^{power}" if power and 2**power == end else f"{end:,}".replace(",", " ")
 
 
-def _joined(words: list[str]) -> str:
-    return ", ".join(words[:-1]) + " or " + words[-1] if len(words) > 1 else words[0]
+def _join_with_or(phrases: list[str]) -> str:
+    return ", ".join(phrases[:-1]) + " or " + phrases[-1] if len(phrases) > 1 else phrases[0]
 
 
-def _toml(value: Any) -> str:
-    """A default as a study file has it."""
+def _toml_default(value: Any) -> str:
+    """Return a default value as in a study file."""
     if value is None:
         return "none"
     return f"`{_toml_text(value)}`"

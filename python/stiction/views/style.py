@@ -1,4 +1,4 @@
-"""What all figures have in common: sizes, one colour for one meaning, one name for one quantity, and the file."""
+"""Common style of all figures: sizes, colours, labels and output files."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MILLIMETRE = 1 / 25.4
-WIDTH = 80 * MILLIMETRE  # one column of print; nothing on a figure is smaller than 6 pt at this width
-FULL_WIDTH = 170 * MILLIMETRE  # both columns
+WIDTH = 80 * MILLIMETRE  # width of one column; no text is smaller than 6 pt at this width
+FULL_WIDTH = 170 * MILLIMETRE  # width of two columns
 
 STYLE: dict[Any, Any] = {
     **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 7),
@@ -31,31 +31,31 @@ STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "figure.dpi": 300,
     "hatch.linewidth": 0.4,
-    "pdf.fonttype": 42,  # text stays text, which journals ask for
+    "pdf.fonttype": 42,  # embed fonts, as journals require
     "svg.fonttype": "path",
-    "svg.hashsalt": "stiction",  # equal figures are equal files
+    "svg.hashsalt": "stiction",  # equal figures give identical files
     "axes.unicode_minus": True,
 }
 
-# Colours of Okabe and Ito (2008) and of Tol (2021), which eyes of every kind tell apart.
-OPPOSING = "#d55e00"  # contacts that oppose the motion, and the rule of friction at these contacts only
-LEANING = "#0072b2"  # contacts that lean with the motion
+# Colours of Okabe and Ito (2008) and of Tol (2021), distinguishable with colour vision deficiencies.
+OPPOSING = "#d55e00"  # contacts whose slope opposes the motion, and the rule of friction at these contacts only
+LEANING = "#0072b2"  # contacts whose slope does not oppose the motion
 ALL = "#332288"  # the rule of friction at all contacts
-RULES = {"all": ALL, "opposing": OPPOSING}  # colour of each sliding rule, in the order in which they are named
+RULE_COLOURS = {"all": ALL, "opposing": OPPOSING}  # colours of the sliding rules, in the order of legends
 AREA = "#009e73"  # true contact area
 FORCE = "#000000"  # elastic forces
 FRICTION = "#cc79a7"  # friction forces
 UPPER = "#c6d9e7"  # the upper body
 LOWER = "#e3d5bb"  # the lower body
-STRENGTHS = ("#444444", "#aa4499")  # the lowest and the highest adhesive shear strength that are drawn
-AXES = {"x": "#0072b2", "y": "#d55e00"}  # of what is measured along an axis of a map
-LOCKED = "#7a0019"  # where contacts lock themselves
+STRENGTHS = ("#444444", "#aa4499")  # colours of the lowest and the highest adhesive shear strength
+AXES = {"x": "#0072b2", "y": "#d55e00"}  # colours of values along an axis of a map
+LOCKED = "#7a0019"  # self-locking contacts
 FRICTION_MAP = "plasma"
-"""Colour map of friction coefficients; viridis is of fractal dimensions, grey of heights, inferno of pressures."""
-SLIP_MAP = "YlOrRd"  # colours of the tangential load at which a point slips: light first, dark last
+"""Colour map of friction coefficients. Viridis shows fractal dimensions, grey heights and inferno pressures."""
+SLIP_MAP = "YlOrRd"  # colour map of the tangential load at which a point slips
 
-RULE_WORDS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}
-"""What a legend says of a sliding rule."""
+RULE_LABELS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}
+"""Legend labels of the sliding rules."""
 
 _LABELS = {
     "contact_area_fraction": "true contact area $A/A_0$ (%)",
@@ -73,18 +73,18 @@ _LABELS = {
     "height": "height $z$ (µm)",
     "height_nm": "height $z$ (nm)",
 }
-"""Labels of axes that are no quantities of results, or are drawn in another unit."""
+"""Axis labels of quantities that results do not contain, or that are drawn in another unit."""
 
 
 def new_figure(height: float, *, width: float = WIDTH, layout: Any = "constrained") -> Figure:
-    """An empty figure, its height in millimetres and its width in inches."""
+    """Return an empty figure with a height in millimetres and a width in inches."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height * MILLIMETRE), layout=layout)
 
 
 def label(name: str) -> str:
-    """What an axis says of a quantity: its words, its symbol and its unit."""
+    """Return the axis label of a quantity: name, symbol and unit."""
     if name in _LABELS:
         return _LABELS[name]
     quantity = QUANTITIES[name]
@@ -93,32 +93,32 @@ def label(name: str) -> str:
 
 
 def dimension_colours(dimensions: ArrayLike) -> Floats:
-    """Colours of curves of several fractal dimensions: viridis without its yellow, which is not to be seen on white."""
+    """Return colours for curves of several fractal dimensions: viridis without its yellow."""
     from matplotlib import colormaps
 
     return np.asarray(colormaps["viridis"](np.linspace(0, 0.8, np.size(dimensions))))
 
 
 def direction_text(degrees: float) -> str:
-    """Where the upper body moves to, in degrees from +x towards +y, as words."""
+    """Return the direction of motion of the upper body for a figure; degrees from +x towards +y."""
     axes = {0.0: "$+x$", 90.0: "$+y$", 180.0: "$-x$", 270.0: "$-y$"}
     return axes.get(float(degrees) % 360, f"{degrees:g}° from $+x$")
 
 
 def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float | None = None) -> str:
-    """The friction of the contacts, and the modulus, as the head of a figure says them; tau0 in GPa."""
+    """Return the friction parameters and the modulus for the heading of a figure; tau0 in GPa."""
     modulus = "" if effective_modulus is None else rf"$E^*$ = {effective_modulus:.4g} GPa, "
     return rf"{modulus}$\mu_0$ = {mu0:g}, $\tau_0$ = {1000 * tau0:.9g} MPa"
 
 
-def spread_out(places: ArrayLike, least: float) -> Floats:
-    """Places of labels in the order of what they label, moved until neighbours are so far apart."""
-    wanted = np.asarray(places, dtype=np.float64)
-    order = np.argsort(wanted)
-    moved = wanted[order].copy()
+def spread_labels(places: ArrayLike, min_distance: float) -> Floats:
+    """Return label positions in the given order, moved apart until neighbours have a minimum distance."""
+    targets = np.asarray(places, dtype=np.float64)
+    order = np.argsort(targets)
+    moved = targets[order].copy()
     for _ in range(200):
-        short = least - np.diff(moved)
-        if not (short > 1e-9 * least).any():
+        short = min_distance - np.diff(moved)
+        if not (short > 1e-9 * min_distance).any():
             break
         push = np.maximum(short, 0) / 2
         moved[:-1] -= push
@@ -128,41 +128,41 @@ def spread_out(places: ArrayLike, least: float) -> Floats:
     return result
 
 
-def evenly_spread(count: int, most: int) -> NDArray[np.intp]:
-    """At most so many indices out of `count`, evenly spread, both ends included."""
-    return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(np.intp))
+def evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
+    """Return at most `max_count` evenly spaced indices out of `count`, including both ends."""
+    return np.unique(np.linspace(0, count - 1, min(max_count, count)).round().astype(np.intp))
 
 
 # ---- The file --------------------------------------------------------------------------------------------------------
 
-FORMATS = ("png", "pdf", "svg")  # what a figure can be written as
+FORMATS = ("png", "pdf", "svg")  # file formats of figures
 
 MARKS = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
-"""Metadata by which a figure of this package is recognised, by the ending of its name."""
+"""Metadata by which figures of this package are recognised, by file ending."""
 
 
-def checked_formats(formats: Sequence[str]) -> tuple[str, ...]:
-    """Formats of figures, each once; a `ValueError` if there is none, or one is not of `FORMATS`."""
-    found = tuple(dict.fromkeys(str(each).lower().removeprefix(".") for each in formats))
-    if not found or not set(found) <= set(FORMATS):
-        raise ValueError(f"formats must be some of {', '.join(FORMATS)}, got {', '.join(map(str, formats)) or 'none'}")
-    return found
+def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
+    """Return the formats of figures without duplicates; raise `ValueError` for none or an unknown format."""
+    result = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
+    if not result or not set(result) <= set(FORMATS):
+        raise ValueError(f"formats must be from {', '.join(FORMATS)}, got {', '.join(map(str, formats)) or 'none'}")
+    return result
 
 
-def save_picture(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG, PDF or SVG, over no other file than one of this package.
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG, PDF or SVG; only figures of this package are overwritten.
 
-    Instruments write PNGs beside their data, so a picture of another origin is never replaced. Raises a `ValueError` if
-    another file has the name, or it cannot be written.
+    Instruments store PNG files next to their data, so other images must never be replaced. Raises `ValueError` if
+    another file has the name or the file cannot be written.
     """
     import matplotlib as mpl
 
     suffix = path.suffix.lower()
-    maker = f"stiction {__version__}"
+    producer = f"stiction {__version__}"
     metadata: dict[str, dict[str, Any]] = {
-        ".png": {"Software": maker},
-        ".pdf": {"Creator": maker, "CreationDate": None},
-        ".svg": {"Title": maker, "Date": None},
+        ".png": {"Software": producer},
+        ".pdf": {"Creator": producer, "CreationDate": None},
+        ".svg": {"Title": producer, "Date": None},
     }
     with mpl.rc_context(STYLE), replaced_file(path, MARKS[suffix], ValueError) as partial:
         if suffix == ".png":

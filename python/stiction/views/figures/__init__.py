@@ -1,5 +1,5 @@
-"""Figures of results for print, in one style: a module for each topic, and `drawn` for those of a result."""
+"""Figures of results for print: a module for each topic, and `draw_figures` for the figures of a result."""
 
-from stiction.views.figures.standard import drawn
+from stiction.views.figures.standard import draw_figures
 
-__all__ = ["drawn"]
+__all__ = ["draw_figures"]

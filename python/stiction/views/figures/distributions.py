@@ -1,4 +1,4 @@
-"""How values are distributed: friction over directions and members, and areas of contacts and pressures."""
+"""Figures of distributions: friction over directions and members, contact areas and pressures."""
 
 from __future__ import annotations
 
@@ -13,17 +13,23 @@ from stiction._checks import Floats
 from stiction._drawing import set_log_ticks
 from stiction._number_format import with_unit
 from stiction.studies.point import STATISTICS, by_rule
-from stiction.views.style import RULE_WORDS, RULES, dimension_colours, friction_parameters_text, label, new_figure
+from stiction.views.style import (
+    RULE_COLOURS,
+    RULE_LABELS,
+    dimension_colours,
+    friction_parameters_text,
+    label,
+    new_figure,
+)
 
-FEWEST_DIRECTIONS = 3  # from which on there is a compass to draw
-RINGS = 5
+MIN_DIRECTIONS = 3  # minimum number of directions for a compass figure
+MAX_RINGS = 5
 
 
 def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Friction coefficient against the direction of the motion, by each sliding rule; 80 mm wide.
+    """Draw the friction coefficient against the direction of motion for each sliding rule; 80 mm wide.
 
-    It is of what `at_load` returns at one load and of one cell, mu0 and tau0. Between directions a smooth curve is
-    drawn.
+    `points` is a result of `at_load` at one load, cell, mu0 and tau0. A smooth curve connects the directions.
     """
     at = points.sortby("direction")
     degrees = np.asarray(at["direction"].values, dtype=np.float64)
@@ -31,30 +37,35 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     axes: Any = figure.add_subplot(projection="polar")
     fine = np.linspace(0, 360, 361)
     highest = 0.0
-    rules = [rule for rule in RULES if rule in np.atleast_1d(at["sliding"].values)]
+    rules = [rule for rule in RULE_COLOURS if rule in np.atleast_1d(at["sliding"].values)]
     for rule in rules:
-        colour, own = RULES[rule], by_rule(at, rule)
-        values = own["friction_coefficient"].transpose("statistic", "direction")
+        colour, selected = RULE_COLOURS[rule], by_rule(at, rule)
+        values = selected["friction_coefficient"].transpose("statistic", "direction")
         mean, low, high = (values.sel(statistic=name).values for name in STATISTICS)
-        axes.plot(np.radians(degrees), mean, "o", color=colour, markersize=2.5, label=RULE_WORDS[rule])
+        axes.plot(np.radians(degrees), mean, "o", color=colour, markersize=2.5, label=RULE_LABELS[rule])
         highest = max(highest, float(np.nanmax(mean, initial=0.0)))
         if np.isfinite(mean).all():
-            axes.plot(np.radians(fine), _smooth(degrees, mean, fine), color=colour, linewidth=1)
+            axes.plot(np.radians(fine), _interpolate_periodic(degrees, mean, fine), color=colour, linewidth=1)
         if np.isfinite(low).all() and np.isfinite(high).all():
-            ends = (_smooth(degrees, each, fine) for each in (low, high))
+            ends = (_interpolate_periodic(degrees, item, fine) for item in (low, high))
             axes.fill_between(np.radians(fine), *ends, color=colour, alpha=0.2, linewidth=0)
             highest = max(highest, min(float(high.max()), 2 * highest))
-        if "gentle_friction" in own:
-            alone = own["gentle_friction"]
-            alone = alone.sel(statistic="mean") if "statistic" in alone.dims else alone
-            if np.isfinite(alone.values).all():
-                words = "by the slope of the gap alone" if rule == rules[0] else None
+        if "gentle_friction" in selected:
+            estimate = selected["gentle_friction"]
+            estimate = estimate.sel(statistic="mean") if "statistic" in estimate.dims else estimate
+            if np.isfinite(estimate.values).all():
+                words = "small-slope estimate" if rule == rules[0] else None
                 axes.plot(
-                    np.radians(fine), _smooth(degrees, alone.values, fine), ":", color="0.2", linewidth=0.8, label=words
+                    np.radians(fine),
+                    _interpolate_periodic(degrees, estimate.values, fine),
+                    ":",
+                    color="0.2",
+                    linewidth=0.8,
+                    label=words,
                 )
-    _rings(axes, highest)
-    ways = ("$+x$", "45°", "$+y$", "135°", "$-x$", "225°", "$-y$", "315°")
-    axes.set_xticks(np.radians(np.arange(0, 360, 45)), ways)
+    _draw_rings(axes, highest)
+    direction_labels = ("$+x$", "45°", "$+y$", "135°", "$-x$", "225°", "$-y$", "315°")
+    axes.set_xticks(np.radians(np.arange(0, 360, 45)), direction_labels)
     modulus = float(at["effective_modulus"]) if "effective_modulus" in at.coords else None
     load = f"{label('friction_coefficient')} at {with_unit(float(at['load']), 'mN')}"
     parameters = friction_parameters_text(float(at["mu0"]), float(at["tau0"]), modulus)
@@ -66,8 +77,8 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     return figure
 
 
-def _smooth(degrees: Floats, values: Floats, fine: Floats) -> Floats:
-    """A periodic cubic spline through values around the compass, not below 0."""
+def _interpolate_periodic(degrees: Floats, values: Floats, fine: Floats) -> Floats:
+    """Interpolate values over directions by a periodic cubic spline, limited to values of at least 0."""
     from scipy.interpolate import CubicSpline
 
     around = np.append(degrees, degrees[0] + 360)
@@ -75,9 +86,9 @@ def _smooth(degrees: Floats, values: Floats, fine: Floats) -> Floats:
     return np.asarray(np.maximum(spline((fine - degrees[0]) % 360 + degrees[0]), 0))
 
 
-def _rings(axes: Any, highest: float) -> None:
-    """Rings at round numbers from 0 on, and their numbers on white between two of the spokes."""
-    least = (highest or 1.0) / RINGS
+def _draw_rings(axes: Any, highest: float) -> None:
+    """Draw circles at round numbers, labelled between two spokes."""
+    least = (highest or 1.0) / MAX_RINGS
     power = 10.0 ** np.floor(np.log10(least))
     step = float(next(factor * power for factor in (1, 2, 5, 10) if factor * power >= least * (1 - 1e-9)))
     ticks = step * np.arange(1, int(np.ceil((highest or 1.0) / step - 1e-9)) + 1)
@@ -90,42 +101,44 @@ def _rings(axes: Any, highest: float) -> None:
 
 
 def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Friction coefficient of each member in each single direction; 80 mm wide.
+    """Draw the friction coefficient of each member in each single direction; 80 mm wide.
 
-    Values are over repetition, direction and sliding, and `points` are their means, as for `compass_figure`. Members of
-    several offsets along one line are drawn over the offset, others in the order of their values. A test slides one
-    way, so that directions are not put together.
+    `values` has the dimensions repetition, direction and sliding; `points` contains their means, as for
+    `compass_figure`. Members of a single traverse are drawn against the offset, other members in increasing order.
+    Directions are not averaged, because a test slides in one direction.
     """
     figure = new_figure(62)
     axes = figure.subplots()
-    by_offset = _moves_along_a_line(values)
+    by_offset = _is_single_traverse(values)
     highest = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
-    for rule in (rule for rule in RULES if rule in np.atleast_1d(values["sliding"].values)):
-        own = by_rule(values, rule)
-        known = own.values[np.isfinite(own.values)]
+    for rule in (rule for rule in RULE_COLOURS if rule in np.atleast_1d(values["sliding"].values)):
+        selected = by_rule(values, rule)
+        finite = selected.values[np.isfinite(selected.values)]
         if by_offset:
-            x, y = np.repeat(values["x"].values, values.sizes["direction"]), own.values.ravel()
+            x, y = np.repeat(values["x"].values, values.sizes["direction"]), selected.values.ravel()
         else:
-            x, y = np.arange(1, known.size + 1), np.sort(known)
-        axes.plot(x, y, "o", color=RULES[rule], markersize=2.5, markeredgewidth=0, alpha=0.8, label=RULE_WORDS[rule])
+            x, y = np.arange(1, finite.size + 1), np.sort(finite)
+        axes.plot(
+            x, y, "o", color=RULE_COLOURS[rule], markersize=2.5, markeredgewidth=0, alpha=0.8, label=RULE_LABELS[rule]
+        )
         mean = by_rule(points["friction_all_round"], rule)
         middle, low, high = (float(mean.sel(statistic=name)) for name in STATISTICS)
-        axes.axhspan(low, high, color=RULES[rule], alpha=0.15, linewidth=0)
-        axes.axhline(middle, color=RULES[rule], linewidth=0.6)
+        axes.axhspan(low, high, color=RULE_COLOURS[rule], alpha=0.15, linewidth=0)
+        axes.axhline(middle, color=RULE_COLOURS[rule], linewidth=0.6)
     axes.set(ylim=(0, 1.05 * max(highest, 1e-3)), ylabel=label("friction_coefficient"))
     axes.set_xlabel("offset of the upper body (µm)" if by_offset else "members and directions, in order")
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]))
-    head = f"at {with_unit(float(points['load']), 'mN')}, {parameters}, single directions"
-    figure.suptitle(f"{title}\n{head}".strip(), fontsize=6)
+    draw_heading = f"at {with_unit(float(points['load']), 'mN')}, {parameters}, single directions"
+    figure.suptitle(f"{title}\n{draw_heading}".strip(), fontsize=6)
     missing = int(np.isnan(values.values).reshape(values.shape[0], -1).any(axis=-1).sum())
-    note = f"; {missing} members have no answer" if missing else ""
+    note = f"; {missing} members have no result" if missing else ""
     words = f"lines: means; bands: 95 %, sampling of positions{note}"
     figure.legend(*axes.get_legend_handles_labels(), title=words, loc="outside lower center", ncols=2)
     return figure
 
 
-def _moves_along_a_line(values: xarray.DataArray) -> bool:
-    """Whether the members are one pair of lines at several offsets."""
+def _is_single_traverse(values: xarray.DataArray) -> bool:
+    """Return whether the members are one pair of lines at several offsets."""
     if "x" not in values.coords or "line" not in values.coords:
         return False
     lines, offsets = np.unique(values["line"].values), np.unique(values["x"].values)
@@ -135,10 +148,10 @@ def _moves_along_a_line(values: xarray.DataArray) -> bool:
 def sizes_figure(
     members: xarray.Dataset, points: xarray.Dataset, *, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Fraction of the contacts against their area, and of the true area against pressure; 80 mm wide.
+    """Draw the fraction of contacts against area, and the fraction of contact area against pressure; 80 mm wide.
 
-    Members have patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, each a thin line;
-    `points` are their means, as `at_load` returns them, of one cell. A hardness (GPa) is marked.
+    `members` contains patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, drawn as thin
+    lines. `points` contains their means for one cell, as returned by `at_load`. The hardness (GPa) is marked.
     """
     figure = new_figure(96)
     axes: Sequence[Any] = figure.subplots(2, 1)
@@ -146,19 +159,21 @@ def sizes_figure(
     loads = np.atleast_1d(points["load"].values)
     for load, colour in zip(loads, dimension_colours(loads), strict=True):
         for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
-            for own in members[name].sel(load=load, method="nearest").transpose("repetition", "fraction_below").values:
-                ax.plot(own, percent, color=colour, linewidth=0.3, alpha=0.4)
+            for selected in (
+                members[name].sel(load=load, method="nearest").transpose("repetition", "fraction_below").values
+            ):
+                ax.plot(selected, percent, color=colour, linewidth=0.3, alpha=0.4)
             mean = points[name].sel(load=load, statistic="mean").values
             ax.plot(mean, percent, color=colour, linewidth=1.2, label=with_unit(float(load), "mN"))
     for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
         ax.set(ylim=(0, 100), xlabel=label(name), xscale="log")
         set_log_ticks(ax)
-    axes[0].set_ylabel("contacts that are smaller (%)")
+    axes[0].set_ylabel("fraction of smaller contacts (%)")
     axes[1].set_ylabel("true contact area\nat lower pressure (%)")
     if hardness is not None:
         axes[1].axvline(hardness, color="0.3", linewidth=0.6, linestyle="--")
         axes[1].text(hardness, 90, "hardness ", fontsize=6, color="0.3", ha="right", va="center")
     axes[0].set_title(title, loc="left", fontsize=6, pad=3)
-    named = axes[0].get_legend_handles_labels()
-    figure.legend(*named, title="thick: mean over members; thin: each", loc="outside lower center", ncols=3)
+    handles = axes[0].get_legend_handles_labels()
+    figure.legend(*handles, title="thick: mean over members; thin: single members", loc="outside lower center", ncols=3)
     return figure

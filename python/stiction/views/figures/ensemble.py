@@ -1,4 +1,4 @@
-"""Figures of generated bodies: friction over fractal dimension and load, true contact area, and the bodies."""
+"""Figures of studies of generated surfaces: friction maps, contact area, and the surfaces."""
 
 from __future__ import annotations
 
@@ -37,49 +37,73 @@ from stiction.views.style import (
     STRENGTHS,
     dimension_colours,
     direction_text,
-    evenly_spread,
+    evenly_spaced_indices,
     friction_parameters_text,
     label,
     new_figure,
-    spread_out,
+    spread_labels,
 )
 
-LENGTH_SCALES = (0.5, 1.0, 2.0)  # of the study's own, in the figure of length scales
+LENGTH_SCALES = (0.5, 1.0, 2.0)  # factors of the study's length scale in the figure of length scales
 AREAL_POINTS = 400  # rows and columns of a surface in a figure
-MOST_PROFILES = 5
-MOST_CURVES = 8
+MAX_PROFILES = 5
+MAX_CURVES = 8
 
 COLOUR_QUANTILES = (0.01, 0.95)
-"""Quantiles of the friction coefficients between which the colours run: a few high values would take them all."""
+"""Quantiles of the friction coefficients that limit the colour scale, because a few values are very high."""
 
-MOST_STRENGTHS = 2  # adhesive shear strengths that a figure shows: of more, the lowest and the highest
+MAX_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest
 
-FADE = (0.3, 1.2, 0.85)
-"""Width of an interval, over the value, from which and up to which a cell loses its colour, and how much of it."""
+FADING = (0.3, 1.2, 0.85)
+"""Relative interval widths at which a cell starts and stops fading, and the maximum fading."""
 
-LINE_HEIGHT = 2.4  # millimetres from one name of a curve to the next
-MOST_BAND = 2.0  # times the highest or lowest value, as far as an axis goes for a band
-HEADLINE = 4.0  # millimetres that a line above a figure takes
-MOST_IN_ROW = 4  # entries of a legend
+LINE_HEIGHT = 2.4  # mm between labels of curves
+MAX_BAND_RATIO = 2.0  # maximum ratio of an axis limit to the highest or lowest value, for wide bands
+HEADING_HEIGHT = 4.0  # mm for a heading line above a figure
+MAX_LEGEND_COLUMNS = 4  # maximum number of legend columns
 
-MIN_TICKS = 3  # ticks of a colour bar below which others are chosen
-TICKS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100)
-"""Round coefficients of friction on a scale of colours."""
+MIN_COLOUR_BAR_TICKS = 3  # minimum number of ticks of a colour bar
+COLOUR_BAR_TICKS = (
+    0.01,
+    0.02,
+    0.03,
+    0.05,
+    0.07,
+    0.1,
+    0.15,
+    0.2,
+    0.3,
+    0.4,
+    0.5,
+    0.7,
+    1,
+    1.5,
+    2,
+    3,
+    5,
+    7,
+    10,
+    20,
+    30,
+    50,
+    100,
+)
+"""Round coefficients of friction for the ticks of a colour bar."""
 
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of red, green and blue
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # luminance of red, green and blue
 
 
-def motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
-    """The result of each sliding rule and direction, and what its files are called by."""
+def iterate_motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
+    """Yield a file name suffix and the result for each sliding rule and direction."""
     dims = [dim for dim in ("sliding", "direction") if dim in dataset.dims]
     for index in np.ndindex(*(dataset.sizes[dim] for dim in dims)):
-        one = dataset.isel(dict(zip(dims, index, strict=True)))
-        names = [f"{one[dim].item():g}" if dim == "direction" else str(one[dim].item()) for dim in dims]
-        yield "".join(f"_{name}" for name in names), one
+        selection = dataset.isel(dict(zip(dims, index, strict=True)))
+        names = [f"{selection[dim].item():g}" if dim == "direction" else str(selection[dim].item()) for dim in dims]
+        yield "".join(f"_{name}" for name in names), selection
 
 
-def headlines(dataset: xarray.Dataset, study: Study) -> list[str]:
-    """Above a figure: how the bodies move, unless they are profiles as the paper has them; and what is missing."""
+def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
+    """Return the heading lines of a figure: model and motion unless as in the paper, and missing repetitions."""
     contact = study.contact
     rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
     angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.degrees()[0])
@@ -87,27 +111,27 @@ def headlines(dataset: xarray.Dataset, study: Study) -> list[str]:
     if study.is_areal or study.by_half_space or rule != "opposing":
         mechanics = "half-space, " if study.by_half_space else ""
         lines.append(f"{mechanics}sliding: {rule}, along {direction_text(angle)}")
-    done, total = dataset.sizes["repetition"], study.ensemble.repetitions
-    if done < total:
-        lines.append(f"unfinished: {done} of {total} repetitions")
+    finished, total = dataset.sizes["repetition"], study.ensemble.repetitions
+    if finished < total:
+        lines.append(f"unfinished: {finished} of {total} repetitions")
     return lines
 
 
-def head(figure: Figure, lines: list[str]) -> None:
-    """Lines above all panels."""
+def draw_heading(figure: Figure, lines: list[str]) -> None:
+    """Draw heading lines above all panels."""
     if lines:
         figure.suptitle("\n".join(lines), fontsize=8, y=1 - MILLIMETRE / figure.get_figheight(), va="top")
 
 
-def letter(axes: Axes, number: int) -> None:
-    """The letter of a panel, above its left upper corner."""
+def draw_panel_letter(axes: Axes, number: int) -> None:
+    """Draw the letter of a panel above its upper left corner."""
     axes.text(0, 1.02, chr(ord("a") + number), transform=axes.transAxes, fontsize=8, fontweight="bold", va="bottom")
 
 
-def rows_of_axes(
+def create_axes_rows(
     rows: int, height: float, above: float, below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
-    """A figure 170 mm wide of rows of a height, its whole height, and what adds axes by left end, row and width; mm."""
+    """Return a figure 170 mm wide, its height (mm), and a function that adds axes by left end, row and width (mm)."""
     total = above + below + rows * (height + between) - between
     figure = new_figure(total, width=FULL_WIDTH, layout=None)
 
@@ -122,26 +146,26 @@ def rows_of_axes(
 
 
 def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
-    """Friction coefficient over fractal dimension and load as maps, and over fractal dimension at one load as curves.
+    """Draw maps of friction over fractal dimension and load, and curves over fractal dimension at one load.
 
-    A map for the lowest and the highest tau0; a row for each amplitude. Hatched where the model is beyond its validity,
-    grey where the 95 % interval is wide. The curves, with their intervals, are at the highest power of ten that nine
+    There is a map for the lowest and the highest tau0, and a row for each amplitude. Cells are hatched where the model
+    is not valid, and grey where the 95 % interval is wide. The load of the curves is the highest power of ten that nine
     of ten fractal dimensions reach.
     """
     study = study_of(dataset)
     strengths = list(study.friction.tau0)
-    strengths = strengths if len(strengths) <= MOST_STRENGTHS else [strengths[0], strengths[-1]]
+    strengths = strengths if len(strengths) <= MAX_STRENGTHS else [strengths[0], strengths[-1]]
     load = _common_load(dataset)
     loads = [*reached_loads(dataset), load]
-    maps = friction_map(dataset, loads, mu0=[mu0], tau0=[float(each) for each in strengths]).isel(mu0=0)
+    maps = friction_map(dataset, loads, mu0=[mu0], tau0=[float(strength) for strength in strengths]).isel(mu0=0)
     maps, curves = maps.isel(load=slice(-1)), maps.isel(load=-1)
     amplitudes = dataset["amplitude"].values
-    lines = headlines(dataset, study)
-    meanings = _meanings(maps, asperities=not study.by_half_space)
-    above, below = 15.0 + HEADLINE * len(lines), 16.0 + (3.0 if len(meanings) > MOST_IN_ROW else 0.0)
+    lines = heading_lines(dataset, study)
+    handles = _legend_handles(maps, asperities=not study.by_half_space)
+    above, below = 15.0 + HEADING_HEIGHT * len(lines), 16.0 + (3.0 if len(handles) > MAX_LEGEND_COLUMNS else 0.0)
     height = 42.0 if amplitudes.size == 1 else 34.0
-    figure, total, axes_at = rows_of_axes(amplitudes.size, height, above, below, between=4.0)
-    norm = _norm(maps)
+    figure, total, axes_at = create_axes_rows(amplitudes.size, height, above, below, between=4.0)
+    norm = _colour_norm(maps)
     for row, amplitude in enumerate(amplitudes):
         last = row == amplitudes.size - 1
         width = (99 - 4 * (len(strengths) - 1)) / len(strengths)
@@ -154,40 +178,40 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
                 ax.yaxis.set_visible(False)
             if row == 0:
                 ax.set_title(rf"$\tau_0$ = {strength.text}", pad=2)
-                letter(ax, column)
-            dimension_axis(ax, dataset, last=last)
+                draw_panel_letter(ax, column)
+            format_dimension_axis(ax, dataset, last=last)
             if amplitudes.size > 1:
                 ax.text(
                     0.96, 0.96, f"$a$ = {1000 * amplitude:g} nm", transform=ax.transAxes, fontsize=6, ha="right",
                     va="top", bbox={"facecolor": "white", "linewidth": 0, "pad": 0.8},
                 )  # fmt: skip
         ax = axes_at(127, row, 40)
-        _friction_curves(ax, curves.isel(amplitude=row), [each.text for each in strengths], mu0)
+        _friction_curves(ax, curves.isel(amplitude=row), [strength.text for strength in strengths], mu0)
         if row == amplitudes.size // 2:
             ax.set_ylabel(label("friction_coefficient"))
         if row == 0:
             ax.set_title(f"at $F_N$ = {with_unit(load, 'mN')}", pad=2)
-            letter(ax, len(strengths))
-        dimension_axis(ax, dataset, last=last)
+            draw_panel_letter(ax, len(strengths))
+        format_dimension_axis(ax, dataset, last=last)
     _colour_bar(figure, (13 / 170, 1 - (above - 5.5) / total, 99 / 170, 2.2 / total), norm, mu0)
-    head(figure, lines)
+    draw_heading(figure, lines)
     figure.legend(
-        handles=meanings, loc="lower center", ncols=len(meanings) if len(meanings) <= MOST_IN_ROW else 3,
+        handles=handles, loc="lower center", ncols=len(handles) if len(handles) <= MAX_LEGEND_COLUMNS else 3,
         handlelength=1.6, columnspacing=1.4, borderaxespad=0.3,
     )  # fmt: skip
     return figure
 
 
 def _common_load(dataset: xarray.Dataset) -> float:
-    """The highest power of ten (mN) that nine of ten ensembles reach, or their highest load if that is out of range."""
+    """Return the highest power of ten (mN) that nine of ten ensembles reach, or their highest load if out of range."""
     elastic = means(dataset, ["normal_elastic"])["normal_elastic"].max(study_of(dataset).step).values
     lowest, common = float(reached_loads(dataset)[0]), float(np.quantile(elastic[elastic > 0], 0.1))
     power = 10.0 ** np.floor(np.log10(0.9 * common))
     return float(power if power >= lowest else max(common, lowest))
 
 
-def dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
-    """Fractal dimension along x, with its name below the last row of panels."""
+def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
+    """Format the axis of the fractal dimension, with a label below the last row of panels."""
     axes.locator_params("x", nbins=4, steps=[1, 2, 5, 10])
     if last:
         classical = dataset["fractal_dimension"].attrs.get("convention") == "classical"
@@ -197,7 +221,7 @@ def dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
 
 
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Curves of the lowest and the highest strength, with their intervals; dotted beyond the validity of the model."""
+    """Draw curves with intervals for the lowest and the highest strength; dotted where the model is not valid."""
     dimension = curves["fractal_dimension"].values
     trusted = ~(curves["share_beyond_hertz"].values > HALF)  # (dimension, strength)
     value, lower, upper = (curves[name].values for name in ("friction_coefficient", "lower", "upper"))
@@ -207,10 +231,10 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
         style: dict[str, Any] = {"color": colour, "linewidth": 1, "markersize": 2, "marker": marker}
         axes.plot(dimension, value[:, index], ":", **style)
         axes.plot(dimension, np.where(trusted[:, index], value[:, index], np.nan), **style)
-    known = value[np.isfinite(value)]
-    # Where it is to be trusted, all of it; beyond, as far as there is room.
+    finite = value[np.isfinite(value)]
+    # The axis includes all valid values, and others as far as there is space.
     inside = upper[np.isfinite(upper) & trusted]
-    top = 1.1 * max(2 * mu0, float(inside.max(initial=0.0)), 2.5 * float(np.min(known, initial=1.0))) or 1.0
+    top = 1.1 * max(2 * mu0, float(inside.max(initial=0.0)), 2.5 * float(np.min(finite, initial=1.0))) or 1.0
     axes.set_ylim(0, top)
     axes.locator_params("y", nbins=6, steps=[1, 2, 5, 10])
     span = float(np.ptp(dimension)) or 1.0
@@ -230,11 +254,11 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
 def _colour_bar(figure: Figure, place: tuple[float, float, float, float], norm: Any, mu0: float) -> None:
     axes = figure.add_axes(place, label="<colorbar>")
     bar = figure.colorbar(ScalarMappable(norm, FRICTION_MAP), cax=axes, orientation="horizontal", extend="both")
-    ticks = [tick for tick in TICKS if norm.vmin <= tick * (1 + 1e-9) and tick <= norm.vmax * (1 + 1e-9)]
-    if len(ticks) < MIN_TICKS:
+    ticks = [tick for tick in COLOUR_BAR_TICKS if norm.vmin <= tick * (1 + 1e-9) and tick <= norm.vmax * (1 + 1e-9)]
+    if len(ticks) < MIN_COLOUR_BAR_TICKS:
         inside = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
         ticks = [float(tick) for tick in inside if norm.vmin <= tick <= norm.vmax]
-    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # no closer than their labels are long
+    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # leave space for the labels
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.ax.minorticks_off()
     axes.xaxis.tick_top()
@@ -243,14 +267,14 @@ def _colour_bar(figure: Figure, place: tuple[float, float, float, float], norm: 
     bar.set_label(rf"{label('friction_coefficient')}, at $\mu_0$ = {mu0:g}", labelpad=2)
 
 
-def _norm(maps: xarray.Dataset) -> Any:
-    """Colours in equal ratios over what is to be trusted, or over all where that is little; the highest share one."""
+def _colour_norm(maps: xarray.Dataset) -> Any:
+    """Return a logarithmic colour scale for the valid values, or for all values if few are valid."""
     values = maps["friction_coefficient"].values
-    known = np.isfinite(values) & (values > 0)
-    trusted = known & ~(maps["share_beyond_hertz"].values > HALF)
-    positive = values[trusted if trusted.sum() > 0.1 * known.sum() else known]
+    finite = np.isfinite(values) & (values > 0)
+    trusted = finite & ~(maps["share_beyond_hertz"].values > HALF)
+    positive = values[trusted if trusted.sum() > 0.1 * finite.sum() else finite]
     low, high = np.quantile(positive, COLOUR_QUANTILES) if positive.size else (0.1, 1.0)
-    step = 10.0 ** np.floor(np.log10(low)) / 2  # to ends that can be written
+    step = 10.0 ** np.floor(np.log10(low)) / 2  # round the limits
     low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
     return LogNorm(low, max(high, low + step))
 
@@ -258,19 +282,19 @@ def _norm(maps: xarray.Dataset) -> Any:
 def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -> None:
     panel = panel.transpose("load", "fractal_dimension")
     values, status = panel["friction_coefficient"].values, panel["status"].values
-    edges = _edges(panel["fractal_dimension"].values), np.exp(_edges(np.log(panel["load"].values)))
+    edges = _cell_edges(panel["fractal_dimension"].values), np.exp(_cell_edges(np.log(panel["load"].values)))
     axes.set(yscale="log", xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
     set_log_ticks(axes)
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
-    known = np.isfinite(values)
-    # A coefficient of 0 has no logarithm, and is drawn as the lowest colour is.
-    colours = colormaps[FRICTION_MAP](norm(np.where(known, np.maximum(values, norm.vmin), norm.vmin)))
-    colours[..., :3] = _faded(colours[..., :3], _fading(panel))
-    colours[..., 3] = known
+    finite = np.isfinite(values)
+    # A coefficient of 0 has no logarithm and gets the lowest colour.
+    colours = colormaps[FRICTION_MAP](norm(np.where(finite, np.maximum(values, norm.vmin), norm.vmin)))
+    colours[..., :3] = _fade(colours[..., :3], _compute_fading(panel))
+    colours[..., 3] = finite
     colours[status == STATUS_SELF_LOCKED] = (*to_rgb(LOCKED), 1)
     axes.pcolormesh(*edges, colours)
     fraction = panel["share_beyond_hertz"].values
-    _hatch_cells(axes, *edges, known & (fraction > HALF))
+    _hatch_cells(axes, *edges, finite & (fraction > HALF))
     if min(values.shape) > 1:
         masked = np.ma.masked_invalid(fraction)
         if masked.count() and masked.min() < HALF < masked.max():
@@ -282,35 +306,35 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
 
 
 def _hatch_cells(axes: Axes, x: Floats, y: Floats, cells: NDArray[np.bool_]) -> None:
-    """White lines over cells (rows, columns) between edges: their colours stay what they are."""
+    """Hatch cells (rows, columns) without changing their colours."""
     vertices: list[tuple[float, float]] = []
     for row, column in np.argwhere(cells):
         left, right, bottom, top = x[column], x[column + 1], y[row], y[row + 1]
         vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
-        for colour, width in (("black", 1.3), ("white", 0.5)):  # seen on dark and on light colours
-            patch = PathPatch(Path(vertices, codes), **_BEYOND | {"edgecolor": colour})
+        for colour, width in (("black", 1.3), ("white", 0.5)):  # visible on dark and on light
+            patch = PathPatch(Path(vertices, codes), **_HATCH | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
-            axes.add_artist(patch)  # not add_patch, which looks for the limits of thousands of cells
+            axes.add_artist(patch)  # add_patch would compute the limits of thousands of cells
 
 
-_BEYOND: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\\\\\", "linewidth": 0}
-"""How cells beyond the model's validity are marked."""
+_HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\\\\\", "linewidth": 0}
+"""Style of cells in which the model is not valid."""
 
 
-def _fading(maps: xarray.Dataset) -> Floats:
-    """How much of its colour each cell loses for the width of its interval, which a single repetition has not."""
+def _compute_fading(maps: xarray.Dataset) -> Floats:
+    """Return the fading of each cell by the width of its interval; a single repetition has no interval."""
     values = maps["friction_coefficient"].values
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (maps["upper"].values - maps["lower"].values) / values
-    first, last, most = FADE
+    first, last, most = FADING
     width = np.where(np.isfinite(values), np.nan_to_num(width, nan=last, posinf=last), first)
     return np.asarray(most * np.clip((width - first) / (last - first), 0, 1))
 
 
-def _faded(colours: Floats, fading: Floats) -> Floats:
-    """Colours (..., 3) nearer to the grey that is as bright, so that no cell reads as one of another friction."""
+def _fade(colours: Floats, fading: Floats) -> Floats:
+    """Blend colours (..., 3) with grey of equal luminance, so that no cell looks like another coefficient."""
     grey = (colours @ _LUMINANCE)[..., np.newaxis]
     part = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - part) * colours + part * grey)
@@ -320,14 +344,14 @@ def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
     return Rectangle(*args, facecolor="white", edgecolor="0.6", hatch="////", linewidth=0.5, **kwargs)
 
 
-def _meanings(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
+def _legend_handles(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
     middle = np.array(colormaps[FRICTION_MAP](0.4)[:3])
     handles: list[Any] = []
     if asperities and (maps["share_beyond_hertz"].values > HALF).any():
         words = "model not valid (dotted): most load on overlaps $> R/10$"
-        handles.append(Patch(**_BEYOND | {"facecolor": tuple(middle)}, label=words))
-    if (_fading(maps)[~(maps["share_beyond_hertz"].values > HALF)] > 0.1).any():
-        handles.append(Patch(facecolor=tuple(_faded(middle, np.array(FADE[2]))), label="grey: wide 95 % interval"))
+        handles.append(Patch(**_HATCH | {"facecolor": tuple(middle)}, label=words))
+    if (_compute_fading(maps)[~(maps["share_beyond_hertz"].values > HALF)] > 0.1).any():
+        handles.append(Patch(facecolor=tuple(_fade(middle, np.array(FADING[2]))), label="grey: wide 95 % interval"))
     if (~np.isin(maps["status"].values, (STATUS_OK, STATUS_SELF_LOCKED))).any():
         handles.append(_not_reached_patch((0, 0), 1, 1, label="load not reached"))
     if (maps["status"].values == STATUS_SELF_LOCKED).any():
@@ -336,7 +360,7 @@ def _meanings(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
     return handles
 
 
-def _edges(centres: Floats) -> Floats:
+def _cell_edges(centres: Floats) -> Floats:
     if centres.size == 1:
         return np.array([centres[0] - 0.5, centres[0] + 0.5])
     middles = (centres[1:] + centres[:-1]) / 2
@@ -347,23 +371,25 @@ def _edges(centres: Floats) -> Floats:
 
 
 def area_figure(dataset: xarray.Dataset) -> Figure:
-    """True contact area against normal load, and their ratio, with 95 % intervals; a row for each amplitude."""
+    """Draw true contact area and its ratio to the load against load, with 95 % intervals; a row for each amplitude."""
     study = study_of(dataset)
     mu0, tau0 = study.friction.mu0[0], float(study.friction.tau0[0])
-    shown = evenly_spread(dataset.sizes["fractal_dimension"], MOST_CURVES)
+    shown = evenly_spaced_indices(dataset.sizes["fractal_dimension"], MAX_CURVES)
     areas = area_map(dataset.isel(fractal_dimension=shown), reached_loads(dataset), mu0=mu0, tau0=tau0)
     areas = areas.isel(mu0=0, tau0=0)
     amplitudes = areas["amplitude"].values
-    lines = headlines(dataset, study)
+    lines = heading_lines(dataset, study)
     height = 50.0 if amplitudes.size == 1 else 38.0
     exact = study.by_half_space
-    figure, total, axes_at = rows_of_axes(amplitudes.size, height, 4.0 + HEADLINE * len(lines), 15.0, between=4.0)
+    figure, total, axes_at = create_axes_rows(
+        amplitudes.size, height, 4.0 + HEADING_HEIGHT * len(lines), 15.0, between=4.0
+    )
     for row, amplitude in enumerate(amplitudes):
         pair = [axes_at(left, row, 70) for left in (13, 98)]
         _area_curves(pair, areas.isel(amplitude=row), exact=exact, apart=LINE_HEIGHT / height)
         for number, ax in enumerate(pair):
             if row == 0:
-                letter(ax, number)
+                draw_panel_letter(ax, number)
             if row < amplitudes.size - 1:
                 ax.tick_params(labelbottom=False)
             else:
@@ -372,7 +398,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
         pair[1].set_ylabel(label("area_over_load"))
         if amplitudes.size > 1:
             pair[0].text(0.03, 0.95, f"$a$ = {1000 * amplitude:g} nm", transform=pair[0].transAxes, va="top")
-    head(figure, lines)
+    draw_heading(figure, lines)
     beyond = "" if exact else "; dotted: model not valid, most load on overlaps $> R/10$"
     figure.text(
         0.5, 1.5 / total, f"at {friction_parameters_text(mu0, tau0)}; bands: 95 %{beyond}", ha="center", va="bottom",
@@ -382,7 +408,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
 
 
 def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart: float) -> None:
-    """Area, and area over load, of each fractal dimension; names where curves begin, this part of an axis apart."""
+    """Draw area and area over load for each fractal dimension, with labels at the start of the curves."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load")
     area, lower, upper = (areas[name].values for name in ("contact_area", "lower", "upper"))
@@ -394,9 +420,9 @@ def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart:
             ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
             continue
         ax.set_yscale("log")
-        # A band that is wider than all the curves may be cut off.
+        # Very wide bands may be cut off.
         values = (scale * area)[area > 0]
-        ax.set_ylim(values.min() / MOST_BAND, values.max() * MOST_BAND)
+        ax.set_ylim(values.min() / MAX_BAND_RATIO, values.max() * MAX_BAND_RATIO)
         set_log_ticks(ax)
         names, places = [], []
         for curve, colour in enumerate(dimension_colours(dimensions)):
@@ -408,7 +434,7 @@ def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart:
                 names.append((load[starts[0]], dimensions[curve], colour))
                 places.append(np.log(scale[starts[0]] * area[curve, starts[0]]))
         low, high = np.log(ax.get_ylim())
-        spread = spread_out(places, apart * (high - low))
+        spread = spread_labels(places, apart * (high - low))
         spread += max(0, low + apart * (high - low) - spread.min(initial=high))
         for (start, dimension, colour), place in zip(names, spread, strict=True):
             text = f"{dimension:.2f}" if dimension != dimensions[0] else f"$D$ = {dimension:.2f}"
@@ -419,10 +445,10 @@ def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart:
 
 
 def profiles_figure(study: Study) -> Figure:
-    """Profiles of several fractal dimensions, of the same phases: their whole length, and one length scale of it."""
+    """Draw profiles of several fractal dimensions with equal phases: the full length, and one length scale."""
     bodies: Any = study.surfaces
     dimensions = bodies.fractal_dimensions()
-    dimensions = dimensions[evenly_spread(dimensions.size, MOST_PROFILES)]
+    dimensions = dimensions[evenly_spaced_indices(dimensions.size, MAX_PROFILES)]
     amplitude = float(bodies.amplitudes()[0])
     window = min(float(bodies.length_scale), float(bodies.extent))
     figure = new_figure(12 + 13 * dimensions.size)
@@ -442,7 +468,7 @@ def profiles_figure(study: Study) -> Figure:
 
 
 def length_scales_figure(study: Study) -> Figure:
-    """Eq. 1, unscaled, for three length scales and the same phases: profiles, and surfaces without aliases."""
+    """Draw Eq. 1, unscaled, for three length scales and equal phases: profiles, and surfaces without aliasing."""
     bodies: Any = study.surfaces
     dimension = bodies.fractal_dimensions()[0]
     extent = float(bodies.extent)

@@ -1,4 +1,4 @@
-"""Friction and true contact area over factors of the heights, as another finish would change them."""
+"""Figure of friction and true contact area for scaled surface heights."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from stiction._drawing import set_log_ticks
 from stiction._number_format import with_unit
 from stiction.studies.point import STATISTICS, by_rule, is_unloaded
 from stiction.views.figures.loads import plain_log
-from stiction.views.style import AREA, RULE_WORDS, RULES, friction_parameters_text, label, new_figure
+from stiction.views.style import AREA, RULE_COLOURS, RULE_LABELS, friction_parameters_text, label, new_figure
 
 
 def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Friction coefficient by both sliding rules, and true contact area, against the rms gradient; 80 mm wide.
+    """Draw friction coefficient and true contact area against the rms gradient; 80 mm wide.
 
     Parameters
     ----------
     points : xarray.Dataset
-        What `at_height_scale` returns, of one load, mu0 and tau0.
+        Result of `at_height_scale` at one load, mu0 and tau0.
     title : str
     """
     scales = np.asarray(points["height_scale"].values, dtype=np.float64)
@@ -28,14 +28,14 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     loaded = np.array([not is_unloaded(points.isel(height_scale=place)) for place in range(scales.size)])
     figure = new_figure(114)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-    for rule in (rule for rule in RULES if rule in np.atleast_1d(points["sliding"].values)):
-        known = by_rule(points["friction_combined"], rule)
-        mean, low, high = (known.sel(statistic=each).where(loaded).values for each in STATISTICS)
-        upper.fill_between(gradient, low, high, color=RULES[rule], alpha=0.2, linewidth=0)
-        upper.plot(gradient, mean, "o-", color=RULES[rule], linewidth=1, markersize=2, label=RULE_WORDS[rule])
+    for rule in (rule for rule in RULE_COLOURS if rule in np.atleast_1d(points["sliding"].values)):
+        combined = by_rule(points["friction_combined"], rule)
+        mean, low, high = (combined.sel(statistic=statistic).where(loaded).values for statistic in STATISTICS)
+        upper.fill_between(gradient, low, high, color=RULE_COLOURS[rule], alpha=0.2, linewidth=0)
+        upper.plot(gradient, mean, "o-", color=RULE_COLOURS[rule], linewidth=1, markersize=2, label=RULE_LABELS[rule])
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
-    mean, low, high = (area.sel(statistic=each).values for each in STATISTICS)
+    mean, low, high = (area.sel(statistic=statistic).values for statistic in STATISTICS)
     lower.fill_between(gradient, low, high, color=AREA, alpha=0.2, linewidth=0)
     lower.plot(gradient, mean, "o-", color=AREA, linewidth=1, markersize=2)
     lower.set_xscale("log")
@@ -50,7 +50,7 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     low, high = lower.get_ylim()
     if lower.get_yscale() == "log" and high < 30 * low:
         plain_log(lower.yaxis)
-    if points.attrs["scaled"] == "both":  # the gradient is that of the factor 1 times the factor
+    if points.attrs["scaled"] == "both":  # the gradient is proportional to the factor
         top = upper.secondary_xaxis("top", functions=(lambda x: x / measured, lambda x: x * measured))
         top.set_xlabel(label("height_scale"))
         plain_log(top.xaxis)

@@ -1,4 +1,4 @@
-"""Which figures a result has: what its study asks for, and of measured surfaces the standard set."""
+"""Selection of the figures of a result: those of its study, or the standard set for measured surfaces."""
 
 from __future__ import annotations
 
@@ -19,48 +19,54 @@ from stiction.studies.members import bodies_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
-from stiction.views.figures.budget import budget_figure, waiting_figure
+from stiction.views.figures.budget import budget_figure, dwell_time_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
-from stiction.views.figures.distributions import FEWEST_DIRECTIONS, compass_figure, positions_figure, sizes_figure
-from stiction.views.figures.ensemble import area_figure, friction_figure, length_scales_figure, motions, profiles_figure
+from stiction.views.figures.distributions import MIN_DIRECTIONS, compass_figure, positions_figure, sizes_figure
+from stiction.views.figures.ensemble import (
+    area_figure,
+    friction_figure,
+    iterate_motions,
+    length_scales_figure,
+    profiles_figure,
+)
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, load_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
-from stiction.views.height_scale import scales_beside
-from stiction.views.resolution import limits
-from stiction.views.style import STYLE, checked_formats, save_picture
+from stiction.views.height_scale import stored_scale_factors
+from stiction.views.resolution import resolution_limits
+from stiction.views.style import STYLE, parse_formats, save_figure
 
 
-def drawn(
+def draw_figures(
     result: Result | xarray.Dataset, directory: str | Path, *, formats: Sequence[str] = ("png",),
     picture: xarray.Dataset | None = None, first: bool = False,
 ) -> list[Path]:  # fmt: skip
     """Draw the figures of a result into a directory and return their paths.
 
-    Of generated surfaces those that the study's [figures] asks for: ``profiles``, ``length_scales``, ``friction_mu0_*``
-    (a figure for each mu0), ``area`` and ``onset``; of several sliding rules or directions each has figures of its own,
-    as in ``friction_mu0_0.4_all_90.png``. Of measured surfaces ``friction`` (against load), ``compass``, ``positions``,
-    ``closure`` (of maps), ``budget``, ``waiting``, ``adhesion``, ``sizes``, ``cut_off``, ``onset``, ``slip``,
-    ``contact`` (of profiles), ``contacts`` (of maps) and ``height_scale`` (over factors of the heights), as far as the
-    result has what they show; further mu0 and tau0 have theirs, ``friction-2.png`` and so on.
+    Generated surfaces have the figures listed in [figures] of the study: ``profiles``, ``length_scales``,
+    ``friction_mu0_*`` (one for each mu0), ``area`` and ``onset``. File names contain the sliding rule and direction if
+    there are several, as in ``friction_mu0_0.4_all_90.png``. Measured surfaces have ``friction`` (against load),
+    ``compass``, ``positions``, ``closure`` (maps), ``budget``, ``waiting``, ``adhesion``, ``sizes``, ``cut_off``,
+    ``onset``, ``slip``, ``contact`` (profiles), ``contacts`` (maps) and ``height_scale``, if the result contains the
+    data. Names for further values of mu0 and tau0 end in a number: ``friction-2.png``.
 
     Parameters
     ----------
     result : Result, or xarray.Dataset of member sums
     directory : path
     formats : sequence of {"png", "pdf", "svg"}
-        Each figure is written as each of these.
+        File formats; every figure is written in all of them.
     picture : xarray.Dataset, optional
-        What `contact_picture` returns; that beside a stored result by default.
+        Result of `contact_picture`; by default the one stored with the result.
     first : bool
-        Whether only the first figure is drawn, and those whose files are there already.
+        Whether to draw only the first figure and figures whose files exist already.
 
     Raises
     ------
     ValueError
         If a format is unknown, there is nothing to draw, or a file cannot be written.
     """
-    endings = checked_formats(formats)
+    endings = parse_formats(formats)
     paths: list[Path] = []
     for name, draw in figures_of(result, picture):
         if first and paths and not any((Path(directory) / f"{name}.{ending}").exists() for ending in endings):
@@ -69,14 +75,14 @@ def drawn(
             figure = draw()
             for ending in endings:
                 paths.append(Path(directory) / f"{name}.{ending}")
-                save_picture(figure, paths[-1])
+                save_figure(figure, paths[-1])
     return paths
 
 
 def figures_of(
     result: Result | xarray.Dataset, picture: xarray.Dataset | None = None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """The name of each figure of a result, without its ending, and what draws it."""
+    """Yield the file name without ending and the drawing function of each figure of a result."""
     result = Result.of(result)
     if not result.study.is_measured:
         yield from _of_generated(result.dataset, result.study)
@@ -84,15 +90,15 @@ def figures_of(
     yield from _of_measured(result, result.study, result.contact_picture if picture is None else picture)
 
 
-def title_of(study: Study) -> str:
-    """Whose figure it is: the names of the two files."""
+def pair_title(study: Study) -> str:
+    """Return the title of figures of a pair: the names of the two files."""
     upper, lower = (getattr(study.surfaces, side).name for side in ("upper", "lower"))
     return f"gap {upper}" if study.is_gap else f"{upper} on {lower}"
 
 
-def words_of(study: Study) -> str:
-    """The same without endings and underscores, as a figure for print has it."""
-    return re.sub(r"\.\w+(?= on |$)", "", title_of(study)).replace("_", " ")
+def print_title(study: Study) -> str:
+    """Return the title of a pair for print, without file endings and underscores."""
+    return re.sub(r"\.\w+(?= on |$)", "", pair_title(study)).replace("_", " ")
 
 
 # ---- Generated -------------------------------------------------------------------------------------------------------
@@ -106,14 +112,14 @@ def _of_generated(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, 
             case "length-scales":
                 yield "length_scales", lambda: length_scales_figure(study)
             case "friction":
-                for suffix, one in motions(dataset):
+                for suffix, motion_dataset in iterate_motions(dataset):
                     for mu0 in study.friction.mu0:
-                        yield f"friction_mu0_{mu0:.12g}{suffix}", partial(friction_figure, one, mu0)
+                        yield f"friction_mu0_{mu0:.12g}{suffix}", partial(friction_figure, motion_dataset, mu0)
             case "area":
-                for suffix, one in motions(dataset):
-                    yield f"area{suffix}", partial(area_figure, one)
-            case "onset":  # all contacts rub, and one direction is kept
-                yield "onset", partial(dimension_onset_figure, next(motions(dataset))[1])
+                for suffix, motion_dataset in iterate_motions(dataset):
+                    yield f"area{suffix}", partial(area_figure, motion_dataset)
+            case "onset":  # stored for friction at all contacts and one direction only
+                yield "onset", partial(dimension_onset_figure, next(iterate_motions(dataset))[1])
 
 
 # ---- Measured --------------------------------------------------------------------------------------------------------
@@ -122,41 +128,41 @@ def _of_generated(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, 
 def _of_measured(
     result: Result, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    asked = [float(load) for load in study.friction.load]
-    loads = np.unique([*study.contact.steps(), *asked])
+    loads_of_study = [float(load) for load in study.friction.load]
+    loads = np.unique([*study.contact.steps(), *loads_of_study])
     points = result.at(loads)
-    uncut, title, hardness = points.isel(cut_off=0), words_of(study), study.contact.hardness
-    first = asked[0]
+    uncut, title, hardness = points.isel(cut_off=0), print_title(study), study.contact.hardness
+    first = loads_of_study[0]
     over, onset = points if points.sizes["cut_off"] > 1 else result.over_cut_offs, result.onset
     for number, (m, t) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
-        of = "" if number == 1 else f"-{number}"
-        own = uncut.isel(mu0=m, tau0=t)
-        at = own.sel(load=first, method="nearest")
-        yield f"friction{of}", partial(load_figure, own, asked, title=title)
-        if points.sizes.get("direction", 1) >= FEWEST_DIRECTIONS:
-            yield f"compass{of}", partial(compass_figure, at, title=title)
-        yield f"positions{of}", partial(drawn_positions, result, at, title=title)
+        suffix = "" if number == 1 else f"-{number}"
+        selection = uncut.isel(mu0=m, tau0=t)
+        at = selection.sel(load=first, method="nearest")
+        yield f"friction{suffix}", partial(load_figure, selection, loads_of_study, title=title)
+        if points.sizes.get("direction", 1) >= MIN_DIRECTIONS:
+            yield f"compass{suffix}", partial(compass_figure, at, title=title)
+        yield f"positions{suffix}", partial(draw_positions, result, at, title=title)
         if over is not None:
             at = over.isel(mu0=m, tau0=t).sel(load=first, method="nearest")
-            yield f"cut_off{of}", partial(_cut_off, at, study, title=title)
-    for scaled in scales_beside(result):
+            yield f"cut_off{suffix}", partial(_cut_off, at, study, title=title)
+    for scaled in stored_scale_factors(result):
         of_scaled = "height_scale" if scaled == "both" else f"height_scale_{scaled}"
         for number, place in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
-            of = "" if number == 1 else f"-{number}"
-            yield of_scaled + of, partial(drawn_height_scale, result, scaled, place, title=title)
+            suffix = "" if number == 1 else f"-{number}"
+            yield of_scaled + suffix, partial(draw_height_scale, result, scaled, place, title=title)
     if study.is_areal:
-        yield "closure", partial(closure_figure, uncut.sel(load=slice(max(asked))), title=title)
+        yield "closure", partial(closure_figure, uncut.sel(load=slice(max(loads_of_study))), title=title)
     yield "budget", lambda: budget_figure(result.summary().first, title=title)
     if study.friction.wait:
-        yield "waiting", lambda: waiting_figure(result.summary().first, title=title)
+        yield "waiting", lambda: dwell_time_figure(result.summary().first, title=title)
     if onset is not None:
         yield "onset", partial(onset_figure, onset, title=title)
         if has_slip_map(onset):
             yield "slip", partial(slip_figure, onset, title=title)
-    if study.contact.adheres and (ways := result.coming_and_going) is not None:
-        yield "adhesion", partial(adhesion_figure, ways, title=title)
+    if study.contact.adheres and (branches := result.coming_and_going) is not None:
+        yield "adhesion", partial(adhesion_figure, branches, title=title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
-        at = uncut.isel(mu0=0, tau0=0).sel(load=asked, method="nearest")
+        at = uncut.isel(mu0=0, tau0=0).sel(load=loads_of_study, method="nearest")
         yield "sizes", partial(_sizes, result, at, hardness=hardness, title=title)
     if picture is not None and study.is_areal:
         direction = float(np.atleast_1d(points["direction"].values)[0])
@@ -166,21 +172,21 @@ def _of_measured(
 
 
 def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
-    return cut_off_figure(at, title=title, limits=limits(at, study))
+    return cut_off_figure(at, title=title, limits=resolution_limits(at, study))
 
 
-def drawn_height_scale(result: Result, scaled: Scaled, place: tuple[int, ...] = (0, 0), *, title: str) -> Figure:
-    """Draw a result over the stored factors of its heights, at its first load and one place of mu0 and tau0."""
+def draw_height_scale(result: Result, scaled: Scaled, place: tuple[int, ...] = (0, 0), *, title: str) -> Figure:
+    """Draw a result against the stored factors of the heights, at its first load and one pair of mu0 and tau0."""
     friction = result.study.friction
     mu0, tau0 = [friction.mu0[place[0]]], [float(friction.tau0[place[1]])]
-    factors, load = scales_beside(result)[scaled], [float(friction.load[0])]
+    factors, load = stored_scale_factors(result)[scaled], [float(friction.load[0])]
     assert result.stored is not None, "factors are stored alongside"
     at = at_height_scale(result.stored, factors, load, mu0=mu0, tau0=tau0, scaled=scaled)
     return height_scale_figure(at.isel(load=0, mu0=0, tau0=0), title=title)
 
 
-def drawn_positions(result: Result, at: xarray.Dataset, *, title: str) -> Figure:
-    """Friction of each member of a result, of which this is one point of `at_load`."""
+def draw_positions(result: Result, at: xarray.Dataset, *, title: str) -> Figure:
+    """Draw the friction of each member of a result at one point of `at_load`."""
     material: dict[str, Any] = {name: [float(at[name])] for name in ("mu0", "tau0")}
     members = member_values(result, [float(at["load"])], **material)
     values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)
@@ -194,7 +200,7 @@ def _sizes(result: Result, at: xarray.Dataset, **options: Any) -> Figure:
 def _of_profiles(
     result: Result, study: Study, at: xarray.Dataset, load: float
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """The first pair of lines that carries a load, of whose mean this is the point, if one does."""
+    """Yield a figure of the first pair of lines that carries a load."""
     contact: Any = study.contact
     wavelength = float(study.surfaces.cells()["cut_off"][0])
     dataset = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
@@ -206,6 +212,6 @@ def _of_profiles(
     assert isinstance(upper, Profile) and isinstance(lower, Profile)  # noqa: PT018
     yield "contact", partial(
         contact_figure, upper, lower, float(dataset["approach"].values[carrying[0]]), mu0=float(at["mu0"]),
-        tau0=float(at["tau0"]), load=load, offset=member.x, title=words_of(study),
+        tau0=float(at["tau0"]), load=load, offset=member.x, title=print_title(study),
         model=contact.model(contact.rules()[0]),
     )  # fmt: skip

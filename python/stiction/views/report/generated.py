@@ -23,7 +23,7 @@ from stiction.studies.point import rules_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
 from stiction.views.figures.ensemble import COLOUR_QUANTILES
-from stiction.views.point import way_text
+from stiction.views.point import motion_text
 from stiction.views.report.page import AXES, PageResult, ReportError, axes_facts, counted, motions_of
 from stiction.views.report.pictures import dimension_panel, profiles_panel
 from stiction.views.report.tables import Tables
@@ -77,7 +77,7 @@ def _facts_of(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str, An
         "measure": "total height" if surfaces.amplitude_measure == "height" else surfaces.amplitude_measure,
         "loads": {"values": loads.tolist(), "texts": [with_unit(load, "mN") for load in loads], "unit": ""},
         "ways": [
-            {"words": way_text(angle), "directions": [d], "isWhole": True, "angle": angle}
+            {"words": motion_text(angle), "directions": [d], "isWhole": True, "angle": angle}
             for d, angle in enumerate(angles)
         ],
         "quotedRule": rules_of(study)[0], "start": {"cell": dimensions.size // 2, "load": loads.size // 2},
@@ -343,7 +343,7 @@ def _head(study: Study) -> list[str]:
     return [
         f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
         f"pressed by {how}{law}; E* = {with_unit(float(contact.effective_modulus), 'GPa')}; contacts with friction: "
-        f"{' and '.join(rules)}; motion {', '.join(map(way_text, angles))}."
+        f"{' and '.join(rules)}; motion {', '.join(map(motion_text, angles))}."
     ]
 
 

@@ -22,10 +22,10 @@ from stiction.studies.resolution import seen
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.studies.summary import PointSummary
-from stiction.views.figures.standard import title_of, words_of
+from stiction.views.figures.standard import pair_title, print_title
 from stiction.views.onset import onset_note, onset_text
-from stiction.views.point import materials_text, over_text, way_text
-from stiction.views.pull_off import sticking_text
+from stiction.views.point import averaged_directions_text, materials_text, motion_text
+from stiction.views.pull_off import pull_off_text
 from stiction.views.report.page import (
     AXES,
     MOST_TEXT,
@@ -46,9 +46,9 @@ from stiction.views.report.pictures import (
 )
 from stiction.views.report.reading import GIVEN, reading_table
 from stiction.views.report.tables import Tables, decimals_of, text_with_unit
-from stiction.views.resolution import waves_text
+from stiction.views.resolution import wavelengths_text
 from stiction.views.sentence import sentence_text, slopes_text
-from stiction.views.text import budget_text, waited_text
+from stiction.views.text import budget_text, dwell_time_text
 
 MAX_POINTS = 400_000  # coefficients of measured bodies in a page: nodes times loads, cutoffs, rules and directions
 CHECKED_LOADS = 2  # loads along which the nodes are chosen
@@ -63,7 +63,7 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     result is too large.
     """
     dataset = result.dataset
-    files = title_of(study)
+    files = pair_title(study)
     name = f"{files} ({name})" if name else files
     tables = Tables()
     facts = _facts_of(dataset, result, study)
@@ -72,7 +72,7 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     picture = result.contact_picture if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.onset
-    beside = [waves_text(found)] if (found := seen(study)) is not None else []
+    beside = [wavelengths_text(found)] if (found := seen(study)) is not None else []
     beside += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
     said = "".join(f"<p>{escaped(line)}</p>" for line in (*beside, *_held(result, study)))
     details = said + "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
@@ -81,10 +81,10 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
         pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
         facts=facts, tables=tables, there=members, details=details,
         touching="" if picture is None else touching_panel(picture, facts["directions"][0]),
-        pictures=(positions_panel(result, facts["asked"][0], words_of(study)) if members > 1 else "")
-        + ("" if onset is None else onset_panels(onset, words_of(study)))
-        + height_scale_panels(result, words_of(study))
-        + adhesion_panel(result.coming_and_going, words_of(study)),
+        pictures=(positions_panel(result, facts["asked"][0], print_title(study)) if members > 1 else "")
+        + ("" if onset is None else onset_panels(onset, print_title(study)))
+        + height_scale_panels(result, print_title(study))
+        + adhesion_panel(result.coming_and_going, print_title(study)),
     )  # fmt: skip
 
 
@@ -136,9 +136,9 @@ def _friction_at_nodes(result: Result, study: Study, dataset: xarray.Dataset, ta
     """Put friction at nodes of mu0 and tau0 into tables, over kind, cutoff, rule, motion, load, mu0 and tau0."""
     loads, (rules, angles) = study.contact.steps(), motions_of(study)
     axes = nodes_of(result, study)
-    ways: list[dict[str, Any]] = [{"words": way_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
+    ways: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
     if len(angles) > 1:
-        ways.insert(0, {"words": over_text(angles), "directions": list(range(len(angles)))})
+        ways.insert(0, {"words": averaged_directions_text(angles), "directions": list(range(len(angles)))})
     kinds = _kinds_of(dataset)
     size = len(kinds) * dataset.sizes["cut_off"] * loads.size * len(rules) * len(ways)
     size *= axes[0].values.size * axes[1].values.size
@@ -226,7 +226,7 @@ def _held(result: Result, study: Study) -> list[str]:
     if not study.contact.adheres:
         return []
     sticking = result.summary().points[0].sticking
-    return [] if sticking is None else [sticking_text(sticking)]
+    return [] if sticking is None else [pull_off_text(sticking)]
 
 
 def _head(study: Study, facts: dict[str, Any]) -> list[str]:
@@ -299,7 +299,7 @@ def _answers(result: Result) -> list[dict[str, Any]]:
             ],
             "slopes": slopes_text(answer),
             "bar": _bar(answer),
-            "most": " ".join(filter(None, (budget_text(answer), waited_text(answer)))) or None,
+            "most": " ".join(filter(None, (budget_text(answer), dwell_time_text(answer)))) or None,
         }
         for answer in result.summary().points
     ]  # fmt: skip

@@ -18,12 +18,12 @@ from stiction.studies.contact_tables import Asperities
 from stiction.studies.members import pairs_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study
-from stiction.views.figures.contact import climbing, contact_figure, touching_figure
+from stiction.views.figures.contact import contact_figure, contact_map_figure, find_opposing_contacts
 from stiction.views.figures.loads import adhesion_figure
 from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
-from stiction.views.figures.standard import drawn_height_scale, drawn_positions
-from stiction.views.height_scale import CAVEAT, SCALED, scales_beside
-from stiction.views.point import way_text
+from stiction.views.figures.standard import draw_height_scale, draw_positions
+from stiction.views.height_scale import CAVEAT, SCALED, stored_scale_factors
+from stiction.views.point import motion_text
 from stiction.views.report.page import counted
 from stiction.views.style import STYLE
 
@@ -63,14 +63,14 @@ def height_scale_panels(result: Result, title: str) -> str:
     They are of its first load, mu0 and tau0.
     """
     panels = []
-    for scaled, factors in scales_beside(result).items():
+    for scaled, factors in stored_scale_factors(result).items():
         caption = (
             f"Heights of {SCALED[scaled]} times {factors[0]:g} to {factors[-1]:g}, each solved anew; dashed: as "
             f"measured. {CAVEAT} The load, μ0 and τ0 are the first ones of the study; moving the sliders does not "
             "change it."
         )
         seen = "Friction coefficient and true contact area over the rms gradient of the gap."
-        draw = partial(drawn_height_scale, result, scaled, title=title)
+        draw = partial(draw_height_scale, result, scaled, title=title)
         panels.append(_panel(f"Another finish of {SCALED[scaled]}", seen, caption, draw))
     return "".join(panels)
 
@@ -78,10 +78,10 @@ def height_scale_panels(result: Result, title: str) -> str:
 def touching_panel(picture: xarray.Dataset, direction: float) -> str:
     """A panel of what `contact_picture` gives, for a motion in a direction (degrees), as markup."""
     force, cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
-    climbs = int(climbing(picture, direction).sum())
+    climbs = int(find_opposing_contacts(picture, direction).sum())
     said = (
         f"The position whose true area is nearest to the mean: {counted(force.size, 'contact')} at "
-        f"{with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {way_text(direction)}, {climbs} of them "
+        f"{with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {motion_text(direction)}, {climbs} of them "
         f"{'opposes' if climbs == 1 else 'oppose'} the motion."
     )
     if cut.any():
@@ -89,7 +89,7 @@ def touching_panel(picture: xarray.Dataset, direction: float) -> str:
     moved = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
     stands = "line stands as it is pressed" if "gap" in picture else f"map is moved by {moved} µm"
     seen, caption = "The two bodies with their true contacts.", f"{said} The upper {stands}."
-    return _panel("Where they touch", seen, caption, lambda: touching_figure(picture, direction=direction))
+    return _panel("Where they touch", seen, caption, lambda: contact_map_figure(picture, direction=direction))
 
 
 def positions_panel(result: Result, load: float, title: str) -> str:
@@ -98,7 +98,7 @@ def positions_panel(result: Result, load: float, title: str) -> str:
     return _panel(
         "Single positions", "Friction coefficient of each pair in each direction.",
         "At the first load, μ0 and τ0 that were asked for, whatever the sliders say.",
-        lambda: drawn_positions(result, at, title=title),
+        lambda: draw_positions(result, at, title=title),
     )  # fmt: skip
 
 

@@ -16,13 +16,13 @@ from stiction.mechanics import friction
 from stiction.studies.assessment import ADVICE
 from stiction.studies.intervals import CONFIDENCE
 from stiction.studies.result import Result
-from stiction.views.figures.ensemble import TICKS
-from stiction.views.point import RULES
+from stiction.views.figures.ensemble import COLOUR_BAR_TICKS
+from stiction.views.point import RULE_DESCRIPTIONS
 from stiction.views.report.generated import page_of_generated
 from stiction.views.report.measured import page_of_measured
 from stiction.views.report.page import Page, ReportError, escaped, panel, part, scripts
 from stiction.views.report.tables import FLOAT_BYTES
-from stiction.views.style import RULE_WORDS
+from stiction.views.style import RULE_LABELS
 
 BETWEEN = "between-nodes"
 """Status of a coefficient that is not interpolated."""
@@ -100,7 +100,8 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
         if study.is_measured else page_of_generated(result, study, name)
     )  # fmt: skip
     facts = {
-        "percent": f"{100 * CONFIDENCE:g} %", "ticks": TICKS, "ruleWords": RULES, "ruleNames": RULE_WORDS,
+        "percent": f"{100 * CONFIDENCE:g} %", "ticks": COLOUR_BAR_TICKS,
+        "ruleWords": RULE_DESCRIPTIONS, "ruleNames": RULE_LABELS,
         "why": {
             name: {"short": short, "why": BETWEEN_WHY if name == BETWEEN else ADVICE.get(name, ("",))[0]}
             for name, short in STATUSES.items()

@@ -9,7 +9,13 @@ from stiction._core import __version__
 from stiction._number_format import percent, with_unit
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
-from stiction.views.characterisation import HARMLESS, PAPERS_MU0, Characterisation, Row, characterisation_of
+from stiction.views.characterisation import (
+    NEGLIGIBLE_SLOPE_FRACTION,
+    PAPER_MU0,
+    Characterisation,
+    Row,
+    to_characterisation,
+)
 from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.report.page import Page, escaped, part
 from stiction.views.report.pictures import inline
@@ -24,7 +30,7 @@ def surface_page(
 
     `options` are those of `characterisation_text`.
     """
-    found = characterisation_of(body, **options)
+    found = to_characterisation(body, **options)
     main = Template(part("surface.html")).substitute(
         meaning=_meaning(found), command=escaped(command), table=_table([*found.rows, *found.line_rows]),
         figure=inline(characterisation_figure(found), "Heights, their distribution, and spectra"),
@@ -46,14 +52,14 @@ def _meaning(found: Characterisation) -> str:
         f"Waves below {with_unit(2 * shortest, 'um')}, which is four points, have {percent(part)} of the mean square "
         f"slope: a finer scan {change}."
     )
-    if found.limit.slope_fraction >= HARMLESS:
+    if found.limit.slope_fraction >= NEGLIGIBLE_SLOPE_FRACTION:
         finer = (
             f"Waves below {with_unit(found.limit.wavelength, 'um')} are not to be trusted and have "
             f"{percent(found.limit.slope_fraction)} of the mean square slope: take them off before a number is quoted."
         )
     said = [
         f"Two bodies like this one begin to slide at μₛ = {' and '.join(values)}{axes}, by their slopes alone: "
-        f"elastic, without adhesion, and where μ0 is {PAPERS_MU0:g}." if values else "It has no slopes.",
+        f"elastic, without adhesion, and where μ0 is {PAPER_MU0:g}." if values else "It has no slopes.",
         finer,
         "For friction at a load, press two surfaces on each other: stiction pair --help has examples.",
     ]  # fmt: skip
