@@ -21,41 +21,41 @@ from stiction.mechanics.adhesion import Attraction
 from stiction.mechanics.half_space import resolved_range
 
 OF_GAPS = 1e-3
-"""Difference between two solutions over the range of adhesion; where bodies are soft the least energy is flat."""
+"""Tolerance of gaps over the range of adhesion; for soft bodies the energy minimum is flat."""
 
 STABLE = 0.03
-"""Fraction of the pull-off force inside which the least energy holds and outside which it does not."""
+"""Relative distance from the pull-off force at which the energy minimum exists or has vanished."""
 
 OF_MEAN_GAP = 1e-4
-"""Difference over the contact load between loads at one mean gap, each to a tolerance of 1e-5 of it."""
+"""Tolerance of loads at equal mean gap over the contact load; each solution has a tolerance of 1e-5."""
 
 OF_POINTS = 1e-3
-"""Fraction of the grid at whose points under a vanishing pressure two solvers may differ."""
+"""Fraction of the grid points, with almost zero pressure, at which two solvers may differ."""
 
 ROUND_OFF = 1e-12
-MAX_BOUNDS = 2  # random bodies out of 200 with a lower bound of the pull-off force
+MAX_BOUNDS = 2  # maximum number of 200 random pairs with only a lower bound of the pull-off force
 
 OF_PERIODS = 0.02
-"""Difference over a ball's pull-off force between a period of 20 radii of its contact and a piece of 10 alone."""
+"""Relative difference in pull-off force of a ball: period of 20 contact radii against an isolated piece of 10."""
 
 OF_LAWS = 0.06
-"""Difference over the pull-off force between an exponential attraction and one that ends at its range."""
+"""Relative difference in pull-off force: exponential attraction against one that ends at its range."""
 
 OF_MAUGIS = 0.02
-"""Difference over a ball's pull-off force, and over its radius at no load, from his solution with his attraction."""
+"""Relative difference of pull-off force and contact radius of a ball from Maugis' solution."""
 
 OF_GRIDS = 0.005
-"""Difference over a ball's pull-off force between a spacing and its half, or a free edge and one farther off."""
+"""Relative difference in pull-off force of a ball: half the spacing, or a more distant free edge."""
 
 OF_CLOSED_FORMS = 0.02
-"""Difference of loads and lengths between an attraction over a short range, 4 points or more, and over none."""
+"""Relative difference of loads and lengths: short-range attraction (at least 4 points) against zero range."""
 
 OF_STEPS = 3e-3
-"""Difference over a work between a sum over 40 steps and the integral."""
+"""Relative difference of work: sum over 40 steps against the integral."""
 
 
 def ball(tabor, *, points=64, length=10.0):
-    """A ball of radius 1 µm on a flat; the radius (µm) of its contact is the unit of length, the range 1 nm."""
+    """Return a ball of radius 1 µm on a flat, scaled by its contact radius (µm), with a range of 1 nm."""
     height = tabor * 1e-3
     spacing = length * height**0.5 / points
     x = (np.arange(points) - points // 2) * spacing
@@ -73,7 +73,7 @@ def rough(rms, work, *, points=32, modulus=80.0, length=1e-3, spacing=0.02, seed
 
 
 OF_SPACING = 0.03
-"""Difference over the pull-off force between spacings that give the process zone 8 points or more."""
+"""Relative difference in pull-off force between spacings with at least 8 points in the process zone."""
 
 
 @pytest.mark.parametrize(
@@ -148,14 +148,14 @@ def test_sphere_has_pull_off_of_maugis_for_any_period(tabor):
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
 def test_sphere_with_dugdale_attraction_equals_maugis_on_any_grid(tabor, monkeypatch):
-    """So what an exponential attraction differs by is the law's, and no grid's or edge's."""
+    """Differences of an exponential attraction are then due to the law, not to the grid or the edge."""
     length = 8 * max(1, tabor**-0.5)
     exponential = [
         half_space(*bodies, [0.0], **adhesive).pull_off
         for bodies, adhesive in (ball(tabor, points=n, length=c * length) for n, c in ((64, 1), (128, 1), (96, 1.5)))
     ]
     assert exponential[1:] == pytest.approx(exponential[:1] * 2, rel=OF_GRIDS)
-    edge = 0.05  # of the range, over which the attraction ends
+    edge = 0.05  # fraction of the range over which the attraction ends
 
     def ends(self, gap):
         return self.max_attraction / (1 + np.exp(np.minimum((np.maximum(gap, 0) / self.range - 1) / edge, 500)))
@@ -186,7 +186,7 @@ def test_cylinder_equals_barquins():
 def test_sinusoid_equals_johnson_and_jumps_into_full_contact(alpha):
     """Johnson, International Journal of Solids and Structures 32 (1995) 423: p/p* = sin²s - α (tan s)^(1/2), s = πa/λ.
 
-    Full contact needs no load from α = 0.57 on, and 0.09 p* at α = 0.5: not less, though accelerated steps leap there.
+    Full contact needs no load above α = 0.57, and 0.09 p* at α = 0.5. Accelerated steps must not reach it earlier.
     """
     points, height = 2048, 0.005
     x, full = np.arange(points) / points, np.pi * height
@@ -198,7 +198,7 @@ def test_sinusoid_equals_johnson_and_jumps_into_full_contact(alpha):
     if alpha > 0.57:
         assert (curve.contact_area > 1 - 1 / points).all()
         return
-    angle = np.linspace(1e-4, 1.2, 100_001)  # the unstable part begins later
+    angle = np.linspace(1e-4, 1.2, 100_001)  # the unstable branch starts later
     johnson = np.sin(angle) ** 2 - alpha * np.sqrt(np.tan(angle))
     rising = slice(np.argmin(johnson), np.argmin(johnson) + np.argmax(johnson[np.argmin(johnson) :]))
     expected = 2 / np.pi * np.interp(loads / full, johnson[rising], angle[rising])
@@ -208,12 +208,12 @@ def test_sinusoid_equals_johnson_and_jumps_into_full_contact(alpha):
 
 
 OF_PULL_OFF = 0.01
-"""Difference over the pull-off force from a closed form, or from the largest of many contacts."""
+"""Relative difference of the pull-off force from a closed form, or from the largest of many contacts."""
 
 
 @pytest.mark.parametrize("tension", [1.02, 1.05, 1.13, 1.7, 2.3])
 def test_pull_off_from_full_contact_of_sinusoid_equals_opening_load(tension):
-    """Complete contact under a load of 0.05 p* opens where the least pressure is 0: at a tension of w/ρ - p*."""
+    """Complete contact under a load of 0.05 p* opens where the lowest pressure is 0: at a tension of w/ρ - p*."""
     points, height = 512, 0.005
     x, full = np.arange(points) / points, np.pi * height
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
@@ -248,7 +248,7 @@ def test_pull_off_of_rough_surfaces_is_the_largest_local_maximum():
         states.append(attraction.settle(states[-1], 0.98 * states[-1].contact, before=states[0]))
     loads = np.array([state.load for state in states])
     first = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
-    assert first > 0.9 * loads.min()  # a local minimum that is not the least
+    assert first > 0.9 * loads.min()  # a local minimum that is not the global one
     largest = attraction.force(-loads.min())
     assert curve.pull_off == pytest.approx(largest, rel=OF_PULL_OFF)
     borne = half_space(*bodies, [0.0, -0.95 * largest], **adhesive)
@@ -257,7 +257,7 @@ def test_pull_off_of_rough_surfaces_is_the_largest_local_maximum():
 
 
 def soft_in_complete_contact():
-    """Bodies in complete contact at no load, whose pull-off force is above the load at which this contact opens."""
+    """Return bodies in complete contact at no load, whose pull-off force exceeds the opening load."""
     return rough(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013)
 
 
@@ -301,7 +301,7 @@ def test_pull_off_is_lower_bound_if_load_is_undecided(monkeypatch):
 
 @pytest.mark.parametrize("case", [rough(1e-3, 5e-5), rough(3e-3, 5e-5, modulus=2.0, length=2e-3)], ids=["hard", "soft"])
 def test_work_of_loading_and_unloading_equals_change_of_energy(case):
-    """So that around a loop it is what jumps lose, and 0 where bodies do not jump."""
+    """The work over a closed loop is the energy lost in jumps, and 0 without jumps."""
     bodies, adhesive = case
     area, free = 0.64**2, half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     loads = np.linspace(0, 0.001 * adhesive["effective_modulus"] * area, 41)
@@ -399,7 +399,7 @@ def test_zero_work_of_adhesion_changes_no_bits():
 
 
 def test_pull_off_is_found_if_repetitions_change_nothing():
-    """On these steps two repetitions in a row change nothing, and their ratio is 0/0."""
+    """Two consecutive repetitions change nothing here, and their ratio is 0/0."""
     columns = "0011000010111 0010010101100", "0101010011010 0100101100001"
     heights = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]
     upper, lower = (

@@ -21,12 +21,11 @@ from stiction import (
 )
 from support.rough_surfaces import rough_maps
 
-# Independent evaluations of the same heights: other splines, another search, another solution for the ellipse.
+# Independent evaluation of the same heights: other splines, another search, another solution for the ellipse.
 INDEPENDENT = 1e-8
-# The curvature error of a spline on a smooth body is of second order in spacing / radius, 1e-3 and less here.
+# The curvature error of a spline is of second order in spacing / radius, at most 1e-3 here.
 SMOOTH = 1e-6
-# Identities that change no operation but their order. A minimum lies where two slopes are equal, which round-off moves
-# most where the gap is flattest.
+# Identities that only change the order of operations. Round-off moves a minimum of the gap, most where the gap is flat.
 IDENTITY = 1e-9
 SCALING = 1e-8
 # Sums of the same numbers in another order.
@@ -41,7 +40,7 @@ ANGLES = (0.0, 33.0, 90.0, 180.0, 213.0, 301.5)
 
 
 def rough_pair(seed=3, **changes):
-    """A resolved pair: eight points to the shortest wave."""
+    """Return a resolved pair: eight points per shortest wavelength."""
     choices = {
         "hurst_exponent": 0.8, "rms": 0.05, "shape": (64, 80), "spacing": (0.05, 0.04), "shortest_wavelength": 0.4,
     } | changes  # fmt: skip
@@ -59,7 +58,7 @@ def assert_close(actual, expected, tolerance):
 
 
 def assert_sums_close(one, other, tolerance, names=COMMON + DIRECTED):
-    """Each of one curve within a tolerance of the other's, relative to the load or area that it is a part of."""
+    """Assert that sums of two curves agree, relative to the load or area to which they contribute."""
     for name in names:
         actual, expected = getattr(one, name), getattr(other, name)
         size = {"adhesive": other.contact_area}.get(name.rpartition("_")[2], other.normal_elastic)
@@ -130,7 +129,7 @@ class TestArealReference:
 
 
 def hertz(k, longer, overlap, modulus):
-    """Force, area, semi-axes and the shorter radius of the ellipse with k = b/a and a longer radius."""
+    """Return force, area, semi-axes and the shorter radius of an ellipse with k = b/a and a given longer radius."""
     m = 1 - k**2
     first, second = ellipk(m), ellipe(m)
     if k == 1:
@@ -147,7 +146,7 @@ class TestArealExact:
         modulus, overlap = 7.0, 1e-5
         force, area, axes, shorter = hertz(k, 2.0, overlap, modulus)
         c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-        # Fine enough for the shorter radius, and as wide as the ellipse is long.
+        # The grid resolves the shorter radius and contains the longer axis.
         half = 1.5 * axes[0]
         spacing = min(2 * half / 80, 0.02 * shorter)
         size = 2 * round(half / spacing)
@@ -155,7 +154,7 @@ class TestArealExact:
         def height(x, y):
             x, y = x - (size / 2 + 0.3) * spacing, y - (size / 2 - 0.2) * spacing
             along, across = c * x + s * y, -s * x + c * y
-            # A paraboloid: the radii at its apex are exact, and a cubic spline has it exactly but near the edges.
+            # The radii of a paraboloid at its apex are exact; a cubic spline reproduces it except near the edges.
             return -(along**2) / (2 * 2.0) - across**2 / (2 * shorter)
 
         body = surface_of(height, (size + 1, size + 1), (spacing, spacing))
@@ -183,13 +182,13 @@ class TestArealExact:
         curve = press(upper, lower, [1e-3], direction=[angle, angle + 180])
         theta = math.atan(slope)
         assert_close(curve.friction_coefficient(mu0=mu0)[0], math.tan(theta + math.atan(mu0)), ROUND_OFF)
-        assert curve.friction_coefficient(mu0=mu0)[1, 0] == 0  # it leans with the motion
-        # Up and down the slope when every contact rubs.
+        assert curve.friction_coefficient(mu0=mu0)[1, 0] == 0  # its slope assists the motion
+        # Up and down the slope with friction at all contacts.
         both = press(upper, lower, [1e-3], direction=[angle, angle + 180], sliding="all")
         assert_close(both.friction_coefficient(mu0=mu0)[0], math.tan(theta + math.atan(mu0)), ROUND_OFF)
         assert_close(both.friction_coefficient(mu0=mu0)[1], math.tan(math.atan(mu0) - theta), 1e-11)
         assert abs(curve.lateral_load(mu0=mu0)).max() < ROUND_OFF * curve.normal_elastic[0]
-        # With adhesion by the same triangle.
+        # With adhesion, from the same force triangle.
         m = mu0 + 0.05 * curve.contact_area / curve.normal_elastic * math.cos(theta)
         coefficient = curve.friction_coefficient(mu0=mu0, tau0=0.05)[0]
         assert_close(coefficient, np.tan(theta + np.arctan(m)), ROUND_OFF)
@@ -198,7 +197,7 @@ class TestArealExact:
         upper = surface_of(lambda x, y: 0.4 * x + ((x - 0.807) ** 2 + (y - 0.604) ** 2))
         lower = surface_of(lambda x, _y: 0.4 * x)
         curve = press(upper, lower, [1e-3], direction=90, sliding="all")
-        # Sliding along +y on a plane that rises along +x: nothing rises, and gravity's share pulls along -x.
+        # Sliding along +y on a plane that rises along +x: the height is constant, and the load acts towards -x.
         theta = math.atan(0.4)
         force = curve.normal_elastic / math.cos(theta)
         assert_close(curve.tangential_load(mu0=0.3), 0.3 * force, ROUND_OFF)
@@ -212,7 +211,7 @@ class TestArealExact:
             )
             for side in ("upper", "lower")
         )  # fmt: skip
-        # A slight bow along y, without which a valley has no lowest point.
+        # A slight bow along y; without it a valley has no lowest point.
         y = (np.arange(41) - 20.3)[:, None] * 0.05
         bow = 200.0
         above = Surface(upper.heights + y**2 / (2 * bow), spacing=0.05)
@@ -220,13 +219,13 @@ class TestArealExact:
         lines = candidates(upper, lower, deepest=0.2, curvature="signed")
         areas = candidates(above, below, deepest=0.2)
         gap = (upper.heights - lower.heights).min()
-        # The bow's own least height on the grid is part of first touch.
+        # First contact depends on the lowest height of the bow on the grid.
         shift = (above.heights - below.heights).min() - gap
         assert len(areas) == len(lines) >= 10
         assert np.allclose(areas.position[:, 0], lines.position[:, 0], atol=1e-9)
         assert np.allclose(areas.position[:, 1], 20.3 * 0.05, atol=1e-6)
         assert np.allclose(areas.gap, lines.gap - shift, atol=1e-9)
-        # On a profile R = q³/g''; on an area the shorter radius is that, across the valley, and the normal is the same.
+        # R = q³/g'' on a profile; on a map this is the shorter radius, across the valley. The normals are equal.
         assert_close(areas.radii[:, 1], lines.radii[:, 0], IDENTITY)
         approach = areas.gap[0] + shift + 1e-9
         one, other = contacts(lines, approach), contacts(areas, approach - shift)
@@ -235,7 +234,7 @@ class TestArealExact:
         assert np.allclose(other.normal[same], one.normal[nearest], atol=1e-8)
 
     def test_level_contacts_give_half_friction_if_opposing_and_full_if_all(self):
-        # Level contacts do not oppose: under the paper's rule a rough body on a flat has no friction at all.
+        # Level contacts do not oppose the motion: a rough body on a flat has no friction under the opposing rule.
         upper, _ = rough_pair()
         flat = Surface(np.zeros_like(upper.heights), spacing=upper.spacing)
         for bodies in ((upper, flat), (flat, upper)):
@@ -275,7 +274,7 @@ class TestArealIdentities:
         assert (every.opposing == one.opposing).all()
         curves = {rule: self.pressed(upper, lower, angles=[33, 213], sliding=rule) for rule in ("opposing", "all")}
         halves, whole = curves["opposing"], curves["all"]
-        # What pushes against the motion and what pushes along it make up the whole, to friction's turning round.
+        # Sums for both directions add up to the total, with friction reversed.
         assert_close(halves.tangential_elastic[0] - halves.tangential_elastic[1], whole.tangential_elastic[0], IDENTITY)
         assert_close(halves.tangential_frictional.sum(axis=0), whole.tangential_frictional[0], IDENTITY)
 
@@ -296,14 +295,14 @@ class TestArealIdentities:
         assert (shear.tangential_elastic == many.tangential_elastic[3]).all()
 
     def test_candidates_of_large_map_equal_those_of_its_pieces(self):
-        # More than one part of 256 cells a side, with a minimum on the seam of two.
+        # Several parts of 256 cells per side, with a minimum on a seam between two parts.
         size = 300
         y, x = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
         heights = -np.cos(2 * np.pi * x / 16) - np.cos(2 * np.pi * y / 16)
         points = candidates(
             Surface(heights * 0.1, spacing=0.1), Surface(np.zeros((size, size)), spacing=0.1), deepest=0.05
         )
-        # Every 16 points, but for those on the edges.
+        # Every 16 points, except on the edges.
         assert len(points) == 18**2
         assert np.allclose(np.round(points.position[:, :2] / 1.6), points.position[:, :2] / 1.6, atol=1e-3)
         assert np.ptp(points.radii[np.abs(points.position[:, :2] / 0.1 - 150).max(axis=1) < 100]) < 1e-9
@@ -312,7 +311,7 @@ class TestArealIdentities:
 class TestLaws:
     def test_elastic_plastic_law_uses_geometric_mean_radius(self):
         upper, lower = rough_pair()
-        # A bowl keeps contacts from the edge.
+        # A bowl keeps contacts away from the edge.
         y, x = (np.linspace(-1, 1, size) for size in upper.heights.shape)
         upper = Surface(upper.heights + 0.5 * (x**2 + y[:, None] ** 2) ** 3, spacing=upper.spacing)
         law = JacksonGreen(yield_strength=0.05, poisson_ratio=0.3)
@@ -323,7 +322,7 @@ class TestLaws:
             expected = force_and_area(law, overlap=table.overlap[i], radius=table.radius[i])
             assert_close((table.force[i], table.area[i]), expected, ROUND_OFF)
         assert np.allclose(table.radius, np.sqrt(table.radii.prod(axis=1)), rtol=ROUND_OFF)
-        # The patch has the ellipse's shape and the law's area.
+        # The patch has the shape of the ellipse and the area of the contact law.
         assert np.allclose(np.pi * table.axes.prod(axis=1), table.area, rtol=ROUND_OFF)
         assert np.allclose(table.axes[:, 1] / table.axes[:, 0], elastic.axes[:, 1] / elastic.axes[:, 0], rtol=1e-9)
 
@@ -351,14 +350,16 @@ class TestValidity:
 
     @staticmethod
     def rim(of_gap, table, i, turn):
-        """Points of an ellipse seen from above, from the reference's principal directions."""
+        """Return points of a projected ellipse, from the principal directions of the reference."""
         n = table.normal[i]
         p = -n[:2] / n[2]
         x, y = (table.centre[i] + 0.5 * table.overlap[i] * n)[:2]
         root = np.linalg.inv(np.linalg.cholesky(np.eye(2) + np.outer(p, p)))
         _, vectors = np.linalg.eigh(root @ of_gap.hessian([x], [y])[..., 0] @ root.T)
         u, v = (root.T @ vectors).T
-        a, b, _ = areal.semi_axes(*table.radii[i], table.overlap[i])  # all of it, also beyond the edge of the map
+        a, b, _ = areal.semi_axes(
+            *table.radii[i], table.overlap[i]
+        )  # the whole ellipse, including its part beyond the edge of the map
         return np.array([x, y]) + np.outer(np.cos(turn), a * u) + np.outer(np.sin(turn), b * v)
 
     @staticmethod
@@ -372,13 +373,13 @@ class TestValidity:
     def test_ellipse_at_edge_counts_its_part_inside_the_map(self):
         body = surface_of(lambda x, y: -((x - 0.2) ** 2 + (y - 0.6) ** 2) / 0.4)
         flat = Surface(np.zeros_like(body.heights), spacing=0.02)
-        # 0.2 from the edge: R = 0.2, so the radius of contact is that at an overlap of 0.2.
+        # 0.2 from the edge; R = 0.2, so that the contact radius is 0.2 at an overlap of 0.2.
         overlap = np.array([0.19, 0.21, 0.3])
         curve = press(flat, body, overlap - -body.heights.max())
         assert curve.contact_count.tolist() == [1, 1, 1]
         assert curve.validity.share_at_edge.tolist() == [0, 1, 1]
         assert curve.validity.share_crossed.tolist() == [0, 0, 0]
-        # Of a hemisphere of pressure, and of a disc, what is on one side of a line at h radii from the centre.
+        # Fractions of a pressure hemisphere and of a disc on one side of a line at h radii from the centre.
         h = np.minimum(1, np.sqrt(0.2 / overlap))
         inside = (2 + 3 * h - h**3) / 4, 1 - (np.arccos(h) - h * np.sqrt(1 - h**2)) / np.pi
         force, area = 4 / 3 * 10 * 0.2**0.5 * overlap**1.5 * inside[0], np.pi * 0.2 * overlap * inside[1]
@@ -407,7 +408,7 @@ class TestLoading:
             approach = approach_at_load(upper, lower, loads, mu0=0.3, **choices)
             curve = press(upper, lower, approach, **choices)
             assert_close(curve.normal_load(mu0=0.3), loads, 1e-9)
-        # A ball on a flat has Hertz's.
+        # A ball on a flat has the values of Hertz.
         ball = surface_of(lambda x, y: -((x - 0.807) ** 2 + (y - 0.604) ** 2) / 2)
         flat = Surface(np.zeros_like(ball.heights), spacing=0.02)
         touch = -ball.heights.max()
@@ -431,7 +432,7 @@ class TestLoading:
 
 
 class TestProfiles:
-    """The sliding rule on lines."""
+    """Sliding rules on profiles."""
 
     def test_sliding_rule_all_applies_to_profiles(self):
         upper, lower = (
@@ -503,14 +504,14 @@ class TestBadInput:
 
 class TestGrid:
     def test_sums_converge_with_grid(self):
-        # At equal heights: first touch is of grid points, so approaches of two grids differ by that of their touches.
+        # Equal heights: first contact is defined by grid points, so approaches of two grids differ by an offset.
         created = {}
         for points in (1024, 512, 256):
             spacing = 16 / points
             upper, lower = rough_maps(
                 5, rms=0.05, points=points, spacing=spacing, shortest_wavelength=1.0, longest_wavelength=4.0
             )
-            # A bowl keeps contacts from the edges, where splines of two grids differ.
+            # A bowl keeps contacts away from the edges, where splines of two grids differ.
             x = np.arange(points) * spacing - 8
             upper = Surface(upper.heights + 0.5 * ((x[:, None] ** 2 + x**2) / 49) ** 4, spacing=spacing)
             touch = (upper.heights - lower.heights).min()
@@ -524,8 +525,8 @@ class TestGrid:
             [np.median(np.abs(created[points][k] / created[1024][k] - 1), axis=0) for points in (256, 512)]
             for k in (1, 2)
         )
-        # Heights of a cubic spline are of fourth order in the spacing, curvatures of second; measured 4.1, and 2.3
-        # against a grid that is itself only twice as fine.
+        # Heights of a cubic spline converge with order 4, curvatures with order 2; measured: 4.1, and 2.3
+        # relative to a grid that is only twice as fine.
         assert np.log2(gaps[0] / gaps[1]) > 3.5
         assert (np.log2(radii[0] / radii[1]) > 1.2).all()
         for points, digits in ((256, 1e-3), (512, 2e-4)):
@@ -545,7 +546,7 @@ class TestGentleSurfaces:
                 7, rms=0.02, shape=(256, 256), spacing=1 / 16, shortest_wavelength=0.7, longest_wavelength=4.0,
                 repetition=repetition,
             )  # fmt: skip
-            # Rms slope of the gap along one direction, by the Fourier coefficients.
+            # Rms slope of the gap along one direction, from its Fourier coefficients.
             wave = 2j * np.pi * np.fft.fftfreq(256, 1 / 16)
             gap = np.fft.fft2(upper.heights - lower.heights)
             slope += sum(np.mean(np.abs(np.fft.ifft2(gap * w)) ** 2) for w in (wave, wave[:, None])) / (2 * pairs)
@@ -560,9 +561,9 @@ class TestGentleSurfaces:
             mean = tangential.sum() / normal.sum()
             left_out = (tangential.sum() - tangential) / (normal.sum() - normal)
             error = math.sqrt((pairs - 1) * np.var(left_out))
-            # 95 % with 15 degrees of freedom, and what is of second order in the slope.
+            # 95 % with 15 degrees of freedom, plus a term of second order in the slope.
             assert abs(mean - expected[rule]) < 2.13 * error + slope
-        # Without adhesion the second rule has mu0 for each pair.
+        # Without adhesion, friction at all contacts is mu0 for each pair.
         every = press(upper, lower, [0.03], direction=[0, 90, 180, 270], sliding="all")
         assert abs(every.friction_coefficient(mu0=mu0).mean() - mu0) < slope
 
@@ -675,11 +676,11 @@ def test_contacts_of_flat_valleys_are_invariant_under_symmetries(kind):
 
 
 def test_flat_valleys_count_as_unresolved():
-    # A flat-bottomed trench, and a pit beside it whose bottom is round.
+    # A flat-bottomed trench next to a pit with a round bottom.
     y, x = np.meshgrid(np.arange(40), np.arange(60), indexing="ij")
     upper = -0.05 * (np.abs(x - 15) <= 6) - 0.06 * np.maximum(0, 1 - ((x - 45) ** 2 + (y - 20) ** 2) / 100)
     curve = press(Surface(upper, spacing=0.1), Surface(np.zeros_like(upper), spacing=0.1), [0.058])
-    # Each point of the floor but for those on the edge of the map, and the pit's one.
+    # All points of the floor, except on the edge of the map, and the one of the pit.
     assert curve.grid_minimum_count[0] == 13 * 38 + 1 == curve.unanswered_count[0] + 1
 
 
@@ -690,7 +691,7 @@ def test_flat_surface_counts_as_convex():
         np.add.outer(*(0.0003 * np.arange(size) for size in upper.heights.shape)),
     ):
         body = Surface(flat, spacing=upper.spacing)
-        # Minima of the gap to a plane are summits of the other.
+        # Minima of the gap to a plane are summits of the rough surface.
         for bodies in ((body, lower), (upper, body)):
             convex, signed = (press(*bodies, [0.1, 0.3], curvature=name) for name in ("convex", "signed"))
             assert convex.contact_count.tolist() == signed.contact_count.tolist()
@@ -698,7 +699,7 @@ def test_flat_surface_counts_as_convex():
 
 
 def test_candidates_include_every_minimum_of_the_gap():
-    # Roughness down to the grid, where many minima are small and near to saddles.
+    # Roughness down to the grid spacing, with many small minima near saddles.
     upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
     gap = upper.heights - lower.heights
     deepest = 2 * np.ptp(gap)
@@ -729,7 +730,7 @@ def test_loads_are_linear_in_mu0_and_tau0():
 
 
 def test_overlapping_ellipses_are_counted():
-    # Two summits side by side whose ellipses meet, and one far away.
+    # Two adjacent summits whose ellipses meet, and a distant one.
     def bumps(x, y):
         centres = ((0.6, 0.6, 0.0), (0.8, 0.6, 0.0), (2.0, 0.6, 0.0))
         return np.max([h - ((x - cx) ** 2 + (y - cy) ** 2) / 0.4 for cx, cy, h in centres], axis=0)
@@ -738,14 +739,14 @@ def test_overlapping_ellipses_are_counted():
     flat = Surface(np.zeros_like(lower.heights), spacing=0.01)
     table = contacts(flat, lower, 0.02)
     assert len(table) == 3
-    # The nearer two meet where 2 sqrt(R d) = 0.2, R = 0.2.
+    # The adjacent ellipses meet where 2 sqrt(R d) = 0.2, R = 0.2.
     approach = [0.04, 0.049, 0.052, 0.06]
     curve = press(flat, lower, approach)
     assert np.allclose(curve.validity.share_overlapping, [0, 0, 2 / 3, 2 / 3], atol=0.02)
 
 
 def test_long_valley_load_is_limited_to_the_map():
-    # Bowed ever less along the valley, all of the ellipse carries ever more, and its part here that of a line.
+    # As the bow decreases, the ellipse grows, and its part on the map approaches a line contact.
     y, x = np.meshgrid((np.arange(41) - 20.3) * 0.05, (np.arange(81) - 40.3) * 0.02, indexing="ij")
     flat = Surface(np.zeros_like(x), spacing=(0.05, 0.02))
     load = []
@@ -754,7 +755,7 @@ def test_long_valley_load_is_limited_to_the_map():
         curve = press(flat, body, [0.02])
         assert (curve.contact_count[0], curve.validity.share_at_edge[0]) == (1, 1)
         load.append(curve.normal_elastic[0])
-        # Of a line of length l at the pressure of the ellipse's middle: the half-width b of a cylinder of radius 1.
+        # Line contact of length l at the pressure in the middle of the ellipse: half-width b of a cylinder of radius 1.
         overlap = 0.02 - body.heights.max()
         a, b, first = areal.semi_axes(bow, 1.0, overlap)
         middle = 10 * overlap / first / b  # 3 F / (2 π a b)

@@ -3,7 +3,7 @@ import pytest
 from reference import pressing
 from stiction import Profile, Surface, asperities
 
-# The same spline by two solvers: round-off of second differences, relative to their rms.
+# One spline from two solvers: round-off of second differences, relative to their rms.
 SAME_SPLINE = 1e-12
 
 
@@ -20,7 +20,7 @@ def test_slope_and_curvature_equal_scipy_natural_spline(rough_pair, dimension, s
 
 
 def test_asperity_of_circle_has_its_radius_and_centre(circular_arc):
-    # The spline's curvature error is of second order in spacing / radius ; the ends are ten points away.
+    # The curvature error of the spline is of second order in spacing / radius; the ends are ten points away.
     apex, radius = 0.5, 2.0
     for side, height in (("lower", -radius), ("upper", radius)):
         arc = asperities(circular_arc(apex, radius, 0.002, 500, side), side)

@@ -1,4 +1,4 @@
-"""Effect of neglected interactions of asperities: points of explanation/half_space.md and their references."""
+"""Tests of boundary elements and the asperity model, and of values in docs/explanation/half_space.md."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def exact_fraction(pressure):
 
 @pytest.mark.parametrize("relative", [0.02, 0.1, 0.3, 0.5])
 def test_boundary_elements_equal_westergaard(relative):
-    """Area, mean gap and stiffness: a wrong modulus, count of points or sign of the gap would show."""
+    """Area, mean gap and stiffness depend on the modulus, the point count and the sign of the gap."""
     random, pressure = np.random.default_rng(7), relative * FULL_CONTACT
     solid = [PeriodicHalfSpace(wave(256, shift), WAVELENGTH) for shift in random.random(20)]
     fraction, _, gap = np.mean([one.pressed(pressure) for one in solid], axis=0)
@@ -48,7 +48,7 @@ def test_boundary_elements_equal_westergaard(relative):
 
 @pytest.mark.parametrize("relative", [0.01, 0.3, 0.9])
 def test_asperity_model_on_sinusoid_equals_closed_forms(relative):
-    """The closed forms that the page draws: area √r / arcsin √r and stiffness ln(1/r)/4 of Westergaard's."""
+    """Relative to Westergaard, the area is √r / arcsin √r and the stiffness ln(1/r)/4."""
     asperities, pressure = PeriodicAsperities(wave(512, 0.303), WAVELENGTH), relative * FULL_CONTACT
     fraction, count, stiffness = asperities.at(pressure)
     assert count == 1
@@ -56,12 +56,12 @@ def test_asperity_model_on_sinusoid_equals_closed_forms(relative):
     assert fraction / exact_fraction(pressure) == pytest.approx(expected, rel=1e-4)
     westergaard = np.pi * EFFECTIVE_MODULUS / np.log(1 / relative) / WAVELENGTH
     assert stiffness / westergaard == pytest.approx(np.log(1 / relative) / 4, rel=1e-12)
-    # Lowered by its own load and by its periodic images, one asperity is as stiff as Westergaard's at any load.
+    # With the displacement by its own load and its periodic images, an asperity has Westergaard's stiffness.
     assert asperities.interacting(pressure)[STIFFNESS] == pytest.approx(westergaard, rel=1e-4)
 
 
 def test_periodic_asperity_model_is_invariant_under_shift():
-    """A contact that lies across the seam, or in the wrapped points, counts once."""
+    """A contact across the seam, or in the wrapped points, counts once."""
     heights = band_limited_profile(np.random.default_rng(3), 0.5, 8, 32)
     pressure = 0.1 * EFFECTIVE_MODULUS * RMS_SLOPE
     expected = PeriodicAsperities(heights, PERIOD).at(pressure)
@@ -71,10 +71,10 @@ def test_periodic_asperity_model_is_invariant_under_shift():
 
 
 def test_interaction_explains_difference_to_boundary_elements():
-    """The page's row of H = 0.75, 32 to 1, p̄ = 0.02 E* h'rms: all of its profiles, on half of its points.
+    """The case is H = 0.75, bandwidth 32, p̄ = 0.02 E* h'rms, on half of the points of the published table.
 
-    Another law or detection, contacts lost or counted twice, or two sides of different heights or loads move the first
-    pair of ratios by more than the 2 % that the grid does; that the second is near 1 says what the first is due to.
+    Another law or detection, and lost or doubly counted contacts, would change the first pair of ratios by more than
+    the 2 % due to the grid. The second pair is near 1: interaction explains the difference.
     """
     ratios = []
     for repetition in range(24):

@@ -25,9 +25,9 @@ from stiction.mechanics.law import LAWS, LAWS_BY_NAME, LawName
 from stiction.mechanics.model import ContactKeywords
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY
 
-# A spline by another solver.
+# A spline from another solver.
 SAME_SPLINE = 1e-9
-# Seconds of the process's own time, because the machine may be busy with others.
+# Seconds of processor time, which does not depend on other jobs.
 SIGNAL_AFTER = 0.2
 ENDED_WITHIN = 1.0
 

@@ -1,4 +1,4 @@
-"""Tests of the closed forms against other packages and each other, and of the asperity model against them."""
+"""Tests of closed forms against other packages and each other, and of the asperity model against closed forms."""
 
 import math
 import re
@@ -52,7 +52,7 @@ def test_jackson_green_equals_published_fit(ratio, radius, modulus, strain, pois
     critical, force, area = elastic_plastic.jackson_green(ratio, radius, modulus, strength, poisson)
     law = JacksonGreen(yield_strength=strength, poisson_ratio=poisson)
     actual = force_and_area(law, overlap=ratio * critical, radius=radius, effective_modulus=modulus)
-    if abs(ratio / 1.9 - 1) > 1e-9:  # there the branch is one of round-off
+    if abs(ratio / 1.9 - 1) > 1e-9:  # round-off selects the branch there
         assert actual == pytest.approx((force, area), rel=1e-10)  # powers of powers of ratios
 
 
@@ -75,7 +75,7 @@ class TestAgainstContactMechanics:
         assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=SAME_FORMULA)
 
     def test_westergaard_agrees_with_contact_mechanics(self, reference):
-        # Theirs: half-width in wavelengths, pressure in units of π E* Δ / λ with 2Δ the total height.
+        # ContactMechanics: half-width in wavelengths, pressure in units of π E* Δ / λ with the total height 2Δ.
         pressures = np.linspace(0.01, 0.99, 20)
         ours = westergaard_contact_fraction(pressures * math.pi, amplitude=1.0, wavelength=1.0, effective_modulus=1.0)
         theirs = 2 * np.array([reference[1].contact_radius(p) for p in pressures])
@@ -83,9 +83,9 @@ class TestAgainstContactMechanics:
 
 
 def test_asperities_on_sinusoid_tend_to_westergaard_at_light_load():
-    """Cylinders on the crests of a wave on a flat: at light loads crests do not feel each other, and the areas agree.
+    """At light loads the crests of a sinusoid on a flat do not interact, and the areas agree.
 
-    The first correction of arcsin is p̄/p*/6, so the difference falls with the load in proportion.
+    The first correction of arcsin is p̄/p*/6, so the difference is proportional to the load.
     """
     wavelength, amplitude, modulus, points = 1.0, 0.01, 10.0, 4001
     spacing = 10 * wavelength / (points - 1)
@@ -98,14 +98,14 @@ def test_asperities_on_sinusoid_tend_to_westergaard_at_light_load():
     )
     difference = curve.contact_area / (10 * wavelength) / exact - 1
     relative = pressures / (math.pi * modulus * amplitude / wavelength)
-    # One term of the series, to a tenth of itself; the spline's apex is good to 1e-5 of the overlap.
+    # One term of the series, to 10 %; the apex of the spline is accurate to 1e-5 of the overlap.
     assert np.allclose(difference, -relative / 6, rtol=0.1, atol=1e-5)
     assert relative[1] > 5 * relative[0]
 
 
 class TestFractalMoments:
     def test_moments_equal_means_over_many_profiles(self):
-        # Frequencies of which each is well resolved and fits many times into the profile.
+        # All frequencies are well resolved and have many periods in the profile.
         shape = {"directions": 10, "frequencies": 6}
         exact = weierstrass_mandelbrot_moments(1.4, **shape)
         measured = np.zeros(3)
@@ -116,8 +116,8 @@ class TestFractalMoments:
             slope = np.gradient(profile.heights, profile.spacing)
             curvature = np.gradient(slope, profile.spacing)
             measured += [profile.heights.var(), np.square(slope).mean(), np.square(curvature[2:-2]).mean()]
-        # Directions m and M - m interfere, which scatters the power of one profile by about 30 %: 1.5 % of the mean of
-        # 400, and slow waves (small |cos|) do not fit a whole number of times.
+        # Directions m and M - m interfere, so the power of one profile scatters by about 30 %, and a mean of
+        # 400 by 1.5 %; long waves (small |cos|) do not have a whole number of periods.
         assert np.allclose(measured / count, [exact.height, exact.slope, exact.curvature], rtol=0.05)
 
     def test_moments_follow_convention_and_band_limit(self):

@@ -23,13 +23,13 @@ SUMS = (
     "normal_frictional", "tangential_frictional", "normal_adhesive", "tangential_adhesive",
 )  # fmt: skip
 
-# Independent evaluations of the same heights: another spline solver and another order of operations. A minimum lies
-# where two slopes are equal, which round-off moves most where the gap is flattest.
+# Independent evaluation of the same heights: another spline solver and order of operations. Round-off moves a minimum
+# of the gap, most where the gap is flat.
 INDEPENDENT = {"cell": 1e-9, "gap-minimum": 1e-7}
 PLAIN = {"cell": pressing.contacts, "gap-minimum": pressing.minimum_contacts}
-# The spline's curvature error on a circle is of second order in spacing / radius (1e-3 here).
+# The curvature error of a spline on a circle is of second order in spacing / radius (1e-3 here).
 CIRCLE = 1e-6
-# Identities that change no operation but their order.
+# Identities that only change the order of operations.
 MIRROR = 1e-9
 EXCHANGE = 1e-8
 SCALING = 1e-8
@@ -79,7 +79,7 @@ class TestProfileReference:
     def test_sums_are_independent_of_height_offset(self, rough_pair):
         upper, lower = rough_pair(1.2)
         raised = Profile(upper.heights + 1024.0, spacing=upper.spacing)
-        # Adding 1024 rounds the heights to 2^-43 µm, 1e-12 of the amplitude, which curvatures feel most.
+        # Adding 1024 rounds the heights to 2^-43 µm, 1e-12 of the amplitude; curvatures are affected most.
         assert_close(all_sums(press(raised, lower, [0.01])), all_sums(press(upper, lower, [0.01])), 1e-5)
 
 
@@ -95,7 +95,7 @@ class TestProfileExact:
             lower = circular_arc(apexes[1], radii[1], spacing, points, "lower")
             touch = (upper.heights - lower.heights).min()
             for approach in (1e-4, 1e-3, 1e-2):
-                # Centres, with the lower apex at height 0 and the upper one lowered past first touch.
+                # Centres, with the lower apex at height 0 and the upper apex lowered beyond first contact.
                 apart = np.array([apexes[0] - apexes[1], radii[0] + radii[1] - touch - approach])
                 overlap = sum(radii) - np.hypot(*apart)
                 radius = radii[0] * radii[1] / sum(radii)
@@ -123,12 +123,12 @@ class TestProfileExact:
         upper = circular_arc(1.0307, 2.0, 0.002, 1000, "upper")
         lower = circular_arc(0.9411, 3.0, 0.002, 1000, "lower")
         curve = press(upper, lower, [0.0, 1e-3])
-        # The arcs' own first touch lies between grid points, so points that touch may overlap by less than a cell does.
+        # The arcs first touch between grid points, so contact points may overlap by less than a cell does.
         assert curve.contact_area[0] < 1e-3 * curve.contact_area[1]
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
     def test_crests_come_into_contact_in_order_of_height(self, detection):
-        # Waves on a slope of 1e-3, a flat above: each crest is 1e-3 of a wavelength below its neighbour.
+        # A flat above waves on a slope of 1e-3: each crest is 1e-3 wavelengths below its neighbour.
         x = np.arange(4000) * 0.001 + 0.3003
         lower = Profile(0.01 * np.cos(2 * np.pi * x) + 1e-3 * x, spacing=0.001)
         upper = Profile(np.zeros(4000), spacing=0.001)
@@ -145,14 +145,14 @@ class TestProfileExact:
         assert theta > 0.01
         coefficient = curve.friction_coefficient(mu0=mu0)[:, 0]
         assert_close(coefficient, np.tan(theta + np.arctan(mu0)), EXACT)
-        # Adhesion adds tau0 A to mu0 F: the same triangle at a steeper friction angle.
+        # Adhesion adds tau0 A to mu0 F: the same force triangle with a larger friction angle.
         tau0 = 0.2
         raised = mu0 + tau0 * table.area[0] / table.force[0]
         coefficient = curve.friction_coefficient(mu0=mu0, tau0=tau0)[:, 0]
         assert_close(coefficient, np.tan(theta + np.arctan(raised)), EXACT)
         pressure = table.force / table.area
         assert_close(coefficient, slope_friction(theta, mu0=mu0, tau0=tau0, mean_pressure=pressure), EXACT)
-        # Sheared the other way nothing opposes.
+        # No contact opposes the reverse motion.
         assert press(upper, lower, [1e-3], shear="-x").friction_coefficient(mu0=0.4).tolist() == [0]
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
@@ -164,7 +164,7 @@ class TestProfileExact:
         plane = Profile(1.0 + slope * ball.x, spacing=spacing)
         upper, lower = (plane, ball) if below else (ball, plane)
         touch = (upper.heights - lower.heights).min()
-        # The distance of the ball's centre, at height -R or R of its own profile, from the plane moved by the approach.
+        # Distance of the centre of the ball, at height -R or R of its profile, from the plane moved by the approach.
         height = 1.0 + slope * 10.003 + (-touch - 1e-3) * (1 if below else 0)
         centre = -radius if below else radius - touch - 1e-3
         overlap = radius - abs(height - centre) / math.hypot(1, slope)
@@ -175,7 +175,7 @@ class TestProfileExact:
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
     def test_nearly_flat_surface_equals_flat_surface(self, circular_arc, detection):
-        # The radius goes from 5e7 to 5e13 µm: a difference of such lengths would lose an overlap of 10 pm.
+        # The radius is 5e7 to 5e13 µm: a difference of such lengths would lose an overlap of 10 pm.
         ball = circular_arc(10.003, 12.0, 0.01, 2001, "lower")
         approaches = [1e-5, 1e-4, 1e-3]
         flat = press(Profile(np.ones(2001), spacing=0.01), ball, approaches, detection=detection)
@@ -204,7 +204,7 @@ class TestProfileExact:
                 assert_close(curve.tangential_load(mu0=mu0, tau0=tau0), tangential, INDEPENDENT["cell"])
 
     def test_steep_flanks_are_self_locked(self):
-        # Two triangular teeth rounded by the spline, flanks of 60 degrees: mu0 tan θ > 1 at mu0 = 1.
+        # Two triangular teeth, rounded by the spline, with flanks of 60 degrees: mu0 tan θ > 1 at mu0 = 1.
         x = np.arange(400) * 0.01
         lower = Profile(-np.sqrt(3) * np.sqrt((x - 2.0013) ** 2 + 0.01), spacing=0.01)
         upper = Profile(np.sqrt(3) * np.sqrt((x - 1.6) ** 2 + 0.01), spacing=0.01)
@@ -216,7 +216,7 @@ class TestProfileExact:
 
 @st.composite
 def pairs(draw):
-    """Rough pairs of a few hundred points: a sum of harmonics with random amplitudes and phases."""
+    """Generate rough pairs of a few hundred points: sums of harmonics with random amplitudes and phases."""
     points = draw(st.integers(60, 300))
     spacing = draw(st.floats(0.01, 0.1))
     x = np.arange(points) * spacing
@@ -284,7 +284,7 @@ class TestProfileIdentities:
     @CASES
     @IDENTITIES
     def test_sums_scale_with_size(self, law, pair, approach, choices):
-        """Forces and areas of spheres go as the square of the size, those of cylinders of one width as the size."""
+        """Forces and areas of spheres scale with size squared, those of cylinders of equal width with size."""
         assume(robust(*pair, approach, choices))
         size = 3.7
         scaled = [Profile(size * p.heights, spacing=size * p.spacing) for p in pair]
@@ -298,7 +298,7 @@ class TestProfileIdentities:
     @CASES
     @IDENTITIES
     def test_sums_scale_with_modulus(self, law, pair, approach, choices):
-        """With every strength in proportion, forces go as the modulus, and friction depends on tau0/E* alone."""
+        """If all strengths scale with the modulus, so do forces, and friction depends only on tau0/E*."""
         soft_law, hard_law = law, law
         if isinstance(law, JacksonGreen):
             hard_law = JacksonGreen(yield_strength=3 * law.yield_strength, poisson_ratio=law.poisson_ratio)
@@ -308,7 +308,9 @@ class TestProfileIdentities:
         assert_close(hard.tangential_frictional, 3 * soft.tangential_frictional, EXACT)
         assert_close(hard.contact_area, soft.contact_area, EXACT)
         ratio = [c.friction_coefficient(mu0=0.3, tau0=0.01 * c.effective_modulus) for c in (hard, soft)]
-        assert np.allclose(*ratio, rtol=1e-10, atol=0, equal_nan=True)  # mu_s of nearly locked contacts magnifies
+        assert np.allclose(
+            *ratio, rtol=1e-10, atol=0, equal_nan=True
+        )  # nearly self-locking contacts magnify errors of mu_s
 
     @CASES
     @IDENTITIES
@@ -332,18 +334,18 @@ class TestProfileIdentities:
 
 
 class TestGapMinimum:
-    """Results that are independent of the grid, unlike those of the cell detection."""
+    """Grid-independent results, unlike those of the cell detection."""
 
     POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
-    # The first touch is that of grid points, within g'' Δx² / 8 of the bodies' own, of an approach of 10 nm: 3 digits
-    # for every pair, more for a sum over pairs.
+    # First contact is defined by grid points, which adds up to g'' Δx² / 8 to an approach of 10 nm: 3 digits agree for
+    # each pair, more for a sum over pairs.
     EACH_PAIR = 1e-3
     ALL_PAIRS = 2e-4
 
     @pytest.fixture(scope="class")
     @classmethod
     def curves(cls):
-        """{points: sums (quantity, approach) of each of several pairs} on the first 8 frequencies."""
+        """Return sums (quantity, approach) of several pairs by number of points, for the first 8 frequencies."""
         result = {}
         for points in cls.POINTS:
             result[points] = []
@@ -367,7 +369,7 @@ class TestGapMinimum:
             assert_close(curves[points][:, 1:].sum(axis=0), finest[:, 1:].sum(axis=0), self.ALL_PAIRS)
 
     def test_sums_converge_with_second_order(self, curves):
-        # The place of first touch within a cell is random, so errors are compared in the mean over pairs.
+        # The position of first contact within a cell is random, so mean errors over pairs are compared.
         finest, coarser = curves[self.POINTS[-1]], self.POINTS[:-1]
         errors = [np.abs(curves[points][:, 1:3] / finest[:, 1:3] - 1).mean() for points in coarser]
         order = -np.polyfit(np.log(coarser), np.log(errors), 1)[0]

@@ -31,22 +31,22 @@ from support.rough_surfaces import flat_like
 from support.rough_surfaces import periodic_body as rough
 
 MODULUS = 10.0
-DENSE = 1e-8  # of the highest pressure, against dense matrices with a solver's tolerance of 1e-11
-MINDLIN = 1e-3  # of the motion of a sphere, with a contact of 50 points in radius
+DENSE = 1e-8  # of the highest pressure, against dense matrices at a solver tolerance of 1e-11
+MINDLIN = 1e-3  # of the displacement of a sphere whose contact radius is 50 points
 ROUND_OFF = 1e-12
-GRID_OF_PLASTIC_EDGES = 0.05  # of the true area, with some 15 points to a contact; the mean over grids is within 0.015
-QUADRATURE = 1e-9  # of 60 by 200 points over smooth functions
-SCATTER_OF_ALL = 0.015  # of two pairs with some tens of contacts each, over twelve directions
-TIGHT = 1e-10  # a solver's tolerance, where a solution is held to another one
+GRID_OF_PLASTIC_EDGES = 0.05  # of the true area, at about 15 points per contact; the mean over grids is within 0.015
+QUADRATURE = 1e-9  # of a quadrature of smooth functions on 60 by 200 points
+SCATTER_OF_ALL = 0.015  # for two pairs with some tens of contacts, over twelve directions
+TIGHT = 1e-10  # solver tolerance for comparisons of two solutions
 
 
-OF_LARGE_GRIDS = 1e-11  # relative to the largest displacement: logarithms of far cells cancel
-SOON = 2.0  # seconds of computing, whatever else the machine does; the whole takes ten times that
-SAME = 1e-5  # of two solutions with a tolerance of 1e-6
+OF_LARGE_GRIDS = 1e-11  # relative to the largest displacement: logarithms of distant cells cancel
+SOON = 2.0  # seconds of processor time; a complete solution takes ten times as long
+SAME = 1e-5  # difference of two solutions with a tolerance of 1e-6
 
 
-OF_STIFFNESS = 1e-6  # relative, of a compliance that is right to 1e-7
-GRID_OF_A_BALL = 2e-3  # of the load at an approach, with a contact of 24 points in radius
+OF_STIFFNESS = 1e-6  # relative, for a compliance with an error of 1e-7
+GRID_OF_A_BALL = 2e-3  # of the load at an approach, for a contact radius of 24 points
 
 
 def solver_of(gap, spacing, *, periodic, bound=np.inf, tolerance):
@@ -87,7 +87,7 @@ def test_pressure_agrees_with_dense_matrices(shape, boundary, pressed):
 @pytest.mark.parametrize("pressed", [0.02, 0.3])
 def test_missing_points_have_no_contact(shape, boundary, hardness, pressed):
     body = rough(shape, longest=1, shortest=5)
-    missing = np.zeros(shape, bool)  # the summit, and a quarter of all
+    missing = np.zeros(shape, bool)  # the summit, and a quarter of all points
     missing[tuple(slice(n // 2) for n in shape)] = missing[np.unravel_index(body.heights.argmax(), shape)] = True
     lower = type(body)(body.heights, spacing=body.spacing, missing=missing)
     load, spacing = pressed * MODULUS * 0.05, np.array([1 / n for n in shape])
@@ -115,7 +115,7 @@ def test_missing_points_have_no_contact(shape, boundary, hardness, pressed):
 @pytest.mark.parametrize("flat", [False, True])
 @pytest.mark.parametrize("part", [0.05, 0.95])
 def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part):
-    """Over a rough gap, as a hardness that varies; and over none, as a traction, with points that bear nothing."""
+    """Bounds vary between points: on a rough gap like a hardness, on a flat like a traction."""
     random = np.random.default_rng(5)
     periodic, spacing = boundary == "periodic", tuple(1 / n for n in shape)
     gap = np.zeros(shape) if flat else -(body := rough(shape, longest=1, shortest=5).heights) + body.max()
@@ -136,7 +136,7 @@ def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_uniform_bounds_on_flat_are_reached_at_full_load(boundary):
-    """A displacement that is even everywhere, or a punch's, up to all that the points bear."""
+    """Uniform displacement, or that of a punch, up to the largest load that the bounds permit."""
     random = np.random.default_rng(2)
     bound = 1.0 + 1e-15 * random.normal(size=(20, 24))
     solver = solver_of(np.zeros(bound.shape), (0.1, 0.1), periodic=boundary == "periodic", bound=bound, tolerance=1e-6)
@@ -151,7 +151,7 @@ def test_uniform_bounds_on_flat_are_reached_at_full_load(boundary):
 
 @pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9, 0.99])
 def test_traction_under_sphere_equals_mindlin(ratio):
-    """Hertz's pressure times mu0 is the bound; of the radius (1 - T/T_s)^(1/3) sticks (Johnson 7.2)."""
+    """The bound is Hertz's pressure times mu0; the relative stick radius is (1 - T/T_s)^(1/3) (Johnson 7.2)."""
     n, spacing, radius, mu0 = 128, 0.02, 1.0, 0.4
     x = (np.arange(n) - n / 2 + 0.31) * spacing
     bound = mu0 * np.sqrt(np.maximum(1 - (x[:, np.newaxis] ** 2 + x**2) / radius**2, 0))
@@ -159,13 +159,13 @@ def test_traction_under_sphere_equals_mindlin(ratio):
     result = solver.at(ratio * bound.mean())
     sticks = (bound > 0) & (result.pressure.reshape(n, n) < bound)
     assert np.sqrt(sticks.sum() * spacing**2 / np.pi) == pytest.approx((1 - ratio) ** (1 / 3), abs=spacing)
-    moved_at_sliding = np.pi * mu0 / 2 / MODULUS * radius  # of a Hertzian pressure of that height, at its middle
+    moved_at_sliding = np.pi * mu0 / 2 / MODULUS * radius  # in the middle of a Hertzian pressure with this maximum
     assert result.approach == pytest.approx(moved_at_sliding * (1 - (1 - ratio) ** (2 / 3)), rel=MINDLIN)
 
 
 @pytest.mark.parametrize("fraction", [0.01, 0.1, 0.5, 0.9, 0.99])
 def test_sinusoid_equals_westergaard(fraction):
-    amplitude, full = 1e-4, np.pi * MODULUS * 1e-4  # so gentle that areas on the slope are those on the ground
+    amplitude, full = 1e-4, np.pi * MODULUS * 1e-4  # slopes so small that areas equal projected areas
     wave = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": MODULUS}
     load = full * np.sin(np.pi / 2 * fraction) ** 2
     errors = []
@@ -176,11 +176,11 @@ def test_sinusoid_equals_westergaard(fraction):
         exact = westergaard_contact_fraction(load, **wave)
         result = curve.contact(0)
         errors.append(np.abs(result.pressure - westergaard_pressure(x, load, **wave)).mean() / load)
-        # An edge of the contact is known to a point, and so is the gap beside it.
+        # The edge of the contact is resolved to one point, and so is the gap next to it.
         assert abs(curve.contact_area[0] - exact) < 1 / n
         gap = westergaard_gap(x, load, **wave)
         assert np.abs(result.gap - gap).max() < 2 * amplitude / n**0.5 * max(fraction, 0.1) * 0.1
-    # Mean errors fall with the grid spacing, of the first order or better, whatever the places of the edges.
+    # Mean errors decrease with the grid spacing to first order or faster, for any position of the edges.
     assert errors[1] < errors[0] / 2.5
     assert errors[1] < 0.15 / (4096 * fraction)
 
@@ -195,7 +195,7 @@ def test_westergaard_closed_forms_are_consistent():
         gap = westergaard_gap(x, load, **wave)
         assert (gap[p > 0] == 0).all()
         assert (gap[p == 0] >= 0).all()
-    # Without load the gap is the sinusoid's.
+    # Without load the gap is the sinusoid.
     np.testing.assert_allclose(westergaard_gap(x, 1e-12, **wave), 0.01 * (1 - np.cos(np.pi * x)), atol=1e-9)
 
 
@@ -224,7 +224,7 @@ def test_point_contact_equals_hertz(radii):
         curve = half_space(gap, flat_like(gap), [float(force)], tolerance=1e-8)
         approach = curve.approach[0] + gap.heights.min()
         errors.append(abs(approach / 0.01 - 1))
-        # The perimeter correction leaves a part of what it corrects, some tenths of a cell along the perimeter.
+        # After the perimeter correction an error of some tenths of a cell along the perimeter remains.
         assert curve.contact_area[0] == pytest.approx(float(area), rel=0.3 * 1.6 / n / axes[0])
     assert errors[-1] < 3e-4
     assert errors[-1] < errors[0] / 4
@@ -237,10 +237,10 @@ def test_hertz_ellipse_tends_to_sphere_and_line():
     np.testing.assert_allclose((force, area), hertz_sphere(0.01, 3.0, MODULUS), rtol=ROUND_OFF)
     np.testing.assert_allclose(a, b, rtol=ROUND_OFF)
     force, area, (a, b) = hertz_ellipse(0.01, 1e8, 1.0, MODULUS)
-    # Across a long ellipse the pressure is a line's under the load per length at its middle, 3 F/(4 a).
+    # Across a long ellipse the pressure is that of a line contact with the load per length 3 F/(4 a).
     half_width, _ = hertz_line(3 * force / (4 * a), 1.0, MODULUS)
     np.testing.assert_allclose(b, half_width, rtol=1e-6)
-    # Curvatures 1 to 5: axes 0.346 to 1, and 0.968 of the area and 1.0536 of the force of the geometric mean's sphere.
+    # Curvature ratio 5: axis ratio 0.346; 0.968 of the area and 1.0536 of the force of the equivalent sphere.
     force, area, (a, b) = hertz_ellipse(0.01, 5.0, 1.0, MODULUS)
     sphere = hertz_sphere(0.01, 5.0**0.5, MODULUS)
     np.testing.assert_allclose([b / a, area / sphere[1], force / sphere[0]], [0.346, 0.9680, 1.0536], atol=5e-4)
@@ -304,7 +304,7 @@ def test_stiffness_is_derivative_of_load():
     load = 0.05 * np.array([0.99, 1.0, 1.01])
     curve = half_space(flat_like(lower), lower, load, boundary="periodic", tolerance=1e-9)
     slope = (load[2] - load[0]) / (curve.approach[2] - curve.approach[0])
-    # Points that join between both loads make the slope differ from the stiffness of the patches between.
+    # Points that come into contact between both loads change the slope relative to the stiffness of the patches.
     assert curve.stiffness[1] == pytest.approx(slope, rel=0.01)
 
 
@@ -338,7 +338,7 @@ def test_pressure_agrees_with_tamaas(pressed, boundary):
     load = pressed * MODULUS * 0.1
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
     model.E, model.nu = MODULUS, 0.0
-    solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-11)  # below 1e-12 it may go on for ever
+    solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-11)  # below 1e-12 the iteration may not end
     if boundary == "free":
         tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
         solver.setIntegralOperator("dcfft")
@@ -346,7 +346,7 @@ def test_pressure_agrees_with_tamaas(pressed, boundary):
     assert solver.solve(load) < 1e-11
     result = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-9).contact(0).pressure
     exact = np.array(model.traction).reshape(n, n)
-    # Both measures of error are energies, so that pressures err by more.
+    # Both error measures are energies; errors of pressures are larger.
     assert np.abs(result - exact).max() < 1e-7 * exact.max()
 
 
@@ -379,7 +379,7 @@ def test_hardness_limits_pressure_and_area_tends_to_load_over_hardness():
 
 
 def test_random_problems_with_hardness_are_solved():
-    """A few of those of the soak: none refused, none wrong, pressures in contact at most the hardness on the mean."""
+    """Subset of the stress suite: every problem is solved, and the mean contact pressure is at most the hardness."""
     random = np.random.default_rng(8)
     for _ in range(8):
         upper, lower, load, arguments, words = soak.hard_problem(random)
@@ -391,14 +391,14 @@ def test_random_problems_with_hardness_are_solved():
 @pytest.mark.parametrize("shape", [(256,), (40, 40)])
 @pytest.mark.parametrize("ratio", [0.5, 10, 1000])
 def test_hardness_may_be_arbitrarily_low(shape, boundary, ratio):
-    """E* h'/H from 0.5 to 1000 and loads up to all that the hardness bears."""
+    """E* h'/H from 0.5 to 1000, and loads up to the largest that the hardness permits."""
     lower = rough(shape)
     hardness = MODULUS * 0.1 / ratio
     loads = np.array([1e-3, 0.03, 0.3, 0.9, 0.999]) * hardness
     curve = half_space(flat_like(lower), lower, loads, boundary=boundary, hardness=hardness)
     assert (curve.error <= 1e-6).all()
     assert (curve.load / curve.contact_area <= hardness * (1 + ROUND_OFF)).all()
-    assert (np.diff(curve.contact_area) >= 0).all()  # equal where all of it is in contact
+    assert (np.diff(curve.contact_area) >= 0).all()  # equal for complete contact
     for index in range(loads.size):
         contact = curve.contact(index)
         assert (contact.share >= contact.pressure / hardness).all()
@@ -407,7 +407,7 @@ def test_hardness_may_be_arbitrarily_low(shape, boundary, ratio):
 
 
 def test_contact_area_with_hardness_is_independent_of_grid():
-    """The shortest wave has 16 points in one and 64 in the other."""
+    """The shortest wavelength has 16 points in one grid and 64 in the other."""
     loads, fine = [0.005, 0.03], rough((512, 512), longest=2, shortest=8, seed=3)
     for hardness in (0.7, 0.2, 0.04):
         areas = []
@@ -431,7 +431,7 @@ def test_pressure_with_hardness_agrees_with_tamaas():
     exact = np.array(model.traction).reshape(n, n)
     curve = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=hardness, tolerance=1e-9)
     assert 0 < curve.load_share_at_hardness[0] < 1
-    assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness  # its own tolerance, in pressures
+    assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness  # tolerance of the reference, in pressures
 
 
 def test_friction_follows_small_slope_formula():
@@ -469,10 +469,10 @@ def test_gentle_friction_equals_formula():
 
 
 def leaning(sigma_along, sigma_across, m, *, rule):
-    """Friction of contacts that carry equal forces on normal slopes, each by its own normal and tangent: a slow sum."""
+    """Return friction of contacts with equal forces on normally distributed slopes, as a direct sum over tangents."""
     nodes, weights = np.polynomial.hermite_e.hermegauss(60)
     half, share = np.polynomial.legendre.leggauss(200)
-    along = 5 * (half + 1) * sigma_along  # uphill only, to ten deviations; downhill is its mirror image
+    along = 5 * (half + 1) * sigma_along  # uphill slopes up to ten deviations; downhill is the mirror image
     chance = 5 * share * np.exp(-((along / sigma_along) ** 2) / 2) / np.sqrt(2 * np.pi)
     normal = tangential = 0.0
     for across, weight in zip(nodes * sigma_across, weights / weights.sum(), strict=True):
@@ -519,7 +519,7 @@ def test_second_order_gentle_friction_has_limits():
 
 
 def bodies(ratio, seeds, slope):
-    """A pair whose gap has an rms gradient of about `slope`, one body flatter than the other by a ratio."""
+    """Return a pair whose gap has an rms gradient of about `slope`; one body is flatter by a ratio."""
     steeper = slope / np.hypot(1, 1 / ratio)
     return (
         rough((128, 128), seed=seed, longest=8, shortest=16, slope=item)
@@ -551,7 +551,7 @@ def test_mean_slope_of_contacts_depends_on_roughness_alone():
         )  # fmt: skip
         lean.append((curve.tangential_elastic / curve.normal_elastic).mean())
     assert np.ptp(lean) < 0.05 * np.mean(lean)
-    # By whole patches less than the mean slope of their points, more so where the waves are of many lengths.
+    # Patches oppose with less than the mean slope of their points, most for broad spectra.
     assert 0.7 < np.mean(lean) / (slope / np.sqrt(4 * np.pi) * ratio / (1 + ratio**2)) < 1.0
 
 
@@ -578,7 +578,7 @@ def test_extruded_profile_equals_profile():
     np.testing.assert_array_equal(other.contact_count, one.contact_count)
     assert other.friction_coefficient(mu0=0.4).shape == (2, 1)
     assert (other.status(mu0=0.4) == "ok").all()
-    # Along the grooves nothing leans, so nothing opposes.
+    # Along the grooves there are no slopes, so no contact opposes.
     np.testing.assert_allclose(other.tangential_load(mu0=0.4)[1], 0.0, atol=1e-9)
 
 
@@ -657,7 +657,7 @@ def test_curve_is_read_only_and_checks_indices():
 
 @pytest.mark.parametrize("load", [0.02, 0.05, 0.1])
 def test_level_contact_of_ball_opposes_no_direction(load):
-    # Its one patch is level; what the solver leaves of asymmetry must not decide.
+    # The only patch is level; residual asymmetry of the solution must not change its class.
     x = (np.arange(65) - 32) * 0.05
     ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
     flat = Surface(np.zeros((65, 65)), spacing=0.05)
@@ -703,7 +703,7 @@ def test_pairs_on_equal_grids_share_kernels():
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_several_loads_equal_single_loads(boundary):
-    """Areas begin at the load before where that is near; which start they had is below the tolerance."""
+    """A solution on a map starts from the previous load if it is near; the start changes less than the tolerance."""
     body = rough((48, 40))
     upper = flat_like(body)
     loads = np.array([1.0, 1.1, 1.25, 3.0]) * 0.02
@@ -739,7 +739,7 @@ def test_approaches_are_reached_up_to_full_contact(shape, left):
 
 
 def test_approach_of_sphere_equals_hertz():
-    """The approach of far points, δ = (9 F²/(16 E*² R))^(1/3)."""
+    """Approach of distant points, δ = (9 F²/(16 E*² R))^(1/3)."""
     ball = bowl(96, 2.0, (5.0, 5.0))
     curve = half_space(ball, flat_like(ball), approaches=[0.05])
     force, _ = hertz_sphere(0.05, 5.0, MODULUS)
@@ -790,7 +790,7 @@ def test_progress_reports_iterations_and_can_cancel():
 
 
 def test_solver_ends_soon_after_ctrl_c():
-    """The signal arrives long before the end, while the main thread runs in the core."""
+    """The signal arrives long before the end, while the main thread is in the core."""
     body = rough((512, 512), shortest=128)
     pressed = []
 
@@ -799,7 +799,7 @@ def test_solver_ends_soon_after_ctrl_c():
         signal.raise_signal(signal.SIGINT)
 
     def solve():
-        timer.start()  # in here, where it is awaited however early it comes
+        timer.start()  # within this block, which handles an early signal too
         half_space(flat_like(body), body, np.geomspace(0.001, 0.5, 200))
 
     timer = threading.Timer(0.3, ctrl_c)
@@ -810,7 +810,7 @@ def test_solver_ends_soon_after_ctrl_c():
 
 
 def test_solver_converges_if_steps_are_extrapolated():
-    """A half-plane on which steps are some thirty times as long as they were tried."""
+    """On this half-plane extrapolated steps are about thirty times as long as tried ones."""
     study = Study.named("figure6-half-plane")
     dimension = float(study.surfaces.fractal_dimensions()[7])
     upper, lower = pair_of(study, 14, fractal_dimension=dimension, amplitude=float(study.surfaces.amplitudes()[0]))

@@ -10,10 +10,10 @@ from stiction.studies.hardness import NODES
 from support.rough_surfaces import rough_maps
 
 FRICTION, AREA = 0.01, 0.03
-"""Largest relative errors of friction and of area between nodes, on maps of 96 by 96 points with few contacts."""
+"""Largest relative errors of friction and area between nodes, for maps of 96 by 96 points with few contacts."""
 
 
-@pytest.mark.parametrize("rms", [0.05, 0.007, 0.0015])  # plastic throughout, between, nearly elastic
+@pytest.mark.parametrize("rms", [0.05, 0.007, 0.0015])  # fully plastic, intermediate, nearly elastic
 def test_interpolated_area_agrees_with_direct_solutions(rms: float) -> None:
     upper, lower = rough_maps(rms=rms, points=96, spacing=0.05, shortest_wavelength=0.3)
 

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from stiction import Profile, approach_at_load, press
 
-FOUND = 1e-11  # relative: the root is bracketed to 1e-12 of the approach, and load goes with a power of it up to a few
-ARC = 1e-6  # relative: Hertz's force of two arcs, as in the contact tests
+FOUND = 1e-11  # relative: the root is bracketed to 1e-12 of the approach, and the load is a low power of the approach
+ARC = 1e-6  # relative: Hertzian force of two arcs, as in the contact tests
 
 
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
@@ -11,7 +11,7 @@ def test_approach_of_arcs_equals_hertz(circular_arc, detection):
     radius, spacing = 1.0, 1e-3
     lower = circular_arc(0.5003, radius, spacing, 1001, "lower")
     upper = circular_arc(0.5003, radius, spacing, 1001, "upper")
-    deep = 2 * (radius - np.sqrt(radius**2 - 0.0003**2))  # how much deeper than the grid points the apexes touch
+    deep = 2 * (radius - np.sqrt(radius**2 - 0.0003**2))  # distance between the apexes and the nearest grid points
     overlaps = np.array([1e-4, 1e-3, 1e-2])
     loads = 4 / 3 * 10.0 * np.sqrt(radius / 2) * overlaps**1.5
     result = approach_at_load(upper, lower, loads, mu0=0.3, detection=detection)
@@ -40,13 +40,13 @@ def test_approach_at_load_is_the_smallest_approach(rough_pair, dimension, detect
     if not reached.all():
         steps = np.ptp(upper.heights - lower.heights) * np.geomspace(1e-4, 1.0, 400)
         carried = press(upper, lower, steps, **choices).normal_load(**friction)
-        # At D = 1.6 single contacts come and go with many times the load of the others, in a step or two.
+        # At D = 1.6 single contacts with a high load appear and vanish within one or two steps.
         assert (carried >= loads[~reached].min()).mean() < 0.03
     for load, approach in zip(loads[reached], result[reached], strict=True):
         at = press(upper, lower, [approach * (1 - 1e-11), approach], **choices).normal_load(**friction)
         assert at[0] < load * (1 + FOUND)
         assert at[1] >= load * (1 - FOUND)
-        # Nothing carries it before, but for what comes and goes within a step of the search.
+        # No earlier approach carries the load, except for contacts that vanish within a step of the search.
         before = press(upper, lower, approach * np.geomspace(1e-4, 1 / 1.1, 200), **choices).normal_load(**friction)
         assert (before >= load).mean() < 0.03
 

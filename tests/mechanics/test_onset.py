@@ -24,25 +24,25 @@ from support.rough_surfaces import flat_like, periodic_body, rough_maps
 
 MODULUS = 10.0
 ROUND_OFF = 1e-12
-DENSE = 1e-6  # of the largest value, against dense matrices, with the solver's tolerance of 1e-6
-MINDLIN = 1e-3  # of the displacement of a ball whose contact is 24 points in radius
-RELATED = 0.01  # of what an independent principle says on rough bodies
+DENSE = 1e-6  # of the largest value, against dense matrices, at a solver tolerance of 1e-6
+MINDLIN = 1e-3  # of the displacement of a ball with a contact radius of 24 points
+RELATED = 0.01  # relative difference from an independent principle, for rough bodies
 PARTS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
 
 
 def bowl(n, extent, radii):
-    """A paraboloid, its highest point off the grid."""
+    """Return a paraboloid whose summit is off the grid."""
     x = (np.arange(n) - n / 2 + 0.31) * extent / n
     return Surface(-(x[:, None] ** 2 / (2 * radii[0]) + x[None, :] ** 2 / (2 * radii[1])), spacing=extent / n)
 
 
 def rough(shape, seed=4, slope=0.1):
-    """Waves from half of a unit length or square down to 8 points."""
+    """Return a rough body of unit size with wavelengths from 0.5 down to 8 points."""
     return periodic_body(shape, seed=seed, longest=2, shortest=max(shape[-1] // 8, 4), slope=slope)
 
 
 def mean_pressure(body, fraction):
-    """A load that is a fraction of E* h' on the whole of a unit length or square."""
+    """Return the load on a unit length or square at a fraction of E* h'."""
     steps = [np.diff(body.heights, axis=axis) * body.heights.shape[axis] for axis in range(body.heights.ndim)]
     return fraction * MODULUS * np.sqrt(sum(np.mean(np.square(step)) for step in steps))
 
@@ -89,7 +89,7 @@ def test_ball_slips_from_edge_inwards(ball):
     assert np.isnan(slips[~touching]).all()
     inside = touching & (away < radius)
     off = slips[inside] - (1 - (away[inside] / radius) ** 3)
-    assert np.abs(off).max() < 1 / 50 + 3 / (96 * radius)  # a step, and a cell at the edge
+    assert np.abs(off).max() < 1 / 50 + 3 / (96 * radius)  # one step, and one cell at the edge
     assert np.abs(np.median(off)) < 1 / 50
     early = curve.onset(0, mu0=0.3, steps=[0.2, 0.3]).slip_load()
     assert np.isnan(early[away < 0.5 * radius]).all()
@@ -108,7 +108,7 @@ def test_onset_of_cylinder_equals_cattaneo():
         q -= 0.3 * peak * stuck / half_width * np.sqrt(np.maximum(1 - (x / stuck) ** 2, 0))
         assert np.abs(onset.traction(i) - q).sum() < RELATED * q.sum()
         assert abs(half_width * (1 - onset.slipped_area[i]) - stuck) < 1 / n
-    # A free half-plane has no displacement, but slip has one, and takes energy.
+    # The displacement of a free half-plane is undefined, but slip is defined and dissipates energy.
     assert np.isnan(onset.displacement).all()
     assert np.isnan(onset.displacement_at_sliding)
     assert np.isnan(onset.stiffness)
@@ -138,7 +138,7 @@ def test_stick_area_of_ellipse_preserves_shape():
 
 
 def strength(curve, mu0, tau0):
-    """Points in contact, their bound, pressure and true area, from the model; slopes are to add 1e-8 at most."""
+    """Return contact points with bound, pressure and true area from the model; slopes contribute at most 1e-8."""
     pressure = curve.contact(0).pressure
     touching = pressure > 0
     periodic = curve._problem.grids.periodic
@@ -160,7 +160,7 @@ def strength(curve, mu0, tau0):
 @pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.0, 0.02), (0.2, 0.004)])
 def test_onset_agrees_with_active_set(shape, boundary, mu0, tau0):
     lower = rough(shape, slope=1e-4)
-    tau0 *= 1e-2  # pressures are of that order
+    tau0 *= 1e-2  # order of the pressures
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10)
     points, bound, pressure, fraction = strength(curve, mu0, tau0)
     assert 20 < bound.size < 600
@@ -196,7 +196,7 @@ def test_masing_energy_equals_computed_loop():
     for part in (0.5, 0.9):
         onset = curve.onset(0, mu0=0.3, poisson=0.0, steps=[part])
         top = onset.displacement[0]
-        # Up, down and up again: the second half of this is a cycle.
+        # Loading, unloading and reloading: the second half is a cycle.
         ways = top * np.concatenate([np.linspace(0, 1, 6)[1:], np.linspace(1, -1, 11)[1:], np.linspace(-1, 1, 11)[1:]])
         loads, lost = dense_onset.stepped(compliance, bound, ways)
         cell = np.prod(lower.spacing)
@@ -204,7 +204,7 @@ def test_masing_energy_equals_computed_loop():
         assert loads[14] == pytest.approx(-loads[4], rel=1e-6)
         assert loads[-1] == pytest.approx(loads[4], rel=1e-6)
         assert lost[5:].sum() * cell == pytest.approx(onset.energy_lost(onset.tangential_load[0]), rel=RELATED)
-        # The branch down is the way up twice as large.
+        # The unloading branch is the loading curve, enlarged by a factor of two (Masing).
         half = curve.onset(0, mu0=0.3, poisson=0.0, displacements=[top / 2])
         assert (loads[4] - loads[9]) / 2 * cell == pytest.approx(half.tangential_load[0], rel=1e-5)
 
@@ -225,7 +225,7 @@ def test_sliding_load_equals_friction_at_all_contacts(areas):
     assert onset.sliding_load == pytest.approx(all_rub, rel=1e-9)
     assert onset.tangential_load[-1] == onset.sliding_load
     assert onset.traction(-1).sum() * areas._problem.cell == pytest.approx(all_rub, rel=1e-9)
-    # Gentle slopes: the rule "all" but for terms of their squares.
+    # Small slopes: equal to the rule "all" except for terms of second order.
     all_rub = areas.with_sliding("all").tangential_load(mu0=0.3, tau0=0.05)[1]
     assert onset.sliding_load == pytest.approx(all_rub, rel=0.1**2)
     assert onset.slipped_area[-1] == onset.slipped_load[-1] == 1
@@ -236,7 +236,7 @@ def test_onset_quantities_increase_with_load(areas):
     onset = areas.onset(0, mu0=0.3, tau0=0.02, steps=40)
     for name in ("tangential_load", "displacement", "slipped_area", "slipped_load"):
         assert (np.diff(getattr(onset, name)) >= 0).all(), name
-    assert (np.diff(onset.displacement / onset.tangential_load) > 0).all()  # ever softer
+    assert (np.diff(onset.displacement / onset.tangential_load) > 0).all()  # decreasing stiffness
     assert (np.diff(onset.energy_lost(onset.tangential_load)) >= 0).all()
     bound = onset.traction(-1)
     for i in range(40):
@@ -261,7 +261,7 @@ def test_poisson_ratio_of_stiffer_body_has_less_weight():
 
 
 def test_onset_of_maps_equals_ciavarella_jaeger(areas):
-    """Slip is mu0 times what lies between the pressure and that at a smaller load."""
+    """Traction is mu0 times the difference of the pressures at this load and at a smaller one."""
     onset = areas.onset(2, mu0=0.3, poisson=0.25, steps=[0.4, 0.7])
     for i, smaller in enumerate((1, 0)):
         q = 0.3 * (areas.contact(2).pressure - areas.contact(smaller).pressure).ravel()
@@ -281,7 +281,7 @@ def test_onset_of_profiles_equals_ciavarella_jaeger(boundary):
             q = 0.2 * (curve.contact(2).pressure - curve.contact(smaller).pressure)
             assert np.abs(onset.traction(i) - q).sum() < RELATED * q.sum()
             if boundary == "periodic":
-                # In the plane, tractions move points as pressures do (Johnson, sections 2.2 and 2.5).
+                # In plane strain, tractions and pressures cause equal displacements (Johnson, sections 2.2 and 2.5).
                 way = 0.2 * (curve.approach[2] - curve.approach[smaller])
                 assert onset.displacement[i] == pytest.approx(way, rel=1e-4)
                 assert onset.stiffness == pytest.approx(curve.stiffness[2], rel=1e-3)
@@ -317,7 +317,7 @@ def test_onset_includes_contacts_at_hardness():
     onset = curve.onset(0, mu0=0.3, tau0=0.02)
     assert onset.sliding_load == pytest.approx(0.3 * load + 0.02 * curve.contact_area[0], rel=1e-6)
     assert np.isfinite(onset.stiffness)
-    # All at the hardness: a bound that is even.
+    # All points carry the hardness: the bound is uniform.
     curve = half_space(Surface(np.zeros((9, 9)), spacing=1.0), bowl(9, 9.0, (1.0, 1.0)), [9.0], hardness=1.0)
     assert curve.load_share_at_hardness[0] == pytest.approx(1)
     onset = curve.onset(0, mu0=0.3, steps=[0.5, 1.0])
@@ -343,7 +343,7 @@ def test_full_contact_is_rigid_until_sliding():
 
 
 def test_flat_punch_slips_everywhere_at_the_same_load():
-    """Free flats: pressures that move all alike hold alike, so that nothing slips before all does."""
+    """On free flats the pressure of a punch is proportional to its traction, so all points slip at the same load."""
     for flat in (Profile(np.zeros(64), spacing=0.1), Surface(np.zeros((33, 40)), spacing=0.1)):
         curve = half_space(flat, flat, [1.0])
         onset = curve.onset(0, mu0=0.2, steps=[0.01, 0.5, 0.99, 1.0])
@@ -398,7 +398,7 @@ def test_onset_of_asperity_agrees_with_half_space(radii, mu0, tau0):
 
 @pytest.mark.parametrize("direction", [0.0, 30.0, 90.0])
 def test_tangential_stiffness_of_ellipse_equals_cerruti_quadrature(direction):
-    """The displacement in the middle of an ellipse under a flat punch's tractions, by quadrature."""
+    """Reference: displacement in the middle of an ellipse under the tractions of a flat punch, by quadrature."""
     poisson, turned = 0.3, np.radians(direction)
     curve = one_ball((0.3, 1.0))
     axes = contacts(*curve._pressed.bodies, 0.02).axes[0]
@@ -408,10 +408,10 @@ def test_tangential_stiffness_of_ellipse_equals_cerruti_quadrature(direction):
 
     def moved(
         way,
-    ):  # of a unit force on 1/(2π a b) (1 - s²)^(-1/2), with 1/G = 4 (1 - ν)/E* of equal bodies, one of them
+    ):  # under a unit force with 1/(2π a b) (1 - s²)^(-1/2); 1/G = 4 (1 - ν)/E* for one of two equal bodies
         return (1 - poisson * np.sin(way - turned) ** 2) * reach(way)
 
-    shear = MODULUS * (1 - poisson)  # E* = G/(1 - ν) of equal bodies
+    shear = MODULUS * (1 - poisson)  # E* = G/(1 - ν) for equal bodies
     total = quad(moved, 0, 2 * np.pi)[0] / (8 * np.pi * shear * axes.prod())
     onset = curve.onset(0, mu0=0.3, poisson=poisson, direction=direction)
     assert onset.stiffness == pytest.approx(1 / (2 * total), rel=1e-9)
@@ -436,7 +436,7 @@ def test_onset_of_many_asperities_is_their_sum(many):
     assert onset.slipped_area[-1] == pytest.approx(1)
     light = curve.onset(1, mu0=0.3, tau0=0.1, direction=20.0, steps=[1e-6])
     assert light.tangential_load[0] / light.displacement[0] == pytest.approx(onset.stiffness, rel=1e-3)
-    # Each by itself, all as far as the upper body.
+    # Each patch alone, all displaced with the upper body.
     slides = onset.slip_load()
     assert (np.sort(slides)[:-1] <= onset.sliding_load).all()
     assert np.isfinite(slides).all()
@@ -496,11 +496,11 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
         result = fit_iwan(way, true.load(way), **known)
         assert np.abs(result.residual).max() < 1e-8
         assert (result.chi, result.beta) == pytest.approx((chi, beta), rel=1e-4)
-        # F_S at the end of the rise, without a jump; softer on the way.
+        # The curve ends at F_S without a jump, and its stiffness decreases.
         end = true.displacement_at_sliding
         assert true.load(end) == 2.0
         assert true.load(end * (1 - 1e-9)) == pytest.approx(2.0, rel=1e-6)
-        # Segalman's springs one by one, of which those that slip take 4 times strength times slip a cycle.
+        # Sum over Segalman's springs: each slipping spring dissipates 4 times strength times slip per cycle.
         edges = np.linspace(0, 1, 200_001) ** 3 * end
         slips, spring = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges ** (chi + 1))
         spring *= 3.0 / (1 + beta) / spring.sum()
@@ -582,7 +582,7 @@ def test_onset_rejects_bad_steps_and_amplitudes(ball):
 
 
 def test_onset_of_ball_with_tau0_alone_equals_closed_form(ball):
-    """tau0 alone: the asperity's closed form, whose bound is even over the true contact."""
+    """With tau0 alone the bound is uniform over the contact, and the asperity model has a closed form."""
     curve, radius = ball
     onset = curve.onset(0, mu0=0.0, tau0=0.2, poisson=0.0, steps=PARTS)
     area = np.pi * radius**2

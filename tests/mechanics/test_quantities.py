@@ -28,7 +28,7 @@ from stiction.views.rows import summary_table
 
 LOADS = ["20 MPa", "40 MPa"]
 COMMON = {"effective_modulus": "10 GPa", "mu0": 0.2, "tau0": "50 MPa", "onset": 1, "load": LOADS}
-LAYOUT = {"statistic", "offset", "shear"}  # dimensions that are no quantities
+LAYOUT = {"statistic", "offset", "shear"}  # dimensions, which are not quantities
 
 
 def heights(shape, seed, rms=0.1):
@@ -54,7 +54,7 @@ def generated(name, **changes):
 
 @pytest.fixture(scope="module")
 def results():
-    """Datasets that store the members of studies of all kinds."""
+    """Return datasets of members for all kinds of studies."""
     areal = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
     half_space = {"shifts": 3, "mechanics": "half-space", "direction": [0, 180]}
     result = {
@@ -75,7 +75,7 @@ def results():
 
 @pytest.fixture(scope="module")
 def at_loads(results):
-    """The same results at loads."""
+    """Return the results at loads."""
     return {name: at_load(result, loads(result)) for name, result in results.items()}
 
 
@@ -93,7 +93,7 @@ def variables_of(datasets):
 
 
 def dims_of(name, dataset):
-    """Dimensions of a variable behind cells and members, as the table has them."""
+    """Return the dimensions of a variable after cells and members, as listed in the table."""
     others = {"fractal_dimension", "amplitude", "cut_off", "repetition", "statistic"}
     step = {"approach": "step", "load": "step"}
     return {step.get(str(dim), str(dim)) for dim in dataset[name].dims} - others
@@ -119,10 +119,10 @@ def test_stored_variables_have_the_dimensions_and_dtypes_of_the_table(results):
 def test_variables_at_a_load_have_the_dimensions_of_the_table(at_loads):
     for title, dataset in at_loads.items():
         for name in map(str, dataset.data_vars):
-            if name == "status":  # of the coefficient, instead of the contact
+            if name == "status":  # properties of the coefficient, not of the contact
                 assert dims_of(name, dataset) == dims_of("friction_coefficient", dataset)
             else:
-                # The mean load of an ensemble, and so everything, depends on the rule, mu0 and tau0.
+                # The mean load of an ensemble depends on the rule, mu0 and tau0, and so do all quantities.
                 more = {"sliding", "mu0", "tau0"} if dataset.attrs["reading"] == "mean" else set()
                 missing = {"sliding", "direction"} - set(dataset.dims)
                 assert dims_of(name, dataset) - more == {*QUANTITIES[name].along} - more - missing, f"{name} of {title}"

@@ -19,7 +19,7 @@ from stiction.mechanics.brackets import kappa_spread, max_area
 from support.rough_surfaces import rough_maps
 
 ROUND_OFF = 1e-12
-EDGES = 0.1  # of an area, what cells at the edges of contacts are uncertain by on a coarse grid
+EDGES = 0.1  # relative uncertainty of the area due to cells at contact edges on a coarse grid
 STEEL = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
 
 
@@ -30,7 +30,7 @@ def pair(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
 
 @pytest.fixture(scope="module")
 def seen():
-    """Result of a pair under 20 MPa at its own resolution and coarser ones."""
+    """Return the result of a pair under 20 MPa at its own and coarser resolutions."""
     upper, lower = pair()
     load = 0.02 * 128**2 * 0.04**2
     lengths = [0.16, 0.32, 0.64]
@@ -59,7 +59,7 @@ def test_resolution_equals_half_space_of_filtered_surfaces(seen):
     again = resolution_friction(result, mu0=0.2, tau0=0.2)
     assert np.array_equal(again, result.friction_coefficient)
     smooth = resolution_friction(result, mu0=0.0)
-    assert abs(smooth.sel(sliding="all")).max() < 0.02  # slopes that lean both ways
+    assert abs(smooth.sel(sliding="all")).max() < 0.02  # slopes in both directions
 
 
 def test_bracket_with_hardness_contains_finer_results(seen):
@@ -72,7 +72,7 @@ def test_bracket_with_hardness_contains_finer_results(seen):
     least, limit = float(result.plastic_area_fraction[0]), float(result.plastic_friction_coefficient[0])
     assert least == pytest.approx(load / 4.0 / (128 * 0.04) ** 2, rel=ROUND_OFF)
     assert limit == pytest.approx(0.2 + 0.2 / 4.0, rel=ROUND_OFF)
-    # Every finer answer lies between the limit and the coarser one.
+    # Every finer result lies between the limit and the coarser one.
     for finer in range(area.size):
         assert (area[finer] >= least * (1 - EDGES)).all()
         assert (area[finer] <= area[finer:] * (1 + EDGES)).all()
@@ -89,7 +89,7 @@ def test_bracket_contains_finer_results(seen):
         assert ends[:, 0] == pytest.approx(float(result[f"plastic_{name}"][0]), rel=ROUND_OFF)
         for finer in range(ends.shape[0]):
             assert (values[finer, 0].values <= ends[finer:, 1] * stretch[finer]).all()
-    # As far above the limit as two standard deviations of κ, squared; of an elastic scan one.
+    # Two standard deviations of κ above the limit, squared; one for an elastic scan.
     count, least = result.contact_count[:, 0].values, float(result.plastic_area_fraction[0])
     above = result.contact_area_fraction[:, 0].values - least
     assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(least + above * kappa_spread(count) ** 2)
@@ -98,7 +98,7 @@ def test_bracket_contains_finer_results(seen):
 
 
 def test_bracket_of_few_contacts_allows_decreasing_area():
-    """A pair of seven contacts, of which the finest has more area than a coarser one: what the bracket is wide for."""
+    """In this pair of seven contacts the finest result has more area than a coarser one."""
     bodies = rough_maps(
         28, rms=0.01, points=256, spacing=0.01, repetition=2004, longest_wavelength=0.64, shortest_wavelength=0.04
     )
@@ -123,7 +123,7 @@ def test_resolution_without_hardness_gives_plastic_wavelength(seen):
     assert result.contact_area[0, 0] < result.contact_area[1, 0]
     assert result.hardness.size > 3
     lengths = result.plastic_wavelength[:, 0].sel(statistic="value").values
-    assert (np.diff(lengths) <= 0).all()  # the harder, the finer
+    assert (np.diff(lengths) <= 0).all()  # finer for a larger hardness
     at_four = float(plastic.plastic_wavelength.sel(statistic="value")[0, 0])
     harder, softer = (float(result.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0))
     assert harder < at_four < softer
@@ -139,8 +139,8 @@ def test_plastic_wavelength_is_where_slope_reaches_hardness(seen):
     roughness = scale_dependent_roughness(gap, periodic=True)
     value, low, high = result.plastic_wavelength[0, 0].values
     assert low <= value <= high
-    assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)  # it is in the scan
-    # Contacts are few, and κ within a factor of them.
+    assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)  # the scan contains it
+    # There are few contacts; κ agrees within a factor.
     curve = half_space(upper, lower, [load], effective_modulus=115.0, boundary="periodic")
     within = float(kappa_spread(curve.contact_count)[0])
     assert 1.1 <= within <= math.exp(1)
@@ -148,7 +148,7 @@ def test_plastic_wavelength_is_where_slope_reaches_hardness(seen):
 
 
 def test_extrapolation_follows_power_law():
-    """A scan without its short waves, and the same with them."""
+    """Compare a filtered scan with the unfiltered one."""
     upper, lower = pair(points=256, spacing=0.02)
     coarse = [Surface(cut_off(body, 0.16, periodic=True).heights, spacing=0.02) for body in (upper, lower)]
     load = [0.02 * (256 * 0.02) ** 2]
@@ -170,7 +170,7 @@ def test_extrapolation_follows_power_law():
 
 
 def test_extrapolated_interval_contains_friction_of_finer_scan():
-    """Pairs seen from 16 points on, and solved with all their waves."""
+    """Compare pairs filtered at 16 points with the unfiltered pairs."""
     inside = 0
     for seed in range(6):
         rough = {"hurst_exponent": 0.6, "rms": 0.02, "shape": (256, 256), "spacing": 0.02, "shortest_wavelength": 0.08}
@@ -186,7 +186,7 @@ def test_extrapolated_interval_contains_friction_of_finer_scan():
         at = result.continued_elastic_friction_coefficient.sel(finer_wavelength=0.08)[0]
         truth = resolution(*fine, load, hardness=None, **options).friction_coefficient.sel(sliding="all")[0, 0]
         inside += bool(at.sel(statistic="lower") <= truth <= at.sel(statistic="upper"))
-    assert inside >= 5  # of 95 %, two misses would be a chance of 1 in 30
+    assert inside >= 5  # at 95 % coverage, two misses have a probability of 1 in 30
 
 
 def test_resolution_of_profiles_averages_both_directions():

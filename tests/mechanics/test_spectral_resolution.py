@@ -1,4 +1,4 @@
-"""Tests of the closed form over cutoffs: its parts, its limits, and the half-space of the same surfaces."""
+"""Tests of the closed form over cutoffs: its terms, its limits, and the half-space model of the same surfaces."""
 
 import math
 
@@ -25,7 +25,7 @@ def test_spectral_resolution_uses_smaller_of_elastic_pressure_and_hardness():
     gradient = np.hypot(upper.gradient_at(result.wavelength), lower.gradient_at(result.wavelength))
     assert result.rms_gradient.values == pytest.approx(gradient)
     pressure = np.minimum(115.0 * gradient / 2.2, 4.0)
-    shown = np.maximum(pressure, 0.05)  # no more than all touches
+    shown = np.maximum(pressure, 0.05)  # at most complete contact
     assert result.mean_pressure.values == pytest.approx(shown)
     assert result.contact_area_fraction.values == pytest.approx(0.05 / shown)
     mu = result.friction_coefficient.sel(sliding="all").values
@@ -50,7 +50,7 @@ def test_spectral_resolution_agrees_with_half_space():
     )
     result = spectral_resolution(upper, lower, **OPTIONS, wavelengths=[0.04])
     assert float(result.contact_area_fraction[0]) == pytest.approx(float(solved.contact_area_fraction[0, 0]), rel=0.15)
-    # A patch opposes as a whole, by less than its points.
+    # A patch opposes as a whole, with less than the slopes of its points.
     for rule, within in (("all", 0.05), ("opposing", 0.15)):
         one, other = (item.friction_coefficient.sel(sliding=rule).values.ravel()[0] for item in (result, solved))
         assert one == pytest.approx(other, rel=within)
@@ -60,7 +60,7 @@ def test_spectral_resolution_on_flat_uses_slopes_of_one_surface():
     upper = both(pair(64))[0]
     result = spectral_resolution(upper, None, **OPTIONS)
     assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))
-    # A flat shares no slope: contacts are level.
+    # A flat has no slope: contacts are level.
     opposing, everything = (result.friction_coefficient.sel(sliding=rule).values for rule in ("opposing", "all"))
     assert opposing == pytest.approx(everything / 2)
 

@@ -3,10 +3,10 @@ import pytest
 from stiction import Profile, Surface, half_space
 from support.rough_surfaces import rough_maps
 
-OFF_CENTRE = 1e-4  # of the length, what a balance leaves
-LINEAR = 0.03  # of a stiffness, taken over 2 % of the load on both sides, in which points come into contact
-DENSE = 1e-5  # of what points answer, by dense matrices
-BALL = 1e-3  # of a ball's tilt, which puts its summit in the middle
+OFF_CENTRE = 1e-4  # residual offset of the resultant, over the length
+LINEAR = 0.03  # relative error of a stiffness from loads ±2 % apart, between which points come into contact
+DENSE = 1e-5  # relative error against dense matrices
+BALL = 1e-3  # relative error of the tilt of a ball, which moves its summit to the middle
 
 
 def pair_of(seed, shape=(48, 64)):

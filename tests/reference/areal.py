@@ -1,4 +1,4 @@
-"""Contact and friction of two maps in plain NumPy on scipy's splines: slow, and each step as its formula reads."""
+"""Reference for contact and friction of two maps: plain NumPy on scipy splines, slow and formula by formula."""
 
 from functools import lru_cache
 from itertools import pairwise
@@ -30,7 +30,7 @@ class Spline:
 
 
 def minima(heights, spacing):
-    """(n, 2) places x, y of the local minima of a map's spline: Newton's method from 16 starts in every cell."""
+    """Return the positions (n, 2) of local minima of the spline of a map: Newton's method from 16 starts per cell."""
     return _minima(heights.tobytes(), heights.shape, tuple(spacing))
 
 
@@ -61,7 +61,7 @@ def _minima(values, shape, spacing):
                 / determinant
             ).T  # fmt: skip
         at = at - move
-        # Another start is nearer to what is found further off.
+        # Another start is nearer to a minimum found farther away.
         near = (np.abs(at - start) < 1.5 * step).all(axis=1) & (at > 0).all(axis=1) & (at < most).all(axis=1)
         at, start, move = at[near], start[near], move[near]
         if at.size == 0 or np.abs(move / step).max() < 1e-13:
@@ -78,7 +78,7 @@ def _minima(values, shape, spacing):
 
 
 def ellipse(longer, shorter):
-    """k = b/a, and K of the modulus sqrt(1 - k²), of two radii of relative curvature (Johnson, section 4.2)."""
+    """Return k = b/a and K(sqrt(1 - k²)) for two radii of relative curvature (Johnson, section 4.2)."""
 
     def integrals(k):
         return ellipkm1(k**2), ellipe(1 - k**2)
@@ -95,7 +95,7 @@ def ellipse(longer, shorter):
 
 
 def semi_axes(longer, shorter, overlap):
-    """Semi-axes of the ellipse, and K."""
+    """Return the semi-axes of the ellipse, and K."""
     k, first = ellipse(longer, shorter)
     second = ellipe(1 - k**2)
     if k > 1 - 1e-6:
@@ -106,19 +106,19 @@ def semi_axes(longer, shorter, overlap):
 
 
 def inside(place, along, across, extent):
-    """Shares of Hertz's force and of the area that lie on the map, along rays from the centre to the edge or the rim.
+    """Return the fractions of Hertz's force and area on the map, by rays from the centre to the edge or the rim.
 
-    Of the ellipse place + r (cos θ along + sin θ across), r <= 1, of semi-axes `along` and `across`.
+    The ellipse is place + r (cos θ along + sin θ across), r <= 1, with semi-axes `along` and `across`.
     """
 
     def reach(theta):
-        """Along each ray, where it leaves the map or the ellipse."""
+        """Return the distance at which each ray leaves the map or the ellipse."""
         ray = np.cos(theta)[:, None] * along + np.sin(theta)[:, None] * across
         with np.errstate(divide="ignore"):
             leaves = np.where(ray > 0, (extent - place) / ray, np.where(ray < 0, -place / ray, np.inf))
         return np.minimum(1, leaves.min(axis=1))
 
-    # Rays to the corners and to where the edge crosses the rim.
+    # Rays to the corners, and to intersections of edge and rim.
     bends = [-np.pi, np.pi]
     axes = np.column_stack([along, across])
     for x in (0, extent[0]):
@@ -142,7 +142,7 @@ def inside(place, along, across, extent):
 
 
 def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, convex=False):
-    """A dict for each contact of two maps."""
+    """Return a dict for each contact of two maps."""
     gap = upper - lower
     zero = gap.min()
     of_gap, of_lower, of_upper = Spline(gap, spacing), Spline(lower, spacing), Spline(upper, spacing)
@@ -163,7 +163,7 @@ def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, convex=
         metric = np.eye(2) + np.outer(p, p)
         root = np.linalg.inv(np.linalg.cholesky(metric))
         curvature, vectors = np.linalg.eigh(root @ (of_gap.hessian([x], [y])[..., 0] / q) @ root.T)
-        directions = (root.T @ vectors).T  # rows, the less curved first
+        directions = (root.T @ vectors).T  # rows, lower curvature first
         longer, shorter = 1 / curvature
         overlap = (approach - height) / q
         a, b, first = semi_axes(longer, shorter, overlap)
@@ -182,7 +182,7 @@ def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, convex=
 
 
 def sums(found, angle, sliding="opposing"):
-    """The sums of contacts for a motion of the upper body at an angle in degrees from +x towards +y."""
+    """Return the sums of contacts for a motion of the upper body at an angle in degrees from +x towards +y."""
     s = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle)), 0])
     across = np.array([-s[1], s[0], 0])
     total = dict.fromkeys(

@@ -12,19 +12,19 @@ RMS_SLOPE = 0.1
 SOLVER_TOLERANCE = 1e-10  # of the solver's complementarity error
 
 POINTS_TOO_MANY = 0.38
-"""By which a run of grid points under pressure is longer than the contact, in points, on average over positions.
+"""Mean excess length of a row of grid points under pressure over the contact, in points.
 
 Measured on Westergaard's sinusoid: 0.38 +- 0.03 for contacts of 5 to 60 points at any load up to half contact.
 """
 
-LOAD_STEP = 0.02  # half of the relative difference of the two loads between which a stiffness is taken
-WRAP = 48  # points of the next period on each side, from which on a spline does not feel its ends at all
+LOAD_STEP = 0.02  # half of the relative difference of the two loads of a stiffness
+WRAP = 48  # points of the neighbouring periods on each side, so that the ends of the spline have no effect
 
 
 def band_limited_profile(random, hurst_exponent, bandwidth, points_per_wave):
-    """Heights of one period: random phases, C1D ∝ q^(-1-2H) from 1 µm down to 1 µm / bandwidth, rms slope 0.1.
+    """Return heights of one period: random phases, C1D ∝ q^(-1-2H) from 1 µm down to 1 µm / bandwidth, rms slope 0.1.
 
-    The phases are drawn in the order of the waves, so another number of points samples the same profile.
+    The phases are drawn in the order of wavenumbers, so any number of points samples the same profile.
     """
     waves = np.arange(LONGEST_PER_PERIOD, LONGEST_PER_PERIOD * bandwidth + 1)
     amplitude = waves ** (-0.5 - hurst_exponent)
@@ -36,7 +36,7 @@ def band_limited_profile(random, hurst_exponent, bandwidth, points_per_wave):
 
 
 class PeriodicHalfSpace:
-    """One period of heights (µm) on a rigid flat. The wave q = 0 has no compliance, so the heights' mean stays put."""
+    """One period of heights (µm) on a rigid flat; q = 0 has no compliance, so the mean height does not change."""
 
     def __init__(self, heights, period, *, tolerance=SOLVER_TOLERANCE):
         import tamaas
@@ -50,7 +50,7 @@ class PeriodicHalfSpace:
         self.solver.max_iter = 20_000
 
     def pressed(self, pressure):
-        """Contact fraction, number of contacts and mean gap (µm) at a mean pressure (GPa)."""
+        """Return contact fraction, number of contacts and mean gap (µm) at a mean pressure (GPa)."""
         error = self.solver.solve(pressure)
         traction = np.array(self.model.traction).ravel()
         if not error <= self.tolerance or abs(traction.mean() / pressure - 1) > 1e-9:
@@ -61,14 +61,14 @@ class PeriodicHalfSpace:
         return fraction, count, float((np.array(self.model.displacement).ravel() - self.heights).mean())
 
     def at(self, pressure):
-        """Contact fraction, number of contacts, stiffness (GPa/µm); the first two between the loads of the third."""
+        """Return contact fraction, number of contacts and stiffness (GPa/µm)."""
         steps = pressure * np.array([1 - LOAD_STEP, 1 + LOAD_STEP])
         below, above = (self.pressed(step) for step in steps)
         return 0.5 * (below[0] + above[0]), 0.5 * (below[1] + above[1]), (steps[1] - steps[0]) / (below[2] - above[2])
 
 
 class PeriodicAsperities:
-    """The same heights in the model: Hertz cylinders at the minima of the gap, each period's contacts counted once."""
+    """Asperity model of one period: Hertzian cylinders at the minima of the gap."""
 
     def __init__(self, heights, period):
         self.period, self.points = period, heights.size
@@ -77,7 +77,7 @@ class PeriodicAsperities:
         self.height = np.ptp(heights)
 
     def touching(self, approach):
-        """Position (µm), overlap (µm), radius (µm), force (mN) and area (µm²) of each contact of one period."""
+        """Return position (µm), overlap (µm), radius (µm), force (mN) and area (µm²) of each contact of one period."""
         table = contacts(
             self.flat, self.lower, approach, effective_modulus=EFFECTIVE_MODULUS, law=HertzCylinder(),
             detection="gap-minimum",
@@ -86,9 +86,9 @@ class PeriodicAsperities:
         return (values[own] for values in (table.centre[:, 0], table.overlap, table.radius, table.force, table.area))
 
     def at(self, pressure):
-        """Contact fraction, number of contacts, stiffness (GPa/µm)."""
+        """Return contact fraction, number of contacts and stiffness (GPa/µm)."""
         approach, load = 10 * self.height, pressure * self.period
-        # A sum of ramps is convex, and straight between kinks: Newton from above arrives in as many steps as kinks.
+        # A sum of ramps is convex and piecewise linear: Newton's method from above needs at most one step per kink.
         for _ in range(100):
             _, overlap, _, force, area = self.touching(approach)
             stiffness = (force / overlap).sum()  # the law is linear
@@ -99,9 +99,9 @@ class PeriodicAsperities:
         raise RuntimeError(f"no approach found for {pressure} GPa")
 
     def interacting(self, pressure):
-        """`at`, with each asperity lowered by the load on every other, and by its own, as on a half-space.
+        """Return the results of `at` with elastic interaction: all loads displace each asperity.
 
-        A stiffness is NaN where so many contacts have merged that points no longer stand for them.
+        The stiffness is NaN if too many contacts have merged.
         """
         x, overlap, radius, _, _ = self.touching(self.height)
         depth, load, count = overlap.max() - overlap, pressure * self.period, x.size
@@ -109,8 +109,8 @@ class PeriodicAsperities:
         distance = self.period / np.pi * np.abs(np.sin(np.pi * (x[:, None] - x) / self.period))
 
         def influence(half_width, own):
-            # A contact acts on its own crest as from `own` half-widths away, and no neighbour, even one that has
-            # merged with it, acts from nearer.
+            # A contact acts on its own crest from a distance of `own` half-widths; no neighbour acts from a smaller
+            # distance, even if merged.
             nearest = 0.5 * own * (half_width[:, None] + half_width)
             return -2 / modulus * np.log(2 * np.pi / self.period * np.maximum(distance, nearest))
 
@@ -138,6 +138,6 @@ class PeriodicAsperities:
                 stable = np.linalg.eigvalsh(tangent)[0] > 0  # unless too many have merged
                 stiffness = np.linalg.solve(tangent, np.ones(on.size)).sum() if stable else np.nan
                 return 2 * half_width[on].sum() / self.period, on.size, stiffness / self.period
-            # All that are short at once, then, lest they take turns, only the worst.
+            # First all short ones at the same time; later only the worst, to avoid cycles.
             active |= (short > 1e-9 * self.height) & (short >= (0 if round_ < 20 else short.max()))
         raise RuntimeError(f"no interacting solution at {pressure} GPa")

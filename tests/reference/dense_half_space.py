@@ -1,4 +1,4 @@
-"""Pressures of an elastic half-space by dense matrices and Lawson & Hanson's active set: slow and obvious."""
+"""Reference for the half-space: dense matrices and the active set of Lawson & Hanson."""
 
 import numpy as np
 import scipy.linalg
@@ -7,10 +7,10 @@ from scipy.integrate import quad
 
 
 def influence(shape, spacing, modulus, *, periodic):
-    """Displacement (µm) of a grid under 1 GPa on the cell at its origin.
+    """Return the displacements (µm) of a grid under 1 GPa on the cell at its origin.
 
-    Where periodic the sum over waves 2/(E*|k|) cos k(x - x'), else integrals over the cell of -2 ln r/(π E*) on a line
-    and 1/(π E* r) on an area.
+    Periodic grids use the sum over wavenumbers of 2/(E*|k|) cos k(x - x'). Others use integrals over the cell of
+    -2 ln r/(π E*) for profiles and 1/(π E* r) for maps.
     """
     index = np.meshgrid(*[np.arange(n) for n in shape], indexing="ij")
     if periodic:
@@ -41,7 +41,7 @@ def influence(shape, spacing, modulus, *, periodic):
 
 
 def matrix(shape, spacing, modulus, *, periodic, points=None):
-    """Displacement at every point, or at some that are rows of indices, under 1 GPa on each."""
+    """Return the displacement at all points, or at points given by indices, under 1 GPa on each of them."""
     table = influence(shape, spacing, modulus, periodic=periodic)
     points = np.argwhere(np.ones(shape)) if points is None else points
     apart = points[:, None, :] - points[None, :, :]
@@ -50,8 +50,8 @@ def matrix(shape, spacing, modulus, *, periodic, points=None):
 
 
 def displacement(pressure, spacing, modulus, *, periodic):
-    """The same displacements (µm) of larger grids, in double precision: every wave, or every cell on a grid twice as
-    large, of Love's logarithms."""
+    """Return displacements (µm) of larger grids in double precision: by all wavenumbers, or by Love's logarithms on a
+    grid of twice the size."""
     shape = pressure.shape
     if periodic:
         waves = np.meshgrid(
@@ -60,7 +60,7 @@ def displacement(pressure, spacing, modulus, *, periodic):
         k = np.sqrt(sum(wave**2 for wave in waves))
         k.flat[0] = np.inf
         return np.fft.ifftn(np.fft.fftn(pressure) * 2 / (modulus * k)).real
-    # Cells at distances from -n to n - 1 points; their corners half a point before.
+    # Cells at distances from -n to n - 1 points; corners are half a point before.
     corners = [(np.arange(-n, n + 1) - 0.5) * step for n, step in zip(shape, spacing, strict=True)]
     if len(shape) == 1:
         (x,) = corners
@@ -68,7 +68,7 @@ def displacement(pressure, spacing, modulus, *, periodic):
     else:
         y, x = np.meshgrid(*corners, indexing="ij")
         r = np.hypot(x, y)
-        # The integral of 1/r from the origin to a corner; of even distances, so that no logarithm meets 0.
+        # Integral of 1/r from the origin to a corner, at even distances, so that no logarithm is of 0.
         x, y, sign = np.abs(x), np.abs(y), np.sign(x) * np.sign(y)
         integral = sign * (x * np.log((y + r) / x) + y * np.log((x + r) / y))
         influence = np.diff(np.diff(integral, axis=0), axis=1) / (np.pi * modulus)
@@ -80,8 +80,8 @@ def displacement(pressure, spacing, modulus, *, periodic):
 
 
 def faults(pressure, gap, spacing, modulus, load, *, periodic, tolerance, hardness=np.inf):
-    """What a pressure breaks of 0 <= p <= hardness, an open gap where p = 0, a closed one between and an overlap where
-    p = hardness, in words; the unit is the deviation of heights, or of displacements under an even pressure."""
+    """Return the violated conditions as text: 0 <= p <= hardness, open gap at p = 0, closed gap in between, overlap at
+    p = hardness; the unit is the standard deviation of heights, or of displacements under uniform pressure."""
     u = displacement(pressure, spacing, modulus, periodic=periodic)
     even = (
         np.zeros(1) if periodic else displacement(np.full(gap.shape, pressure.mean()), spacing, modulus, periodic=False)
@@ -100,15 +100,17 @@ def faults(pressure, gap, spacing, modulus, load, *, periodic, tolerance, hardne
 
 
 def pressure(matrix, gap, approach, *, total=None, bound=np.inf):
-    """Pressures (GPa) from 0 to a bound, for all points or each, at an approach: open gaps where there is no pressure,
-    overlaps only where it is at its bound. With their `total`, constants need no stiffness."""
+    """Return pressures (GPa) at an approach, within 0 and bounds; bodies overlap only at the bound.
+
+    If `total` is given, the displacement may have an arbitrary constant.
+    """
     lift = 0.0 if total is None else matrix.max()
     factor = scipy.linalg.cholesky(matrix + lift, lower=True)
     right = approach + lift * (total or 0.0) - gap.ravel()
     right = scipy.linalg.solve_triangular(factor, right, lower=True)
     if np.isinf(bound).all():
         return scipy.optimize.nnls(factor.T, right, maxiter=10_000)[0]
-    # Stark & Parker's active set, which wants room between the bounds.
+    # Active set of Stark & Parker, which requires distinct bounds.
     most = np.broadcast_to(bound, gap.shape).ravel()
     bears = most > 0
     result = np.zeros(most.size)

@@ -1,7 +1,7 @@
-"""Tractions up to a bound under a tangential load, by dense matrices and an active set: slow, and from the model alone.
+"""Reference for the onset of sliding: bounded tractions by dense matrices and an active set.
 
-Find q with 0 <= q <= bound and a given sum, so that the displacement K q is one number where 0 < q < bound, not less
-where q = 0 and not more where q is at its bound.
+Find q with 0 <= q <= bound and a given sum, so that the displacement K q is constant where 0 < q < bound, not smaller
+where q = 0, and not larger where q is at its bound.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ SLIP_ROUND_OFF = 1e-13
 
 
 def traction(compliance, bound, total):
-    """The traction with a sum, and the displacement of what sticks."""
+    """Return the traction with a given sum, and the displacement of the sticking points."""
     least, most = np.zeros(bound.size, bool), np.zeros(bound.size, bool)
     recorded = set()
     for _ in range(10 * bound.size):
@@ -29,7 +29,7 @@ def traction(compliance, bound, total):
         wrong |= least & (moved < way - slack)
         if not wrong.any():
             return np.clip(q, 0, bound), way
-        # All at once, as long as that is new; else the first alone, which ends (Murty).
+        # Exchange all points while the set is new; else only the first, which terminates (Murty).
         state = least.tobytes() + most.tobytes()
         if state in recorded:
             wrong[np.flatnonzero(wrong)[0] + 1 :] = False
@@ -42,9 +42,9 @@ def traction(compliance, bound, total):
 
 
 def stepped(compliance, bound, ways):
-    """Loads and dissipation as the upper body goes from way to way, with slip forth and back.
+    """Return loads and dissipation for a sequence of displacements with slip in both directions.
 
-    Each step is least energy 1/2 q·Kq - q·(way - slip so far) with |q| <= bound, by sweeps over the points.
+    Each step minimises 1/2 q·Kq - q·(displacement - slip) with |q| <= bound, by sweeps over the points.
     """
     slip = np.zeros(bound.size)
     q = np.zeros(bound.size)

@@ -1,4 +1,4 @@
-"""Eq. 1 as it stands: the double sum over directions and frequencies, in extended precision."""
+"""Reference for Eq. 1: the double sum over directions and frequencies, in extended precision."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ PI = EXTENDED("3.14159265358979323846264338327950288")
 
 
 def weierstrass_mandelbrot(phases, hurst_exponent, *, length_scale, gamma, extent, points, at=None, nyquist=False):
-    """Heights at the grid points `at` (all by default), long double: those of a surface on its first row."""
+    """Return heights at the grid points `at` (default: all), long double; they equal the first row of a surface."""
     index = np.arange(points) if at is None else np.asarray(at)
     spacing = EXTENDED(extent / points)
     most = 0.5 / spacing if nyquist else np.inf
@@ -15,7 +15,7 @@ def weierstrass_mandelbrot(phases, hurst_exponent, *, length_scale, gamma, exten
 
 
 def weierstrass_mandelbrot_surface(phases, hurst_exponent, *, length_scale, gamma, extents, shape, at, nyquist=False):
-    """Heights at grid points `at` (k, 2) of (row, column), long double."""
+    """Return heights at grid points `at` (k, 2) of (row, column), long double."""
     steps = [EXTENDED(extent / size) for extent, size in zip(extents, shape, strict=True)]
     y, x = (np.asarray(at)[:, k].astype(EXTENDED) * steps[k] for k in (0, 1))
     most_y, most_x = (0.5 / step if nyquist else np.inf for step in steps)
@@ -23,7 +23,7 @@ def weierstrass_mandelbrot_surface(phases, hurst_exponent, *, length_scale, gamm
 
 
 def _sum(phases, hurst_exponent, length_scale, gamma, x, y, most_x, most_y):
-    """Heights of all harmonics up to the most turns per µm along x and y."""
+    """Return the sum of all harmonics up to the largest number of turns per µm along x and y."""
     directions, frequencies = phases.shape
     gamma, length_scale, hurst = EXTENDED(gamma), EXTENDED(length_scale), EXTENDED(hurst_exponent)
     heights = np.zeros(x.shape, EXTENDED)
@@ -35,7 +35,7 @@ def _sum(phases, hurst_exponent, length_scale, gamma, x, y, most_x, most_y):
             if abs(kx) > most_x or abs(ky) > most_y:
                 continue
             phase = EXTENDED(phases[m - 1, n - 1])
-            # Turns are wrapped before the cosine: x87's own argument reduction is good to 66 bits of pi only.
+            # Turns are wrapped before the cosine, because the argument reduction of x87 uses only 66 bits of pi.
             turns = kx * x + ky * y
             heights += weight * (np.cos(phase) - np.cos(2 * PI * (turns - np.rint(turns)) + phase))
     return heights

@@ -4,7 +4,7 @@ from math import exp, pi, sqrt
 
 
 def jackson_green(ratio, radius, modulus, strength, poisson):
-    """Critical interference, force and area at `ratio` critical interferences."""
+    """Return critical interference, force and area at `ratio` critical interferences."""
     C = 1.295 * exp(0.736 * poisson)
     critical = (pi * C * strength / (2 * modulus)) ** 2 * radius
     critical_force = 4 / 3 * (radius / modulus) ** 2 * (C / 2 * pi * strength) ** 3

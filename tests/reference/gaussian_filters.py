@@ -12,7 +12,7 @@ def gaussian_weight(distance, cutoff):
 
 
 def mean_line(heights, spacing, cutoff, *, degree=1, weights=None):
-    """At each point the constant term of the polynomial fitted about it."""
+    """Return at each point the constant term of the polynomial fitted around it."""
     points = len(heights)
     weights = [1.0] * points if weights is None else weights
     smooth = []
@@ -31,7 +31,7 @@ def mean_line(heights, spacing, cutoff, *, degree=1, weights=None):
 
 
 def mean_surface(heights, spacing, cutoff, terms, weights=None):
-    """At each point the constant term of the polynomial with these terms (powers of y and x) fitted about it."""
+    """Return at each point the constant term of the polynomial (terms: powers of y and x) fitted around it."""
     rows, columns = heights.shape
     weights = np.ones(heights.shape) if weights is None else weights
     y, x = spacing[0] * np.arange(rows)[:, np.newaxis], spacing[1] * np.arange(columns)
@@ -46,7 +46,7 @@ def mean_surface(heights, spacing, cutoff, terms, weights=None):
 
 
 def robust_mean_line(heights, spacing, cutoff, iterations=60):
-    """Fit with Tukey's biweight of the residuals of the fit before, second degree, so many times."""
+    """Fit repeatedly with Tukey's biweights of the previous residuals, second degree."""
     weights = [1.0] * len(heights)
     for _ in range(iterations):
         smooth = mean_line(heights, spacing, cutoff, degree=2, weights=weights)

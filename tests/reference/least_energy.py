@@ -1,17 +1,18 @@
-"""Bodies that stick, by the least energy over the gap: no pressure, no contact load, no solver of ours."""
+"""Reference for adhesion: minimum of the energy over the gap, without the solver of the library."""
 
 import numpy as np
 from scipy.fft import fft2, fftfreq, ifft2
 from scipy.optimize import minimize
 
 FARTHEST = 60.0
-"""Gap, in ranges above that of the undeformed bodies, at which they are apart."""
+"""Gap, in ranges above the undeformed gap, at which the bodies are separated."""
 
 
 def least_energy(heights, spacing, load, gap, *, effective_modulus, work_of_adhesion, adhesion_range):
-    """Gap (µm) and pressure (GPa) of periodic bodies with the gap `heights` at a mean external load (GPa).
+    """Return gap (µm) and pressure (GPa) of periodic bodies with the gap `heights` at a mean external load (GPa).
 
-    The nearest minimum to `gap` of 1/2 (g - g0) Q (g - g0) - w Σ exp(-g/ρ) + load Σ g over g >= 0, Q being E*|k|/2.
+    Find the minimum of 1/2 (g - g0) Q (g - g0) - w Σ exp(-g/ρ) + load Σ g over g >= 0 next to `gap`, with
+    Q = E*|k|/2.
     """
     rows, columns = heights.shape
     waves = 2 * np.pi * np.hypot(*np.meshgrid(fftfreq(rows, spacing), fftfreq(columns, spacing), indexing="ij"))

@@ -1,4 +1,4 @@
-"""Synthetic traverses: values of positions of which neighbours are alike, and how well intervals do on them."""
+"""Synthetic values at correlated positions, and the coverage of intervals for them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ DISTRIBUTION_NAMES = ("normal", "half zeros", "bounded", "lognormal 0.5", "logno
 
 
 def traverses(quantity, trials, positions, correlation, random):
-    """(trials, positions) values of a quantity with a correlation of neighbours."""
+    """Return values (trials, positions) of a quantity with correlated neighbours."""
     if quantity == "half zeros":
-        # A chain that is 0 or about 0.35, as a coefficient of one contact is; as long in either state.
+        # A chain with values of 0 or about 0.35, like the coefficient of one contact, with equally long states.
         stays = random.random((trials, positions)) < (1 + correlation) / 2
         stays[:, 0] = random.random(trials) < 0.5
         touching = (~stays).cumsum(axis=1) % 2 == 1
@@ -32,7 +32,7 @@ def _neighbours(trials, positions, correlation, random):
 
 
 def of_quantity(quantity, positions, correlation, random, trials=20000):
-    """The true mean, and the width of the interval that one would make if the variance of the mean were known."""
+    """Return the true mean, and the width of the interval if the variance of the mean were known."""
     means = np.concatenate(
         [traverses(quantity, trials // 10, positions, correlation, random).mean(axis=1) for _ in range(10)]
     )
@@ -40,7 +40,7 @@ def of_quantity(quantity, positions, correlation, random, trials=20000):
 
 
 def judged(interval, values, truth, best):
-    """Share of intervals of values (trials, positions) that cover, width over the best, and share that is given."""
+    """Return coverage, width over the best width, and the fraction of defined intervals (trials, positions)."""
     ends = np.array([interval(value)[1:] for value in values])
     ends = ends[np.isfinite(ends).all(axis=1)]
     covered = (ends[:, 0] <= truth) & (truth <= ends[:, 1])

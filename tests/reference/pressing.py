@@ -1,4 +1,4 @@
-"""Contact and friction of two profiles, one grid point after the other in plain NumPy on scipy's natural spline."""
+"""Reference for contact and friction of two profiles: plain NumPy on natural splines of scipy, point by point."""
 
 from functools import lru_cache
 
@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 
 
 def spheres(heights, spacing, *, upper):
-    """Normal (n, 2), radius (n,), centre relative to the profile's own point (n, 2)."""
+    """Return normals (n, 2), radii (n,), and centres relative to the points of the profile (n, 2)."""
     spline = CubicSpline(np.arange(heights.size), heights, bc_type="natural")
     knots = np.arange(heights.size)
     slope = spline(knots, 1) / spacing
@@ -24,7 +24,7 @@ def spheres(heights, spacing, *, upper):
 
 
 def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
-    """Rows of (index, n_x, n_z, overlap, effective radius, force, area) at one approach."""
+    """Return rows of (index, n_x, n_z, overlap, effective radius, force, area) at one approach."""
     gap = upper - lower
     gap = gap - gap.min()
     flat_upper, flat_lower = np.ptp(upper) == 0, np.ptp(lower) == 0
@@ -72,7 +72,7 @@ def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=
 
 
 def sums(rows, sigma):
-    """The sums of a LoadCurve at one approach."""
+    """Return the sums of a LoadCurve at one approach."""
     _, n_x, n_z, _, _, force, area = rows.T
     opposing = sigma * n_x < 0
     t_x, t_z = sigma * -n_z, sigma * n_x
@@ -86,7 +86,7 @@ def sums(rows, sigma):
 
 
 def loads(rows, sigma, mu0, tau0):
-    """F_N and F_T with mu0 and tau0 inside the loop (Eqs. 6, 7 and section 2.5)."""
+    """Return F_N and F_T with mu0 and tau0 inside the loop (Eqs. 6, 7 and section 2.5)."""
     normal = tangential = 0.0
     for _, n_x, n_z, _, _, force, area in rows:
         normal += force * n_z
@@ -99,7 +99,7 @@ def loads(rows, sigma, mu0, tau0):
 
 @lru_cache(maxsize=1)
 def _minima(upper, lower):
-    """Splines of both profiles, where their gap has its minima, and how high above first touch."""
+    """Return splines of both profiles, positions of gap minima, and their heights above first contact."""
     upper, lower = np.frombuffer(upper), np.frombuffer(lower)
     x = np.arange(upper.size) * 1.0
     gap = CubicSpline(x, upper - lower, bc_type="natural")
@@ -110,7 +110,7 @@ def _minima(upper, lower):
 
 
 def minimum_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
-    """Rows as of `contacts`, at the minima of the splined gap: every root of its slope, by scipy."""
+    """Return rows like `contacts` at the minima of the splined gap: all roots of its slope, by scipy."""
     spline_u, spline_l, places, heights = _minima(upper.tobytes(), lower.tobytes())
     rows = []
     for place, height in zip(places[heights <= approach], heights[heights <= approach], strict=True):

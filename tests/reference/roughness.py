@@ -7,7 +7,7 @@ import numpy as np
 
 
 def heights_and_slopes(z, spacing):
-    """Field parameters of heights about their mean line, by names without the letter of the profile."""
+    """Return field parameters of heights about their mean line, by names without the profile letter."""
     n = len(z)
     q = math.sqrt(math.fsum(v * v for v in z) / n)
     slopes = [
@@ -22,15 +22,15 @@ def heights_and_slopes(z, spacing):
 
 
 def sections(z, count):
-    """Means over equal sections of the highest point and of the depth of the lowest."""
+    """Return means over equal sections of the highest point and of the depth of the lowest point."""
     length = len(z) // count
     parts = [z[k * length : (k + 1) * length] for k in range(count)]
     return sum(max(part) for part in parts) / count, sum(-min(part) for part in parts) / count
 
 
 def profile_elements(z, peak, pit):
-    """Mean spacing (points) and height of the elements, by walking along the profile."""
-    features, kind = [], 0  # sign, first and last point of each hill or dale that counts
+    """Return mean spacing (points) and height of the profile elements, point by point."""
+    features, kind = [], 0  # sign, first and last point of each significant hill or dale
     for i, height in enumerate(z):
         now = 1 if height > peak / 10 else -1 if height < -pit / 10 else 0
         if now == 0:
@@ -53,7 +53,7 @@ def profile_elements(z, peak, pit):
 
 
 def height_at(z, ratio):
-    """Height above which a fraction of the points lies, linear between the sorted points."""
+    """Return the height above which a fraction of the points lies, linear between sorted points."""
     falling = sorted(z, reverse=True)
     place = ratio * (len(falling) - 1)
     below = min(int(place), len(falling) - 2)
@@ -65,7 +65,7 @@ def ratio_at(z, height):
 
 
 def stratified(z):
-    """Core height, reduced peak height and pit depth, and material ratios, by trying each secant of 40 %."""
+    """Return core height, reduced peak height and pit depth, and material ratios, by trying all secants of 40 %."""
     falling = sorted(z, reverse=True)
     n = len(falling)
     width = round(0.4 * n)
@@ -81,7 +81,7 @@ def stratified(z):
 
 
 def volumes(z):
-    """Material and void volumes by integration of the material ratio curve over the height, in 20 000 steps."""
+    """Return material and void volumes, by integrating the material ratio curve in 20 000 steps."""
     low, high = min(z), max(z)
     falling = np.sort(np.ravel(z))[::-1]
     levels = np.linspace(low, high, 20_001)
@@ -111,7 +111,7 @@ def neighbours(point, shape):
 
 
 def wolf_pruned_peaks(heights, threshold):
-    """Peaks that remain when the lowest hill is merged over its highest saddle, again and again."""
+    """Return the peaks that remain after merging the lowest hills over their highest saddles."""
     points = [(j, i) for j in range(heights.shape[0]) for i in range(heights.shape[1])]
     peak_of = {}
 
@@ -145,7 +145,7 @@ def wolf_pruned_peaks(heights, threshold):
 
 
 def features(z, spacing):
-    """Peak density, mean curvature of inner peaks, five-point heights, from the pruned hills and dales."""
+    """Return peak density, mean curvature of inner peaks and five-point heights of pruned hills and dales."""
     threshold = 0.05 * float(z.max() - z.min())
     peaks, pits = wolf_pruned_peaks(z, threshold), wolf_pruned_peaks(-z, threshold)
     rows, columns = z.shape
@@ -164,7 +164,7 @@ def features(z, spacing):
 
 
 def dominant_wavelength(z, spacing):
-    """Wavelength of the largest of all Fourier coefficients, each a sum over the points."""
+    """Return the wavelength of the largest Fourier coefficient, by direct sums."""
     rows, columns = z.shape
     best, result = 0.0, math.nan
     y, x = np.arange(rows)[:, np.newaxis], np.arange(columns)

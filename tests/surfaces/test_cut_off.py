@@ -11,14 +11,14 @@ from support.rough_surfaces import rough, self_affine_map
 ROUND_OFF = 1e-12
 
 WEIGHTS = 1e-6
-"""Error of heights. Weights sampled from the Gaussian differ from those of its transform cut at the Nyquist wave number
-by exp(-ln 2 (λ_c/2Δx)²), which is less than this from nine points on."""
+"""Error of heights: sampled Gaussian weights and a transform truncated at the Nyquist wavenumber differ by
+exp(-ln 2 (λ_c/2Δx)²), which is smaller for cutoffs of nine points or more."""
 
-FEW_WEIGHTS = 1e-4  # of an amplitude, what the weights left out take at wavelengths of two to five points
+FEW_WEIGHTS = 1e-4  # of an amplitude: effect of truncated weights at wavelengths of two to five points
 
 
 def by_definition(heights, spacing, wavelength):
-    """At each point the line of least squares, weighted by the Gaussian of ISO 16610-21."""
+    """Return the least-squares line at each point, weighted by the Gaussian of ISO 16610-21."""
     alpha = math.sqrt(math.log(2) / math.pi)
     x = np.arange(heights.size) * spacing
     smooth = []

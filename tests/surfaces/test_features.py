@@ -1,4 +1,4 @@
-"""Feature parameters of surfaces: peaks, pits and Wolf pruning against a literal merge of hills, and egg boxes."""
+"""Tests of feature parameters: peaks, pits and Wolf pruning against literal merging of hills, and egg boxes."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""S- and L-filters of ISO 16610 against direct weighted least squares, the transmission of sinusoids, and limits."""
+"""Tests of S- and L-filters (ISO 16610) against direct least squares, transmission of sinusoids, and limits."""
 
 import math
 
@@ -11,8 +11,8 @@ from support.rough_surfaces import rough, self_affine_map
 ROUND_OFF = 1e-12
 
 SAMPLED = 1e-6
-"""Error relative to the total height: weights sampled from the Gaussian differ from those of its transform cut at the
-Nyquist wave number, by less than this from cutoffs of nine points on."""
+"""Error relative to the total height: difference of sampled Gaussian weights and a truncated transform, for cutoffs of
+nine points or more."""
 
 
 def total_height(body):
@@ -40,7 +40,7 @@ class TestGaussian:
         wavelength, cutoff = 0.4, 0.4 * ratio
         wave = Profile(np.sin(2 * np.pi * np.arange(800) / 80), spacing=wavelength / 80)
         transmission = math.exp(-math.pi * (math.sqrt(math.log(2) / math.pi) * ratio) ** 2)
-        middle = slice(360, 440)  # a wave from ends that lie further than all weights
+        middle = slice(360, 440)  # a wavelength away from ends that are beyond all weights
         for kind, factor in (("S", transmission), ("L", 1 - transmission)):
             result = filtered(wave, cutoff=cutoff, kind=kind).heights[middle]
             assert np.abs(result - factor * wave.heights[middle]).max() < 1e-9

@@ -1,4 +1,4 @@
-"""Form removal: polynomials of any degree, circles, spheres and cylinders, against exact forms."""
+"""Tests of form removal: polynomials of any degree, circles, spheres and cylinders, against exact forms."""
 
 import numpy as np
 import pytest
@@ -50,7 +50,7 @@ def test_sphere_is_removed_up_to_the_noise(sign, word):
     own = noise(cap.shape)
     result = levelled(Surface(cap + own, spacing=0.5), "sphere")
     assert radius(result) == (pytest.approx(300, rel=1e-3), word)
-    assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)  # four parameters of 4800 points
+    assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)  # four parameters fitted to 4800 points
     assert result.heights.mean() == pytest.approx(0, abs=1e-12)
 
 

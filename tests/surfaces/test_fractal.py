@@ -10,8 +10,8 @@ from stiction import (
     weierstrass_mandelbrot_surface,
 )
 
-# Of the profile's total height. Phases are held to 64 bits, so what is left is the round-off of 1600 cosines and of a
-# recurrence of 256 steps; the reference's own long double phases are good to about 1e-10 rad at the highest frequency.
+# Relative to the total height: round-off of 1600 cosines and of a recurrence of 256 steps. Phases have 64 bits; long
+# double phases of the reference have errors of about 1e-10 rad at the highest frequency.
 AGREES_WITH_DIRECT_SUM = 1e-12
 SMALL = {"points": 3000, "extent": 2.0}
 
@@ -22,7 +22,7 @@ def hurst(dimension, convention):
 
 class TestPhases:
     def test_random_phases_match_reference_values(self):
-        # Raw PCG64 words are kept by NumPy from version to version; these were written down once.
+        # NumPy guarantees raw PCG64 words across versions; these are recorded values.
         phases = random_phases(2016, repetition=7, side="upper", directions=2, frequencies=2)
         assert phases.tolist() == PINNED
 
@@ -184,7 +184,7 @@ class TestSurface:
 
 
 def test_height_variance_equals_that_of_harmonics():
-    # Half the sum of squared amplitudes, m and M - m having independent phases; m = M/2 has no wave.
+    # Half the sum of squared amplitudes: m and M - m have independent phases; m = M/2 has no harmonic.
     dimension, gamma = 1.2, 1.5
     weights = math.log(gamma) * gamma ** (-np.arange(40) * hurst(dimension, "paper"))
     expected = 0.5 * 39 * np.square(weights).sum()

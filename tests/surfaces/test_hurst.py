@@ -1,4 +1,4 @@
-"""Hurst exponents of profiles and surfaces against bodies of known exponents."""
+"""Tests of Hurst exponents of profiles and surfaces with known exponents."""
 
 import math
 from dataclasses import replace
@@ -20,11 +20,11 @@ from support.rough_surfaces import rough, self_affine_map, wave
 
 BAND = {"longest_wavelength": 4.0, "shortest_wavelength": 0.08}
 ALWAYS = (False, BAND, False)
-"""The case that is no soak: whether periodic, the band, and whether it is given."""
+"""Case outside the stress suite: periodic or not, band, and whether the band is specified."""
 
 
 class TestProfileExponent:
-    # A 95 % interval that holds in 60 cases fails in 3; more than 8 would be a chance of 1 in 500.
+    # A 95 % interval misses 3 of 60 cases on average; more than 8 misses have a probability of 1 in 500.
     CASES, MOST_MISSES = 60, 8
 
     @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ class TestProfileExponent:
             errors.append((result.value - hurst) / ((result.upper - result.lower) / 3.92))
             assert result.lower < result.value < result.upper
         assert misses <= self.MOST_MISSES
-        # The mean of 60 errors in standard errors scatters by 0.13; a found band takes in some of an unseen roll-off.
+        # The mean of 60 standardised errors scatters by 0.13; an estimated band may include part of a roll-off.
         assert abs(np.mean(errors)) < (0.5 if arguments else 0.8)
 
     def test_exact_power_law_gives_exact_exponent(self):
@@ -60,7 +60,7 @@ class TestProfileExponent:
     def test_band_ends_at_roll_off_and_cut_off(self):
         profile = rough(points=60_000, longest_wavelength=10.0, shortest_wavelength=0.1)
         result = estimate_hurst_exponent(profile)
-        # A bin (a fifth) is left off where the pieces meet, and the pieces meet at an edge of a bin.
+        # One bin (a fifth) is omitted where the pieces meet, at the edge of a bin.
         assert 0.1 <= result.shortest_wavelength < 0.1 * 1.5
         assert 10.0 / 2 < result.longest_wavelength < 10.0 * 1.5
         assert result.lower < 0.8 < result.upper
@@ -73,7 +73,7 @@ class TestProfileExponent:
         assert result.lower < 0.8 < result.upper
 
     def test_band_excludes_gradual_noise(self):
-        # Without this, all wavelengths are fitted, H is 0.20 on average, and one in forty intervals holds it.
+        # With all wavelengths, the mean H is 0.20, and one of forty intervals covers the true value.
         result, stored = [], 0
         for repetition in range(30):
             options = {"points": 4096, "repetition": repetition, "longest_wavelength": 10.0}
@@ -113,7 +113,7 @@ class TestProfileExponent:
             assert result.dispersion > 1  # a spectrum of lines
 
     def test_band_of_eq_1_contains_dense_harmonics_only(self):
-        # At the longest wavelengths; below some 0.04 µm the harmonics of the 40 directions stand apart.
+        # At the longest wavelengths; below about 0.04 µm the harmonics of the 40 directions are separate lines.
         profile = weierstrass_mandelbrot(random_phases(1), 1.4, points=150_000)
         result = estimate_hurst_exponent(profile)
         assert result.longest_wavelength > 0.5
@@ -140,14 +140,14 @@ class TestProfileExponent:
         for heights, match in (
             ([1.0] * 100, "flat"),
             (np.arange(100.0), "straight line"),
-            (np.where(np.arange(100) < 50, 0.7, np.nextafter(0.7, 1)), "straight line"),  # but for round-off
+            (np.where(np.arange(100) < 50, 0.7, np.nextafter(0.7, 1)), "straight line"),  # up to round-off
             ([0.0, 1e60] * 50, "height"),
         ):
             with pytest.raises(ValueError, match=match):
                 estimate_hurst_exponent(Profile(heights, spacing=1.0))
 
     def test_estimate_rejects_zigzag(self):
-        # All of it is at the Nyquist wave number, which is not fitted.
+        # All power is at the Nyquist wavenumber, which is not fitted.
         with pytest.raises(ValueError, match="no self-affine band"):
             estimate_hurst_exponent(Profile([0.0, 1.0] * 50, spacing=1.0), periodic=True)
 

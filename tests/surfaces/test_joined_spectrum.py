@@ -1,4 +1,4 @@
-"""One spectrum of scans by simulated instruments of one generated surface, whose spectrum is known."""
+"""Tests of combined spectra: simulated scans of a generated surface with a known spectrum."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 from stiction import Profile, Surface, joined_spectrum, scale_dependent_roughness, self_affine_surface, surface_spectrum
 
 POINTS, SPACING = 1024, 0.01
-SCATTER = 0.1  # of a bin of some hundred waves and more, of a few pieces of the surface
+SCATTER = 0.1  # relative error of a bin with at least a hundred Fourier coefficients, for a few pieces of the surface
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +18,7 @@ def whole():
 
 
 def instruments(whole, noise=1e-5):
-    """Large pixels, which take a mean and have noise, and pieces of the surface by finer ones."""
+    """Return scans by a coarse instrument, with pixel averages and noise, and of pieces by finer instruments."""
     random = np.random.default_rng(1)
     means = whole.heights.reshape(POINTS // 8, 8, POINTS // 8, 8).mean((1, 3))
     coarse = Surface(means + noise * random.normal(size=means.shape), spacing=8 * SPACING)
@@ -60,7 +60,7 @@ def test_disagreement_detects_wrong_calibration(whole):
     assert 2.5 < wrong.disagreement[0] < 6  # heights squared
     assert np.log(wrong.disagreement[0]) > 2 * wrong.chance[0]
     few = joined_spectrum([scans[0], Surface(scans[1].heights[:256, :256], spacing=SPACING)])
-    assert few.chance[1] > wrong.chance[0]  # a small piece has few of the waves that both have
+    assert few.chance[1] > wrong.chance[0]  # a small piece contains few of the common wavelengths
     alone = joined_spectrum(scans[:1])
     assert np.isnan(alone.chance).all()
     assert math.isnan(alone.disagreement[0])

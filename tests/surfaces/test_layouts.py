@@ -1,4 +1,4 @@
-"""Texts in the layouts of instruments, in several encodings, separators, decimal marks and languages."""
+"""Tests of instrument layouts in several encodings, separators, decimal marks and languages."""
 
 import io
 import itertools
@@ -14,7 +14,9 @@ from support import fuzzing
 
 random = np.random.default_rng(8)
 ROWS, COLUMNS = 7, 9
-HEIGHTS = np.round(0.3 * random.normal(size=(ROWS, COLUMNS)).cumsum(axis=1), 4)  # no two lines alike, and no symmetry
+HEIGHTS = np.round(
+    0.3 * random.normal(size=(ROWS, COLUMNS)).cumsum(axis=1), 4
+)  # all lines differ, and there is no symmetry
 HOLED = HEIGHTS.copy()
 HOLED[0, :2] = HOLED[3, 4] = np.nan
 LINE = np.round(0.3 * random.normal(size=60).cumsum(), 4)
@@ -221,7 +223,7 @@ ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252",
 
 
 def read(path, **options):
-    """Return the scan in a file, or None if it is refused; doubts are no failures."""
+    """Return the scan in a file, or None if it is rejected; caveats are ignored."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FormatWarning)
         try:

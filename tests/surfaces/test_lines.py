@@ -1,4 +1,4 @@
-"""Roughness over the lines of a surface, against the same of its lines one by one."""
+"""Tests of roughness over the lines of a surface, against single lines."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ ROUND_OFF = 1e-12
 
 
 def stack(hurst, lines=40, points=600, **changes):
-    """A surface of independent self-affine rows, tilted along both axes."""
+    """Return a surface of independent self-affine rows, tilted along both axes."""
     rows = [
         self_affine(9, hurst_exponent=hurst, rms=0.1, points=points, spacing=0.02, repetition=row, **changes).heights
         for row in range(lines)
@@ -73,14 +73,14 @@ def test_lines_are_fitted_in_a_common_band():
     assert shortest < 0.1
     assert 1.5 < longest < 6
     mean, spread = result.hurst_exponents.mean(), result.hurst_exponents.std()
-    # Of independent lines; the roll-off bends the spectrum a little where the band ends.
+    # For independent lines; the roll-off slightly bends the spectrum at the end of the band.
     assert mean == pytest.approx(hurst, abs=3 * spread / np.sqrt(result.fitted) + 0.02)
     assert spread < 0.1
 
 
 def test_flat_lines_contribute_to_height_without_exponent():
     heights = np.array(stack(0.6, lines=40).heights)
-    heights[::2] = 3.0 + 0.01 * np.arange(600)  # dead lines
+    heights[::2] = 3.0 + 0.01 * np.arange(600)  # constant lines
     result = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
     assert result.Pq == pytest.approx(
         line_roughness(Surface(heights[1::2], spacing=0.02), "x").Pq / np.sqrt(2), rel=1e-9
@@ -118,7 +118,7 @@ def test_line_roughness_rejects_bad_arguments(surface, options, message):
 
 
 def two_scales(seed=1, points=160):
-    """Rows with a band of H = 0.8 up to 16 µm, columns with one up to 160 µm; both fall together below."""
+    """Return a surface whose rows have a power law up to 16 µm and whose columns have one up to 160 µm (H = 0.8)."""
     white = np.random.default_rng(seed).normal(size=(2 * points, 2 * points))
     q = 2 * np.pi * np.fft.fftfreq(2 * points)
     across = np.hypot(np.maximum(np.abs(q), 0.4), q[:, np.newaxis])
@@ -131,7 +131,7 @@ def test_lines_along_both_axes_share_a_band(monkeypatch):
     surface = two_scales()
     along_x, along_y = lines_along_both(surface)
     assert along_x.band == along_y.band
-    # Each as if the band were given.
+    # Each line with a specified band.
     again = line_roughness(surface, "y", band=along_y.band)
     assert np.array_equal(again.hurst_exponents, along_y.hurst_exponents)
     assert (again.with_band, again.misfit) == (along_y.with_band, along_y.misfit)

@@ -1,4 +1,4 @@
-"""Material ratio curve: ratios, heights, volumes and core against definitions and known distributions."""
+"""Tests of the material ratio curve: ratios, heights, volumes and core against definitions and known distributions."""
 
 import math
 
@@ -66,7 +66,7 @@ def test_parameters_of_normally_distributed_heights_have_closed_forms():
 
 
 def test_volumes_add_up(heights):
-    # Material and void between the two heights fill the slab between them.
+    # Material and void volumes add up to the slab between the two heights.
     result = volumes(heights)
     upper, lower = heights_at(heights, [0.1, 0.8])
     assert result.core_material + result.core_void == pytest.approx(upper - lower, rel=1e-12)
@@ -89,7 +89,7 @@ def test_values_and_units_are_those_of_the_table_of_parameters():
     assert tuple(surface_parameters(surface).values) == tuple(parameter.name for parameter in SURFACE_PARAMETERS)
     result = section_parameters(rough(points=4000), lc=8.0)
     assert tuple(result.values) == tuple(parameter.name for letter in "RW" for parameter in PROFILE_PARAMETERS[letter])
-    assert len(PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))  # no name twice
+    assert len(PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))  # names are unique
     # Heights ten times as large, in units of the table.
     power = {"µm": 1, "1/µm": 1, "": 0, "degrees": 0, "1/µm²": 0}
     lateral = {"Sal": 0, "Ssw": 0, "Sdq": 1, "Sdr": 2}

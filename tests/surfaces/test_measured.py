@@ -35,7 +35,7 @@ HEIGHTS = [0.5, -0.25, 1.0, 0.125, 2.0]
 
 @pytest.fixture
 def file(tmp_path):
-    """file(content, name): a path with that content."""
+    """Return a function that writes content to a named file and returns its path."""
 
     def write(content, name="scan.csv", encoding="utf-8"):
         path = tmp_path / name
@@ -212,7 +212,7 @@ def test_declared_spacing_that_disagrees_is_reported(file):
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[1] == "spacing 0.1 µm from its positions, declared as 0.2 µm"
     assert "header and positions agree" in read_profile(file("Resolution,0.10 um/sample\n" + data)).history[1]
-    assert "says" not in read_profile(file("Resolution,20 nm\n" + data)).history[1]  # of heights, perhaps
+    assert "says" not in read_profile(file("Resolution,20 nm\n" + data)).history[1]  # possibly heights
 
 
 def test_missing_points_are_interpolated_inside_and_cropped_at_ends(file):
@@ -303,7 +303,7 @@ def test_gwyddion_size_gives_spacing(file):
     assert surface.spacing == pytest.approx((0.12, 0.15), rel=1e-15)
     assert surface.heights[0].tolist() == [0.001, 0.002, 0.003, 0]
     assert surface.history[1] == "its size is 0.6 µm along x and 480 nm along y (header)"
-    # 0.600 may be 0.6004, and a given spacing is not rounded.
+    # 0.600 may be 0.6004; a specified spacing is not rounded.
     assert read_surface(path, spacing=("0.12 um", "0.1501 um")).spacing == (0.12, 0.1501)
     assert "a size with a spacing of 0.15 µm, but spacing is 0.16 um" in refusal(
         path, read_surface, spacing=("0.12 um", "0.16 um")
@@ -344,7 +344,7 @@ def test_columns_are_selected_by_name_or_number(file):
 
 
 def test_column_has_its_printed_digits(file):
-    # Positions of one decimal, after a column of many: uniform within their digits, wherever they stand.
+    # Positions with one decimal after a column with many: uniform within their digits, in any column.
     true = 0.156245 * np.arange(900)
     lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true))
     profile = read_profile(file(lines), columns=(1, 2), unit="um")
@@ -377,7 +377,7 @@ def test_array_of_two_columns_has_positions_and_heights(file):
         assert profile.spacing == pytest.approx(100)
         assert profile.heights.tolist() == pytest.approx([z / 1000 for z in HEIGHTS])
     assert read_profile(path, unit="um", columns=1, spacing="1 um").heights.tolist() == HEIGHTS
-    uneven = file(npy(np.c_[[0, 0.1, 0.25, 0.3, 0.4], HEIGHTS]), "b.npy")  # an area of two columns, as far as one knows
+    uneven = file(npy(np.c_[[0, 0.1, 0.25, 0.3, 0.4], HEIGHTS]), "b.npy")  # possibly a map with two columns
     assert read_measurement(uneven, unit="um", spacing="1 um").heights.shape == (5, 2)
     assert "is not uniform: point 2, counted from 0" in refusal(uneven, unit="um", columns=(0, 1))
 
@@ -486,7 +486,7 @@ def test_written_surface_is_read_without_loss(tmp_path, name):
         assert again.history == (f"read from {name}", "ground", "levelled by a plane")
     with pytest.raises(FormatError, match="but spacing is"):
         read_surface(tmp_path / name, spacing="2 um")
-    plane = Surface(0.1 * np.arange(20.0).reshape(4, 5), spacing=1.0)  # whose rows count as positions would
+    plane = Surface(0.1 * np.arange(20.0).reshape(4, 5), spacing=1.0)  # whose rows increase like positions
     write_surface(plane, tmp_path / f"plane-{name}")
     assert np.array_equal(read_surface(tmp_path / f"plane-{name}").heights, plane.heights)
     assert isinstance(read_measurement(tmp_path / name), Surface)
@@ -572,7 +572,7 @@ def test_files_with_wrong_content_are_rejected(file, content, name, message):
 def test_unreadable_files_are_rejected(tmp_path):
     assert "No such file" in refusal(tmp_path / "none.csv")
     assert "is a directory" in refusal(tmp_path)
-    os.mkfifo(tmp_path / "pipe.csv")  # which would be waited for
+    os.mkfifo(tmp_path / "pipe.csv")  # reading it would block
     assert "is not a file" in refusal(tmp_path / "pipe.csv")
 
 
@@ -629,7 +629,7 @@ def test_missing_instrument_package_is_reported_with_install_command(file, monke
 def x3p(
     heights, *, spacing=(2e-6, 1e-6), stored="D", increment=1.0, valid=None, positions=None, listed=False, change=()
 ):
-    """An X3P file of heights in metres, by the words of the standard."""
+    """Return an X3P file with heights in metres, as defined in the standard."""
     heights = np.atleast_2d(heights)
     rows, columns = heights.shape
     form = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}[stored]
@@ -846,7 +846,7 @@ def test_x3p_with_document_type_is_rejected_in_any_encoding(file, code, kind):
 
 
 def test_x3p_unpacks_at_most_the_declared_points(file):
-    # 50 MB where 432 bytes are announced; one archive says so, the other lies.
+    # 50 MB instead of 432 bytes; one archive declares the true size, the other a false one.
     honest = archive_of(PLAIN, bytes(50_000_000))
     lying = honest.replace((50_000_000).to_bytes(4, "little"), (432).to_bytes(4, "little"))
     assert lying != honest
@@ -870,7 +870,7 @@ def test_x3p_numbers_follow_xml_schema(file, number):
 
 
 def test_very_long_lines_are_read(file):
-    # A line is looked at whole once, whatever the number of ways in which cells may be parted.
+    # Each line is scanned once, for any number of possible separators.
     path = file("\n".join([",".join(["1.5", "2", "0"] * 10_000)] * 4), "a.csv")
     began = time.process_time()
     assert read_surface(path, unit="um", spacing="1 um").heights.shape == (4, 30_000)
@@ -884,7 +884,7 @@ def test_x3p_metadata_size_is_limited(file):
     assert read_surface(file(archive_of(few), "a.x3p")).heights.shape == (6, 9)
     assert "more than 100000 elements in main.xml" in refusal(file(archive_of(many), "a.x3p"), read_surface)
     assert "too many for its points" in refusal(file(archive_of(deep), "a.x3p"), read_surface)
-    # Points that are listed may need more than words, but no more than there are.
+    # Listed points may need more memory than a matrix, but not more than their number.
     listed = main_of(x3p(np.zeros(40_000), listed=True)).replace("<Datum>0.0<", f"<Datum>{'0' * 100}<")
     assert len(listed) > 4_000_000
     assert len(read_profile(file(archive_of(listed), "b.x3p"))) == 40_000

@@ -59,10 +59,12 @@ def test_masks_follow_points_through_preparation(whole, path, tmp_path):
     assert scan.row(0).missing is None
     tilted = Surface(scan.heights + np.arange(64) * 0.01 + missing * 7.0, spacing=0.1, missing=missing)
     left = np.where(missing, 0, levelled(tilted, "plane").heights - levelled(scan, "plane").heights)
-    assert np.abs(left).max() < 1e-12  # what bridges a hole does not tilt the plane
+    assert np.abs(left).max() < 1e-12  # interpolated points do not tilt the plane
     fine = Surface(np.zeros((130, 130)), spacing=0.049)
     resampled = on_common_grid(scan, fine)[0].missing
-    y, x = (0.049 * np.arange(points) for points in resampled.shape)  # missing where a neighbour on an axis is
+    y, x = (
+        0.049 * np.arange(points) for points in resampled.shape
+    )  # missing next to a missing neighbour along an axis
     assert np.array_equal(resampled, np.outer((y > 1.9) & (y < 4.4), (x > 2.9) & (x < 5.0)))
     turned = rotated(scan, 30.0).missing
     assert turned.sum() == pytest.approx(missing.sum(), rel=0.25)
@@ -163,7 +165,7 @@ def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(whole
     part = masked.nominal_area / full.nominal_area
     assert 0.6 < part < 0.9
     area = [float(result.dataset["contact_area"].mean()) / result.nominal_area for result in (masked, full)]
-    assert area[0] / area[1] == pytest.approx(1, abs=0.05)  # of the same pressure on less area
+    assert area[0] / area[1] == pytest.approx(1, abs=0.05)  # equal pressure on a smaller area
     doubt = "12 % of the points are interpolated, in gaps larger than the contacts"
     assert any(doubt in caveat.text for caveat in filled.caveats)
     assert not any("interpolated" in caveat.text for caveat in masked.caveats)

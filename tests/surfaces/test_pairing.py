@@ -1,4 +1,4 @@
-"""Pairs of lines and pieces of maps lie all over both scans, and each depends on its number alone."""
+"""Tests of pairs: lines and pieces cover both scans, and each pair depends only on its number."""
 
 import numpy as np
 import pytest
@@ -73,7 +73,7 @@ class TestMaps:
         upper, lower = pairs.pair(3)
         assert upper.heights.shape == lower.heights.shape == pairs.shape
         (row, column), _ = pairs.origins(3)[1], None
-        # A point of the coarse map that lies on the fine grid keeps its height, but for the plane that is taken off.
+        # Coarse points on the fine grid keep their heights, except for the subtracted plane.
         rows, columns = pairs.shape
         y, x = np.arange(row, row + rows), np.arange(column, column + columns)
         on = np.ix_(y % 2 == 0, x % 2 == 0)

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from stiction import Profile, Surface, contacts, cropped, flipped, levelled, on_common_grid
 
-ROUND_OFF = 1e-13  # of sums over a hundred numbers of order one
-SPLINE_ORDER = 3.7  # four in the interior, less a margin: the natural ends spoil it near the ends only
+ROUND_OFF = 1e-13  # round-off of sums over a hundred numbers of order one
+SPLINE_ORDER = 3.7  # order four in the interior, minus a margin; natural ends reduce it only near the ends
 
 
 def rough(points, spacing=0.1, seed=1):

@@ -17,7 +17,7 @@ def test_grid_starts_at_zero_and_extends_over_all_points():
 
 @pytest.mark.parametrize("body", [Profile(HEIGHTS, spacing=1.0), Surface(np.zeros((4, 4)), spacing=1.0)])
 def test_heights_are_a_read_only_copy(body):
-    """Also those of a view that is read-only, and of what was pickled."""
+    """This includes heights of a read-only view and of a pickled profile."""
     mine = np.array(body.heights)
     view = mine.view()
     view.flags.writeable = False

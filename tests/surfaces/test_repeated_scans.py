@@ -4,7 +4,7 @@ from scipy.ndimage import grey_dilation
 from stiction import Profile, Surface, compare_repeated_scans, self_affine, self_affine_surface, tip_reconstructed
 from stiction.surfaces.scale import mean_square_heights
 
-RECOVERED = 0.1  # of the noise in an octave, from four points up; by chance 3 % in the shortest and 1 % on maps
+RECOVERED = 0.1  # relative error of the noise per octave above four points; scatter is 3 % in the shortest, 1 % on maps
 ROUND_OFF = 1e-15
 
 
@@ -19,7 +19,7 @@ def noise_of(colour, shape, spacing, rng):
 
 
 def place(dimensions, points, spacing):
-    """A surface on half the spacing, so that scans of it may lie half a point apart."""
+    """Return a surface with half the spacing, so that scans can be shifted by half a point."""
     options = {"hurst_exponent": 0.7, "rms": 0.003, "spacing": spacing / 2, "shortest_wavelength": 8 * spacing}
     if dimensions == 1:
         return self_affine(7, points=2 * points + 100, **options).heights
@@ -41,7 +41,7 @@ def test_compare_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colou
     ]
     scans[1] = scans[1] + 0.3 + 1e-5 * np.indices(shape).sum(axis=0)
     result = compare_repeated_scans(*(kind(scan, spacing=spacing) for scan in scans))
-    slack = 1.0 if colour == "pink" else 0.3  # points: slopes of noise are ten times those of the surface
+    slack = 1.0 if colour == "pink" else 0.3  # points: noise has ten times the slope of the surface
     assert np.abs(np.array(result.shift) / spacing - np.array(moved) / 2).max() < slack
     assert result.correlation > 0.99
     true = np.mean([mean_square_heights(kind(own, spacing=spacing))[1] for own in noise], axis=0)
@@ -57,7 +57,7 @@ def test_compare_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colou
     recorded = (common > 3 * true) & (np.bincount(octave) > 15)
     assert recorded.any()
     np.testing.assert_allclose(result.common[recorded], common[recorded], rtol=RECOVERED)
-    # The mean without waves below the limit has a tenth of its mean square slope of noise.
+    # In the filtered mean, noise contributes a tenth of the mean square slope.
     q, whole = mean_square_heights(result.scan)
     stored = q**2 * np.exp(-2 * np.log(2) * (q * result.limit / (2 * np.pi)) ** 2)
     left = mean_square_heights(kind((noise[0] - noise[1]) / 2, spacing=spacing))
@@ -113,7 +113,7 @@ def test_tip_reconstructed_inverts_dilation_at_certain_points(body):
     smooth = type(body)(1e-4 * np.cos(np.indices(body.heights.shape).sum(axis=0) / 20), spacing=body.spacing)
     again = tip_reconstructed(type(body)(dilated(smooth, radius), spacing=body.spacing), radius)
     inner = tuple(slice(20, -20) for _ in again[1].shape)
-    assert again[1][inner].all()  # a ball follows what is blunter than itself
+    assert again[1][inner].all()  # a ball follows features with a larger radius
 
 
 @pytest.mark.parametrize("factor", [0.0, 1e-71, 1e-160, 1e-300])

@@ -1,4 +1,4 @@
-"""Roughness parameters against their definitions in slow code, closed forms, SurfaceTopography and surfalize."""
+"""Tests of roughness parameters against slow definitions, closed forms, SurfaceTopography and surfalize."""
 
 import math
 
@@ -17,13 +17,13 @@ from stiction import (
 from stiction.surfaces.roughness import autocorrelation
 from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough, wave
 
-# Of sums over some thousand points, of transforms and their squares.
+# Round-off of sums over some thousand points, and of transforms.
 ROUND_OFF = 1e-12
 
 
 class TestParameters:
     def test_parameters_of_sinusoid_have_closed_forms(self):
-        # Even moments of whole waves are exact. |sin| at n points a wave has a mean short of 2/π by π²/3n² of it.
+        # Even moments of whole periods are exact. The mean of |sin| at n points per period is below 2/π by π²/3n².
         n = 512
         result = roughness_parameters(wave(n))
         assert result.Pa == pytest.approx(2 / np.pi * AMPLITUDE, rel=1.01 * np.pi**2 / (3 * n**2) * 4)
@@ -36,14 +36,14 @@ class TestParameters:
     def test_slope_of_sinusoid_has_the_error_of_its_difference(self, derivative, order, factor):
         exact = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
         for n in (16, 32):
-            # Long enough that the six points without a seven-point slope weigh little.
+            # Long, so that six points without a seven-point slope have little weight.
             short = 1 - roughness_parameters(wave(n, waves=40_000), derivative=derivative).Pdq / exact
             # The next term is about (2π/n)² of this one.
             assert short == pytest.approx((2 * np.pi / n) ** order / factor, rel=(2 * np.pi / n) ** 2, abs=2e-6)
 
     def test_parameters_of_normal_heights_have_closed_forms(self):
         result = roughness_parameters(rough(points=200_000, longest_wavelength=1.0))
-        # Some 2000 independent heights: standard errors of 0.05 and 0.11, times four.
+        # About 2000 independent heights: four times the standard errors of 0.05 and 0.11.
         assert result.Psk == pytest.approx(0, abs=0.2)
         assert result.Pku == pytest.approx(3, abs=0.45)
         assert result.Pa / result.Pq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
@@ -96,7 +96,7 @@ class TestAgainstSurfaceTopography:
         ours = roughness_parameters(profile, derivative="neighbours")
         assert ours.Pq == pytest.approx(theirs.rms_height_from_profile(), rel=self.CLOSE)
         assert ours.Pdq == pytest.approx(theirs.rms_slope_from_profile(), rel=self.CLOSE)
-        # Told that the profile is periodic, they take the step from its last point to its first as one more slope.
+        # For periodic profiles SurfaceTopography includes the step from the last point to the first.
         periodic = line_scan(profile.heights, profile.extent, unit="um", periodic=True)
         step = (profile.heights[0] - profile.heights[-1]) / profile.spacing
         points = len(profile)
@@ -114,14 +114,14 @@ class TestAgainstSurfaceTopography:
 
 
 def rough_area(seed=1, shape=(40, 50), spacing=(0.5, 0.25), smooth=2.0):
-    """Gaussian heights with a Gaussian autocorrelation, periodic."""
+    """Return periodic Gaussian heights with a Gaussian autocorrelation."""
     white = np.random.default_rng(seed).normal(size=shape)
     q = np.hypot(2 * np.pi * np.fft.fftfreq(shape[0])[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(shape[1]))
     return Surface(np.fft.ifft2(np.fft.fft2(white) * np.exp(-((smooth * q) ** 2) / 2)).real, spacing=spacing)
 
 
 def slow(surface):
-    """Heights, slopes and area by the words of the standard, point by point."""
+    """Return heights, slopes and area as defined in the standard, point by point."""
     z, (dy, dx) = surface.heights - surface.heights.mean(), surface.spacing
     rows, columns = z.shape
     n = z.size
@@ -147,7 +147,7 @@ def test_surface_parameters_equal_their_definitions(factor):
     surface = Surface(3.0 + factor * rough_area().heights, spacing=(0.5, 0.25))
     result, expected = surface_parameters(surface, derivative="neighbours"), slow(surface)
     for name, value in expected.items():
-        # The slow area less the projected one loses the digits that the heights are below it.
+        # The difference of slow and projected area loses digits.
         loss = 1e-9 if name != "Sdr" else 1e-9 + 1e-15 / value
         assert getattr(result, name) == pytest.approx(value, rel=loss), name
 
@@ -174,7 +174,7 @@ def test_autocorrelation_equals_mean_product_over_the_overlap():
 
 
 def test_autocorrelation_lengths_of_gaussian_have_closed_forms():
-    # exp(-r²/4s²) falls to 0.2 at 2 s sqrt(ln 5); 60 correlation areas leave some per cent.
+    # exp(-r²/4s²) falls to 0.2 at 2 s sqrt(ln 5); 60 correlation areas give a scatter of some per cent.
     surface = rough_area(shape=(600, 700), spacing=0.5, smooth=8.0)
     result = surface_parameters(surface)
     assert result.Sal == pytest.approx(2 * 8.0 * 0.5 * math.sqrt(math.log(5)), rel=0.08)
@@ -185,7 +185,7 @@ def test_autocorrelation_lengths_of_gaussian_have_closed_forms():
 
 
 def grooves(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
-    """Waves towards an angle in degrees; the grooves run across."""
+    """Return a sinusoid in a direction in degrees; its grooves run across."""
     y, x = spacing * np.arange(shape[0])[:, np.newaxis], spacing * np.arange(shape[1])
     along = x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle))
     return Surface(np.cos(2 * np.pi * along / wavelength), spacing=spacing)
@@ -194,7 +194,7 @@ def grooves(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
 @pytest.mark.parametrize("angle", [0, 31, 90, 135])
 def test_texture_parameters_of_grooves_give_their_direction(angle):
     result = surface_parameters(grooves(angle))
-    # The cosine falls to 0.2 at arccos(0.2)/2π of the wavelength, but for what the overlap leaves of whole waves.
+    # The cosine falls to 0.2 at arccos(0.2)/2π of the wavelength, up to partial periods in the overlap.
     assert result.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
     assert math.isnan(result.Str)  # along the grooves it never falls
     off = abs((result.Std - angle + 90) % 180 - 90)
@@ -277,7 +277,7 @@ def test_surface_parameters_agree_with_surface_topography():
     other = topography.Topography(surface.heights.T - surface.heights.mean(), (columns * dx, rows * dy), periodic=False)
     result = surface_parameters(surface, derivative="neighbours")
     assert result.Sq == pytest.approx(np.sqrt(np.mean(other.heights() ** 2)), rel=ROUND_OFF)
-    # It takes slopes of triangles, where each mesh has one along x and one along y on both of its sides.
+    # SurfaceTopography uses triangles; each mesh has slopes along x and y on both sides.
     assert result.Sdq == pytest.approx(other.rms_gradient(), rel=0.01)
 
 

@@ -1,4 +1,4 @@
-"""Slope and curvature over wavelength against sums over waves and closed forms, and limits of simulated instruments."""
+"""Tests of scale-dependent slope and curvature against sums and closed forms, and of simulated instruments."""
 
 import math
 from dataclasses import replace
@@ -24,7 +24,7 @@ from support.machined_surfaces import CLEAN, filtered_noise, turned, unit
 from support.rough_surfaces import rough, self_affine_map, wave
 
 ROUND_OFF = 1e-9
-BINS = 0.03  # of a slope between two bins, 48 to a decade
+BINS = 0.03  # relative error of a slope between two bins (48 per decade)
 
 
 def test_scale_dependent_roughness_tends_to_moments_of_spectrum():
@@ -76,7 +76,7 @@ def test_scale_dependent_roughness_is_independent_of_tilt_and_window():
     )
     result = scale_dependent_roughness(profile)
     own = math.sqrt(np.mean(np.square(np.diff(profile.heights) / 0.01)))
-    assert result.gradient[-1] == pytest.approx(own, rel=0.05)  # some hundred waves, weighted by a window
+    assert result.gradient[-1] == pytest.approx(own, rel=0.05)  # about a hundred wavelengths, weighted by a window
     tilted = scale_dependent_roughness(Profile(5 + profile.heights + 0.3 * profile.x, spacing=0.01))
     assert tilted.gradient == pytest.approx(result.gradient, rel=1e-6)
     larger = scale_dependent_roughness(Profile(10 * profile.heights, spacing=0.1))
@@ -138,7 +138,7 @@ class TestInstrument:
         surface = self_affine_surface(1, hurst_exponent=hurst, rms=0.1, shape=(256, 256), spacing=(0.02, 0.01))
         result = instrument_limit(surface)
         assert (result.reason, result.wavelength, result.pixels) == ("pixels", 0.04, 0.04)
-        folded = Surface(surface.heights[::4, ::4], spacing=(0.08, 0.04))  # with what is folded back
+        folded = Surface(surface.heights[::4, ::4], spacing=(0.08, 0.04))  # including aliasing
         assert instrument_limit(folded).reason == "pixels"
 
     @pytest.mark.parametrize("noise", [0.3e-3, 1e-3, 1e-2])
@@ -149,7 +149,7 @@ class TestInstrument:
         random = np.random.default_rng(1).normal(size=profile.heights.size)
         result = instrument_limit(Profile(profile.heights + noise * random, spacing=0.01), periodic=True)
         assert result.reason == "noise floor"
-        # Of a spectrum A n^-2.8 over harmonics n, whose sum is the mean square.
+        # For a spectrum A n^-2.8 over harmonics n, the sum is the mean square.
         harmonic = profile.extent / result.noise
         power = 0.1**2 * harmonic**-2.8 / (np.arange(1, 2**13) ** -2.8).sum()
         assert 1.2 < power / (noise**2 / 2**13) < 4  # with the noise, four times the lowest of all
@@ -199,7 +199,7 @@ class TestInstrument:
                     heights = clean.heights + 0.03 * clean.heights.std() * noise / noise.std()
                     result = instrument_limit(Profile(heights, spacing=step))
                     if result.reason == "pixels":
-                        assert name == "band"  # as high as the surface's own end at most
+                        assert name == "band"  # at most as high as the end of the spectrum of the surface
                         continue
                     slopes = [
                         np.gradient(cut_off(Profile(z, spacing=step), result.wavelength).heights).std()
@@ -299,7 +299,7 @@ def test_gradient_and_wavelength_reject_bad_arguments():
 
 @pytest.mark.parametrize("colour", ["white", "band"])
 def test_cutoff_of_instrument_preserves_slope_of_trusted_wavelengths(colour):
-    """A Gaussian takes a part of longer waves: with its wavelength at the limit h' would be a fifth too small."""
+    """A Gaussian filter also attenuates longer wavelengths; a cutoff at the limit would reduce h' by 20 %."""
     for seed in range(6):
         created = self_affine_surface(
             seed, hurst_exponent=0.7, rms=0.002, shape=(192, 192), spacing=0.02, shortest_wavelength=0.2

@@ -1,4 +1,4 @@
-"""R- and W-parameters: closed forms of sinusoids, slow definitions, setting classes, and what is rejected."""
+"""Tests of R- and W-parameters: closed forms of sinusoids, slow definitions, setting classes, rejected input."""
 
 import math
 
@@ -12,13 +12,13 @@ from stiction.surfaces.profile_elements import mean_element
 
 
 def sinusoid(wavelength, amplitude=1.0, *, waves=40, points=100, phase=0.3):
-    """Whole waves that start anywhere; heights and lengths in µm."""
+    """Return whole periods of a sinusoid with any phase; heights and lengths in µm."""
     x = np.arange(waves * points) / points
     return Profile(amplitude * np.sin(2 * np.pi * x + phase), spacing=wavelength / points)
 
 
 def ground(seed=1, points=4500, spacing=0.5):
-    """A ground profile with some waviness."""
+    """Return a ground profile with some waviness."""
     fine = self_affine(seed, hurst_exponent=0.7, rms=0.3, points=points, spacing=spacing, longest_wavelength=60.0)
     x = spacing * np.arange(points)
     return levelled(Profile(fine.heights + 0.5 * np.cos(2 * np.pi * x / 1000), spacing=spacing), "line")
@@ -29,10 +29,10 @@ class TestSinusoid:
     def test_height_parameters_have_closed_forms(self, ratio):
         # Amplitude A (1 - t) with the transmission t = exp(-π (α λc/λ)²) behind the L-filter.
         wavelength = 800 * ratio
-        # Fifteen sections, so that the five in the middle are out of the reach of the ends, of whole waves.
+        # Fifteen sections of whole periods, so that the ends do not influence the five in the middle.
         found = section_parameters(sinusoid(wavelength, 2.0, waves=round(15 / ratio), points=400), lc=800, ls=0)
         amplitude = 2.0 * (1 - math.exp(-math.pi * math.log(2) / math.pi / ratio**2))
-        close = 1e-4  # of 400 points to a wave
+        close = 1e-4  # at 400 points per wavelength
         assert found.Ra == pytest.approx(2 * amplitude / math.pi, rel=close)
         assert found.Rq == pytest.approx(amplitude / math.sqrt(2), rel=close)
         assert found.Rz == pytest.approx(2 * amplitude, rel=close)
@@ -46,7 +46,7 @@ class TestSinusoid:
         assert found.Rdc == pytest.approx(2 * amplitude * math.cos(math.pi * 0.2), rel=0.002)
 
     def test_s_filter_removes_its_fraction(self):
-        # A wave of the length of λs keeps half of its amplitude.
+        # A sinusoid with the wavelength λs keeps half of its amplitude.
         found = section_parameters(sinusoid(8.0, waves=700), lc=800, ls=8)
         assert found.Ra == pytest.approx(0.5 * 2 / math.pi, rel=2e-3)
 
@@ -64,7 +64,7 @@ def profile():
 
 @pytest.fixture(scope="module")
 def parts(profile):
-    """Roughness of the evaluation length, and waviness, by slow filters: λs 4 µm and λc 80 µm."""
+    """Return roughness of the evaluation length, and waviness, by slow filters: λs 4 µm and λc 80 µm."""
     primary = mean_line(profile.heights, 0.5, 4.0)
     waviness = mean_line(primary, 0.5, 80.0)
     return (primary - waviness)[50:850].tolist(), waviness.tolist()
@@ -103,7 +103,7 @@ class TestDefinitions:
 
 
 def test_profile_elements_ignore_small_hills_and_dales():
-    # A dale of 5 % between two hills is no end of an element.
+    # A dale of 5 % between two hills does not end an element.
     wave = np.concatenate([np.sin(np.linspace(0, np.pi, 50)), [-0.05], np.sin(np.linspace(0, np.pi, 50))])
     heights = np.concatenate([wave, -wave] * 4)
     assert mean_element(heights, 1.0, 1.0)[0] == pytest.approx(202, rel=1e-9)

@@ -1,11 +1,11 @@
-"""Self-affine profiles and surfaces: their height, their spectrum, and whose random numbers they take."""
+"""Tests of self-affine profiles and surfaces: heights, spectra and random numbers."""
 
 import numpy as np
 import pytest
 from stiction import Surface, power_spectrum, roughness_parameters, self_affine_surface
 from support.rough_surfaces import rough
 
-ROUND_OFF = 1e-12  # of sums and transforms of some ten thousand numbers
+ROUND_OFF = 1e-12  # round-off of sums and transforms of ten thousand numbers
 CHOICES = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spacing": (0.02, 0.01)}
 
 
@@ -27,7 +27,7 @@ class TestSelfAffineProfile:
             roughness_parameters(rough(repetition=r, periodic=periodic, longest_wavelength=0.5)).Pq ** 2
             for r in range(100)
         ]
-        # 100 profiles of some ten independent stretches: 4 %; a cut-out profile's own mean takes away as much again.
+        # 100 profiles with about ten independent sections: 4 %; subtracting the mean removes as much again.
         assert np.mean(squares) == pytest.approx(0.1**2, rel=0.12)
 
     def test_finer_grid_samples_the_same_profile(self):
@@ -77,7 +77,7 @@ def surface(seed=3, **changes):
 
 
 def power(heights, extents):
-    """Mean square of each wave of half the plane, and its wave number."""
+    """Return the mean square of each Fourier coefficient of half the plane, and its wavenumber."""
     transform = np.fft.fft2(heights) / heights.size
     y, x = (np.fft.fftfreq(size, 1 / size) / extent for size, extent in zip(heights.shape, extents, strict=True))
     return np.abs(transform) ** 2, 2 * np.pi * np.hypot(y[:, None], x)
@@ -107,8 +107,8 @@ def test_spectrum_is_power_law_with_plateau_and_cutoff(hurst):
     level = mean[(q > 0) & (q < 2 * np.pi / 0.08)].sum() / law[(q > 0) & (q < 2 * np.pi / 0.08)].sum()
     for low, high in ((0.5, 4.0), (6.0, 10.0), (10.0, 20.0), (20.0, 40.0), (40.0, 75.0)):
         ring = (q > low) & (q < high)
-        # Exponential powers: each of n / 2 independent waves in 8 surfaces scatters by itself; 4 standard errors.
-        # The level is that of the few longest waves, which scatter as much.
+        # Powers are exponentially distributed: n / 2 independent coefficients in 8 surfaces; 4 standard errors.
+        # The few longest wavelengths determine the level and scatter as much.
         ratio = np.mean(mean[ring] / law[ring]) / level
         assert ratio == pytest.approx(1, abs=4 / np.sqrt(4 * ring.sum()) + 0.15)
 
@@ -119,14 +119,14 @@ def test_surface_is_isotropic_on_any_grid():
     ]
     along_y = np.array([np.gradient(one.heights, 0.02, axis=0).std() for one in created])
     along_x = np.array([np.gradient(one.heights[:, ::2], 0.02, axis=1).std() for one in created])
-    # Some thousand waves each, of which the shortest hundreds make the slope: 20 of them agree to 1 %.
+    # The shortest hundreds of wavelengths determine the slope: the mean of 20 surfaces agrees to 1 %.
     assert np.mean(along_y**2) / np.mean(along_x**2) == pytest.approx(1, abs=0.03)
 
 
 def test_surface_is_periodic():
     created = surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
     doubled = np.tile(created.heights, (2, 2))
-    # Between equal neighbours a jump at the seam would stand out.
+    # A jump at the seam would exceed the differences between neighbours.
     steps = np.abs(np.diff(doubled, axis=1))
     assert steps[:, 63].max() <= np.delete(steps, 63, axis=1).max()
     assert np.abs(np.diff(doubled, axis=0))[63].max() <= np.abs(np.diff(created.heights, axis=0)).max() * 1.5
@@ -143,7 +143,7 @@ def test_surface_is_reproducible_and_depends_on_seed():
     assert surface().heights.tobytes() == one.heights.tobytes()
     for other in (surface(seed=4), surface(repetition=1), surface(side="upper")):
         correlation = (other.heights * one.heights).mean() / 0.01
-        # A few long waves make most of the height, so two surfaces are correlated by chance.
+        # A few long wavelengths dominate the height, so two surfaces are correlated by chance.
         assert abs(correlation) < 0.8
     ensemble = [surface(repetition=r).heights * surface(repetition=r, side="upper").heights for r in range(40)]
     assert abs(np.mean(ensemble) / 0.01) < 4 * np.std([one.mean() / 0.01 for one in ensemble]) / np.sqrt(40)

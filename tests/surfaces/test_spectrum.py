@@ -1,4 +1,4 @@
-"""Spectra and moments of profiles and surfaces against their definitions and known bodies."""
+"""Tests of spectra and moments against their definitions and known surfaces."""
 
 import math
 
@@ -20,10 +20,10 @@ from stiction import (
 )
 from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough, self_affine_map, wave
 
-# Of sums over some thousand points, of transforms and their squares.
+# Round-off of sums over some thousand points, and of transforms.
 ROUND_OFF = 1e-12
 AREA_ROUND_OFF = 1e-11
-LAY = 10.0  # degrees, of maps of some ten of the longest waves that are twice as long one way; nine tenths are within 3
+LAY = 10.0  # degrees, for maps about ten wavelengths long and stretched by two; 90 % are within 3 degrees
 
 
 class TestSpectrum:
@@ -86,7 +86,7 @@ class TestSpectralMoments:
         result = spectral_moments(wave(16), periodic=True)
         q = 2 * np.pi / WAVELENGTH
         for order, value in enumerate((result.height, result.slope, result.curvature)):
-            # Round-off at the highest of 64 harmonics weighs 8^(2j) times as much.
+            # Round-off at the highest of 64 harmonics is amplified by 8^(2j).
             assert value == pytest.approx(AMPLITUDE**2 / 2 * q ** (2 * order), rel=1e-10)
         assert result.nayak_parameter == pytest.approx(1, rel=1e-10)
 
@@ -126,13 +126,13 @@ def test_moments_are_variances_along_any_direction():
     surface = self_affine_map(2, 0.7)
     spectrum = surface_spectrum(surface, periodic=True)
     assert spectrum.moments(37).height == pytest.approx(surface.heights.var(), rel=AREA_ROUND_OFF)
-    # Along x, those of the rows; a row's own mean is a wave of the surface.
+    # Along x, moments of the rows; the mean of a row is a wavelength of the surface.
     rows = [spectral_moments(surface.row(index), periodic=True) for index in range(128)]
     assert spectrum.moments(0).slope == pytest.approx(np.mean([row.slope for row in rows]), rel=1e-9)
     assert spectrum.moments(0).curvature == pytest.approx(np.mean([row.curvature for row in rows]), rel=1e-9)
     columns = [spectral_moments(surface.column(index), periodic=True) for index in range(160)]
     assert spectrum.moments(90).slope == pytest.approx(np.mean([column.slope for column in columns]), rel=1e-9)
-    # In between: m2 is a quadratic form of the direction.
+    # In other directions m2 is a quadratic form.
     along, across = spectrum.moments(20).slope, spectrum.moments(110).slope
     assert along + across == pytest.approx(spectrum.moments(0).slope + spectrum.moments(90).slope, rel=AREA_ROUND_OFF)
     wave = np.cos(0.25 * np.pi * (surface.x / 0.5) + 0.5 * np.pi * (surface.y[:, np.newaxis] / 0.5))
@@ -160,7 +160,7 @@ def test_radial_spectrum_counts_every_coefficient_once():
     assert (np.diff(q) >= 0).all()
     assert angle.min() >= 0
     assert angle.max() < 180
-    # Both of a wave and its opposite, over the ring.
+    # Both a coefficient and its conjugate, over the ring.
     area = (2 * np.pi / 32) * (2 * np.pi / 24.3)
     inside = np.hypot(spectrum.wave_number_y[:, np.newaxis], spectrum.wave_number_x) < np.pi / 0.5 * (1 - 1e-9)
     assert 2 * density.sum() * area == pytest.approx(spectrum.density[inside].sum() * area, rel=AREA_ROUND_OFF)
@@ -180,12 +180,12 @@ def test_radial_spectrum_agrees_with_surface_topography():
     edges = np.sqrt(q[1:] * q[:-1])
     for index in np.flatnonzero(stored)[1:-1]:
         ring = (at > edges[index - 1]) & (at < edges[index])
-        # Its rings have edges of their own, and the density falls by half within a tenth of a decade.
+        # SurfaceTopography uses other ring edges; the density falls by half within a tenth of a decade.
         assert density[index] == pytest.approx(values[ring].mean(), rel=0.35)
 
 
 def test_moments_of_eq_1_equal_exact_moments():
-    # Half of Σ a² k^(2j); 20 profiles of some hundred independent wavelengths each leave a few per cent.
+    # Half of Σ a² k^(2j); 20 profiles with a hundred independent wavelengths scatter by a few per cent.
     options = {"convention": "classical"}
     exact = weierstrass_mandelbrot_moments(1.2, shortest_wavelength=0.02, **options)
     result = [

@@ -16,12 +16,12 @@ from stiction import (
     surrogate,
 )
 
-# Of sums over some hundred points.
+# Round-off of sums over some hundred points.
 ROUND_OFF = 1e-12
 
 
 def bumps(shape=(60, 80), spacing=(0.2, 0.1)):
-    """Smooth heights that are known between the points, and the function itself."""
+    """Return smooth heights and the function that defines them."""
 
     def height(y, x):
         return np.sin(1.1 * x + 0.3) * np.cos(0.7 * y) + 0.2 * x
@@ -77,7 +77,7 @@ def test_common_grid_is_the_finer_along_each_axis():
     one, other = on_common_grid(fine, coarse)
     assert one.spacing == other.spacing == (0.1, 0.1)
     assert one.heights.shape == other.heights.shape == (60, 79)  # 5.9 µm along y, 7.8 µm along x
-    # Along x the second is as it was; along y it is the natural spline of each column.
+    # Along x the second map is unchanged; along y it is the natural spline of each column.
     splined = CubicSpline(0.25 * np.arange(30), coarse.heights[:, :79], bc_type="natural")(0.1 * np.arange(60))
     assert other.heights == pytest.approx(splined, abs=ROUND_OFF)
     inside = other.heights[10:50, :] - height(other.y[10:50, np.newaxis], other.x)
@@ -89,14 +89,14 @@ def test_common_grid_is_the_finer_along_each_axis():
 
 def test_common_grid_aligned_at_middle_matches_rotated_map():
     small, height = bumps((41, 61), (0.1, 0.1))
-    # The same function, seen by a larger map that begins 1 µm further down and 2 µm further left.
+    # The same function on a larger map, whose origin is shifted by 1 µm along -y and 2 µm along -x.
     for shape, spacing in (((61, 101), 0.1), ((25, 41), 0.25)):
         y, x = spacing * np.arange(shape[0])[:, np.newaxis] - 1.0, spacing * np.arange(shape[1]) - 2.0
         for pair in ((small, Surface(height(y, x), spacing=spacing)), (Surface(height(y, x), spacing=spacing), small)):
             one, other = on_common_grid(*pair, align="middle")
             assert one.spacing == other.spacing == (0.1, 0.1)
             assert one.heights.shape == other.heights.shape == (41, 61)
-            assert np.abs(one.heights - other.heights).max() < 3e-4  # of the splines
+            assert np.abs(one.heights - other.heights).max() < 3e-4  # error of the splines
     assert other.history == () or "about its middle" in "".join((*one.history, *other.history))
     lines = on_common_grid(Profile(np.arange(9.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle")
     assert lines[0].heights.tolist() == [2, 3, 4, 5, 6]
@@ -130,13 +130,13 @@ def test_rotated_equals_rotated_function(angle, shape):
     y, x = turned.y[:, np.newaxis] - own[0], turned.x - own[1]
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     before_y, before_x = middle[0] - s * x + c * y, middle[1] + c * x + s * y
-    # Inside of what was there, to a rounding.
+    # Inside the original extent, up to rounding.
     for before, length in ((before_y, shape[0]), (before_x, shape[1])):
         assert before.min() > -1e-9
         assert before.max() < (length - 1) * 0.1 + 1e-9
     expected = height(before_y, before_x)
     off = np.abs(turned.heights - expected)
-    assert np.median(off) < 1e-6  # of the fourth order of the spacing
+    assert np.median(off) < 1e-6  # of fourth order in the spacing
     assert off.max() < 1e-4  # at the sides
     if angle != 90:
         assert "% cut off" in turned.history[-1]
@@ -167,7 +167,7 @@ def test_surrogate_of_periodic_surface_has_its_spectrum(shape):
 
 
 def test_surrogate_preserves_lay_height_and_slopes():
-    # A lay at 31 degrees, which an image in both axes would mix with one at -31.
+    # A lay at 31 degrees; mirror images along both axes would mix it with -31 degrees.
     size = 256
     q_y, q_x = 2 * np.pi * np.fft.fftfreq(2 * size)[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(2 * size)
     angle = np.radians(31)
@@ -178,7 +178,7 @@ def test_surrogate_preserves_lay_height_and_slopes():
     result = surface_parameters(surface)
     others = [surface_parameters(surrogate(surface, 5, repetition=r)) for r in range(6)]
     assert others[0].Sq == pytest.approx(result.Sq, rel=ROUND_OFF)
-    # The window weighs the middle, whose share of long waves is not that of the whole.
+    # The window emphasises the middle, whose long wavelengths differ from those of the whole.
     for name, within in (("Sdq", 0.1), ("Sal", 0.2), ("Str", 0.3)):
         assert np.mean([getattr(other, name) for other in others]) == pytest.approx(getattr(result, name), rel=within)
     q, direction, density = surface_spectrum(surrogate(surface, 5)).waves()

@@ -1,4 +1,4 @@
-"""Surrogates of profiles and surfaces: the spectrum against bodies that are known, and what a section keeps."""
+"""Tests of surrogates: spectra against known surfaces, and spectra from sections."""
 
 from itertools import pairwise
 
@@ -19,15 +19,15 @@ from stiction import (
 )
 from support.rough_surfaces import rough
 
-# Of sums over some thousand points, of transforms and their squares.
+# Round-off of sums over some thousand points, and of transforms.
 ROUND_OFF = 1e-12
 FIT_ROUND_OFF = 1e-9
 
 RING = 0.1
-"""Error of a density that is even in rings of a quarter of an octave, over which the known one falls up to a half."""
+"""Relative error of a density in rings of a quarter octave, within which the known density falls by up to a half."""
 
 SCATTER = 0.1
-"""Scatter of the rms gradient of one line of some hundred waves, and of area and friction of a few pairs of pieces."""
+"""Scatter of the rms gradient of one line, and of area and friction of a few pairs of pieces."""
 
 
 class TestSurrogate:
@@ -75,7 +75,7 @@ class TestSurrogate:
                 spectral_moments(p, longest_wavelength=0.1, periodic=p is other).slope for p in (profile, other)
             )
             short.append(two / one)
-        # One profile's windowed sum over 2000 harmonics scatters by 3 %; the ends add a corner each.
+        # The windowed sum over 2000 harmonics of one profile scatters by 3 %; each end adds a corner.
         assert np.mean(slopes) == pytest.approx(1, abs=0.02)
         assert np.max(np.abs(np.log(slopes))) < 0.05
         assert np.mean(short) == pytest.approx(1, abs=0.03)
@@ -105,7 +105,7 @@ def known(hurst, side="lower", shape=(256, 2048), spacing=0.1):
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
 def test_surface_spectrum_is_recovered_from_sections(hurst):
-    """C1D(k) by summing a known C2D over all waves of the grid across; a profile with exactly that, without scatter."""
+    """C1D(k) is the sum of a known C2D over all wavenumbers across; the profile has exactly this spectrum."""
     points, spacing = 512, 0.5
     q = 2 * np.pi * np.fft.fftfreq(points, spacing)
     known = np.maximum(np.hypot(q[:, np.newaxis], q), 20 * q[1]) ** (-2 - 2 * hurst)
@@ -116,7 +116,7 @@ def test_surface_spectrum_is_recovered_from_sections(hurst):
     np.testing.assert_allclose(power_spectrum(profile, periodic=True).density, mean[1:], rtol=FIT_ROUND_OFF)
     result = isotropic_spectrum(profile, periodic=True)
     expected = np.maximum(result.wave_number, 20 * q[1]) ** (-2 - 2 * hurst)
-    # Not those that follow their neighbours, nor beside the corner of the roll-off, which is made round.
+    # Without interpolated rings and those next to the corner of the roll-off, which is rounded.
     sure = (result.count >= 4) & (np.abs(np.log(result.wave_number / (20 * q[1]))) > 0.35)
     np.testing.assert_allclose(result.density[sure], expected[sure], rtol=RING)
 
@@ -132,7 +132,7 @@ def test_gradient_of_section_equals_that_of_surface(hurst):
         assert created.spacing == (0.1, 0.1)
         again = surface_spectrum(created, periodic=True)
         assert np.sqrt(again.moments(0).slope + again.moments(90).slope) == pytest.approx(gradient, rel=SCATTER)
-        # Isotropic, up to the scatter of its waves.
+        # Isotropic up to random scatter.
         assert again.moments(0).slope == pytest.approx(again.moments(90).slope, rel=2 * SCATTER)
 
 
@@ -145,7 +145,7 @@ def test_mean_spectrum_equals_fit():
         .slope
         for index in range(40)
     ]
-    # Of waves of the profile and of the surface: 64 points hold all but some of the longest.
+    # Wavelengths of profile and surface: 64 points contain all but the longest.
     expected = spectral_moments(section, periodic=True).slope
     assert np.mean(slopes) == pytest.approx(expected, rel=4 * np.std(slopes) / np.sqrt(40) / expected)
     assert fitted.count.sum() == pytest.approx(255.5)  # harmonics, that at the Nyquist wave number half
@@ -186,7 +186,7 @@ def test_isotropic_surface_rejects_bad_arguments(changes, words):
 
 @pytest.mark.soak
 def test_isotropic_surface_has_contact_area_and_friction_of_map():
-    """Pieces have 128 by 128 points; docs/scripts/isotropic.py does it for H of 0.4 to 0.9 with larger ones."""
+    """Pieces have 128 by 128 points; docs/scripts/isotropic.py uses larger ones for H from 0.4 to 0.9."""
     bodies = [known(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
 
     def answers(pairs):
