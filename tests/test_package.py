@@ -1,10 +1,13 @@
+import dataclasses
+import inspect
+import re
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 import stiction
-from stiction import _core
+from stiction import ContactModel, _core
 from support.threads import runs_other_threads
 
 ROOT = Path(__file__).parents[1]
@@ -23,9 +26,33 @@ def test_public_names_are_sorted_and_exist():
     assert all(hasattr(stiction, name) for name in stiction.__all__)
 
 
+FUNCTIONS = [name for name in stiction.__all__ if inspect.isfunction(inspect.unwrap(getattr(stiction, name)))]
+"""Public functions."""
+
+
+def parse_sections(docstring):
+    """Return the numpydoc sections of a docstring by title."""
+    _, *parts = re.split(r"^(\w[\w ]*)\n-+$", docstring, flags=re.MULTILINE)
+    return dict(zip(parts[::2], parts[1::2], strict=True))
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_docstring_of_public_function_has_all_sections(name):
+    function = getattr(stiction, name)
+    sections = parse_sections(inspect.getdoc(function))
+    entries = re.findall(r"^(\S.*?)(?: : .*)?$", sections.get("Parameters", ""), re.MULTILINE)
+    documented = {item.strip() for entry in entries for item in entry.split(",")}
+    if "**contact" in documented:
+        documented |= {"model", *(field.name for field in dataclasses.fields(ContactModel))}
+    signature = inspect.signature(function)
+    assert set(signature.parameters) - documented == set()
+    assert ("Returns" in sections) == (signature.return_annotation != "None")
+    assert ">>>" in sections["Examples"]
+
+
 def test_core_rejects_arrays_of_other_types():
     heights = np.zeros(8)
-    options = {"spacing": 1.0, "approaches": np.array([0.1]), "model": stiction.ContactModel().core()}
+    options = {"spacing": 1.0, "approaches": np.array([0.1]), "model": ContactModel().core()}
     _core.press(heights, heights, **options)
     for bad in (heights.tolist(), heights.astype(np.float32), np.zeros(16)[::2]):
         with pytest.raises(TypeError, match="incompatible function arguments"):

@@ -634,7 +634,9 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     Parameters
     ----------
     interface : Interface
+        Interface to write.
     path : path
+        Path of the file. A file of another kind is not replaced.
     about : mapping of str to str, optional
         Further lines of the header, such as materials, conditions and operator.
 
@@ -642,6 +644,10 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     ------
     ValueError
         If another file has this name, or the file cannot be written.
+
+    See Also
+    --------
+    read_interface : Inverse function.
 
     Examples
     --------
@@ -675,10 +681,24 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
 def read_interface(path: str | Path) -> Interface:
     """Read an interface from a file of `write_interface`.
 
+    Parameters
+    ----------
+    path : path
+        Path of the file.
+
+    Returns
+    -------
+    interface : Interface
+        Joint distribution of mu0 and tau0 (GPa).
+
     Raises
     ------
     ValueError
         If the file cannot be read, or is not an interface.
+
+    See Also
+    --------
+    write_interface : Inverse function.
 
     Examples
     --------
@@ -725,6 +745,15 @@ def _fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Fit:
 def interfaces() -> dict[str, dict[str, str]]:
     """Return published interfaces by name, with their entries as text.
 
+    Returns
+    -------
+    entries : dict of str to dict of str to str
+        Entries by name, such as kind, mu0 and tau0 with their units, conditions, motion and source.
+
+    See Also
+    --------
+    interface : Single interface by its name.
+
     Examples
     --------
     >>> from stiction import interfaces
@@ -756,10 +785,25 @@ def read_interfaces(folder: str | Path) -> dict[str, dict[str, str]]:
 def interface(name_or_path: str | Path) -> Interface:
     """Return an interface by its name in `interfaces`, or from a file of `stiction calibrate`.
 
+    Parameters
+    ----------
+    name_or_path : str or path
+        Name of a published interface, or path of a file.
+
+    Returns
+    -------
+    interface : Interface
+        Joint distribution of mu0 and tau0 (GPa).
+
     Raises
     ------
     ValueError
         If no interface or file has this name.
+
+    See Also
+    --------
+    interfaces : Names of the published interfaces.
+    read_interface : Files only.
 
     Examples
     --------

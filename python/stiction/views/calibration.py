@@ -135,6 +135,20 @@ _KEYS_WITHOUT_NAME = ("conditions", "source")
 def calibration_figure(interface: Interface) -> Figure:
     """Draw tests and fit against A/F, and the joint distribution of mu0 and tau0; 170 mm wide.
 
+    Parameters
+    ----------
+    interface : Interface
+        Result of `calibrate`, or an interface from a file.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+        Two panels: coefficients over A/F (1/GPa), and the joint distribution of mu0 and tau0 (MPa).
+
+    See Also
+    --------
+    calibrate : Calibration from friction tests.
+
     Examples
     --------
     >>> from stiction import Ball, FrictionTest, calibrate, calibration_figure
