@@ -483,7 +483,7 @@ def test_prior_information_is_preserved() -> None:
         (lambda: FrictionTest(BALL, 1, coefficient=1e-310, uncertainty=1e-311), "must be at least 1e-15"),
         (lambda: calibrate(ball_tests(), common=2), "below 1"),
         (lambda: calibrate(ball_tests(), tau0="3 um"), "tau0"),
-        (lambda: calibrate([*ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]), "all tests, or of none"),
+        (lambda: calibrate([*ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]), "all tests or for none"),
     ],
 )
 def test_calibrate_rejects_bad_input(call, words: str) -> None:
