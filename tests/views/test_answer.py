@@ -191,7 +191,7 @@ def test_caveats_about_inputs_are_listed_and_faults_come_first():
         ([0.0], "the upper body moves to +x"),
         ([30.0], "the upper body moves at 30°"),
         ([0.0, 45.0], "the mean over 0° and 45°"),
-        ([90.0, 270.0], "the mean over both senses of y"),
+        ([90.0, 270.0], "the mean over both directions along y"),
         (list(range(0, 360, 30)), "the mean over 12 directions all round"),
         (list(range(0, 180, 30)), "the mean over 0°, 30°, 60°, 90°, 120° and 150°"),
     ],

@@ -52,7 +52,7 @@ def averaged_directions_text(directions: Any) -> str:
     if np.allclose(gaps, 360 / degrees.size):
         if degrees.size == 2:
             axis = {0.0: "x", 90.0: "y"}.get(float(degrees[0]), f"{degrees[0]:g}°")
-            return f"the mean over both senses of {axis}"
+            return f"the mean over both directions along {axis}"
         return f"the mean over {degrees.size} directions all round"
     named = [f"{angle:g}°" for angle in degrees]
     return f"the mean over {', '.join(named[:-1])} and {named[-1]}"

@@ -244,7 +244,7 @@ def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardnes
     axes.set(xlabel=label("x"), ylabel=label("y"))
 
 
-# ---- Where they touch ------------------------------------------------------------------------------------------------
+# ---- Contacts --------------------------------------------------------------------------------------------------------
 
 
 def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figure:
@@ -253,7 +253,7 @@ def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Fi
     `picture` is a result of `contact_picture`, `direction` the motion of the upper body (degrees); 80 mm wide.
     """
     is_opposing, cut = find_opposing_contacts(picture, direction), picture["contact_at_edge"].values > 0
-    kinds = [(OPPOSING, "opposes the motion"), (LEANING, "does not")] + [(EDGE_COLOUR, "cut by the edge")] * bool(
+    kinds = [(OPPOSING, "opposes the motion"), (LEANING, "assists the motion")] + [(EDGE_COLOUR, "cut by the edge")] * bool(
         cut.any()
     )
     if "gap" in picture:

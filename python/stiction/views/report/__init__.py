@@ -1,4 +1,4 @@
-"""A page for a browser of a result, which needs nothing else."""
+"""HTML reports, each a single file without external resources."""
 
 from stiction.views.report.page import ReportError
 from stiction.views.report.result import report_page, save_report

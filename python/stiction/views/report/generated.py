@@ -306,7 +306,7 @@ def _number(check: dict[str, Any]) -> dict[str, Any] | None:
 
 
 def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats) -> str:
-    """Two of the profiles in contact, and how pairs begin to slide if the study asks for it."""
+    """Draw two of the profiles in contact, and the onset of sliding if the study asks for it."""
     if not (touching := (counts > 0).any(axis=(0, 1))).any():
         return ""
     panels = []
@@ -328,7 +328,7 @@ def _loads(result: Result) -> Floats:
 
 
 def _name_of(study: Study) -> str:
-    """That of the built-in study that it is, but for the number of repetitions; else what it is of."""
+    """Return the name of the built-in study that equals it except for the repetitions, else a description."""
     same = {"ensemble.repetitions": study.ensemble.repetitions}
     return next((name for name in study_names() if Study.named(name).with_changes(same) == study), "study")
 

@@ -57,7 +57,7 @@ _UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # names of units that ha
 
 
 def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
-    """What a page says of a result of measured bodies, called by a name, or by those of its files where this is empty.
+    """Return the page of a result of measured bodies; its title is a name or, if that is empty, the files.
 
     A picture is what `contact_picture` returns, that beside a stored result by default. Raises a `ReportError` if the
     result is too large.
@@ -222,7 +222,7 @@ def _whole(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
 
 
 def _held(result: Result, study: Study) -> list[str]:
-    """What holds bodies that adhere, at the first mu0 and tau0 by the rule to quote."""
+    """Return lines on the pull-off force at the first mu0 and tau0 by the rule to quote."""
     if not study.contact.adheres:
         return []
     sticking = result.summary().points[0].sticking

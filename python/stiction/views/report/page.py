@@ -1,4 +1,4 @@
-"""One page for a browser, whole in itself: its frame, and how numbers are packed into it.
+"""HTML page in a single file: its frame, and packing of numbers.
 
 `result.py` and `surface.py` say what a page is of. Markup, style and scripts stand beside this file: `nodes.js`
 unpacks and interpolates, `plots.js` draws, `common.js` has controls and files, and `result.js` the state
@@ -34,12 +34,12 @@ SCRIPTS = ("nodes.js", "plots.js", "common.js", "result.js")
 
 
 class ReportError(ValueError):
-    """A page that cannot be made or written."""
+    """Error of a page that cannot be made or written."""
 
 
 @dataclass(frozen=True)
 class Page:
-    """A page: title, lines below it, markup of its main part and of its scripts, and who computed what it shows."""
+    """Page: title, lines below it, markup of its main part and scripts, and version that computed its result."""
 
     name: str
     head: list[str]
@@ -48,7 +48,7 @@ class Page:
     scripts: str = ""
 
     def html(self) -> str:
-        """The whole page."""
+        """Return the complete page."""
         return MARK + Template(part("page.html")).substitute(
             name=escaped(self.name),
             head="".join(f"<p>{escaped(line)}</p>" for line in self.head),
@@ -66,12 +66,12 @@ class Page:
 
 
 def part(name: str) -> str:
-    """Text of a file beside this one."""
+    """Return the text of a file of this package."""
     return (resources.files(__package__) / name).read_text("utf-8")
 
 
 def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
-    """Markup of the scripts of a result, of facts, and of numbers that are packed by `packed`."""
+    """Return the markup of the scripts of a result, its facts, and the numbers of `packed`."""
     # No "<", so that nothing in it ends the element or begins another.
     known = json.dumps(facts, allow_nan=False).replace("<", "\\u003c")
     box = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
@@ -84,23 +84,23 @@ MOST_TEXT = 400  # most characters of a line that comes from a file
 
 
 def escaped(text: object) -> str:
-    """Text as markup: one line, no control characters, not without end."""
+    """Return a text as markup: one line of limited length without control characters."""
     return html.escape(printable(str(text), MOST_TEXT))
 
 
 def counted(count: int, one: str, many: str | None = None) -> str:
-    """A number of things."""
+    """Return a number with its noun."""
     return f"{count} {one if count == 1 else many or f'{one}s'}"
 
 
 def listed(values: ArrayLike) -> Any:
-    """Numbers for JSON, which has no NaN."""
+    """Return numbers for JSON, with None for NaN."""
     array = np.asarray(values, dtype=np.float64)
     return np.where(np.isfinite(array), array, np.asarray(None)).tolist()
 
 
 def panel(name: str, title: str, seen: str, *, more: str, kind: str = "plot") -> str:
-    """Markup of a plot with its title, what is seen and what keys do for screen readers, and room for its caption."""
+    """Return the markup of a plot: title, description and keys for screen readers, and an empty caption."""
     return (
         f'<section class="panel" aria-labelledby="{name}-title"><h2 id="{name}-title">{title}</h2>'
         f'<div id="{name}" class="{kind}" role="application" tabindex="0" aria-label="{seen}; {more}"></div>'
@@ -120,7 +120,7 @@ AXES = {
 
 @dataclass(frozen=True, eq=False)
 class PageResult:
-    """The result of a page: `details` is markup of its study, `touching` and `pictures` that of figures."""
+    """Content of a page: `details` is markup of its study, `touching` and `pictures` that of figures."""
 
     study: Study
     name: str
@@ -134,7 +134,7 @@ class PageResult:
     pictures: str = ""
 
     def unfinished(self) -> str:
-        """A notice, as markup, where members are missing."""
+        """Return a notice, as markup, if members are missing."""
         total, said = self.study.ensemble.repetitions, []
         if self.there < total:
             said.append(f"{self.name} is unfinished: {self.there} of {total} repetitions.")
@@ -143,7 +143,7 @@ class PageResult:
         return "".join(f'<p class="notice">{escaped(line)}</p>' for line in said)
 
     def described(self) -> str:
-        """The study as differences from the defaults, and whole, as markup."""
+        """Return the study as markup: its differences from the defaults, and all keys."""
         whole = (
             "<details><summary>The whole study file (TOML)</summary>"
             f'<pre tabindex="0">{html.escape(_without_folders(self.study).to_toml())}</pre></details>'
@@ -157,7 +157,7 @@ class PageResult:
 
 
 def _without_folders(study: Study) -> Study:
-    """A study that names its files alone: whoever is sent a page has other folders."""
+    """Return a study whose files have no folders, because readers of a page have other folders."""
     if not study.is_measured:
         return study
     bodies: Any = study.surfaces
@@ -167,7 +167,7 @@ def _without_folders(study: Study) -> Study:
 
 
 def motions_of(study: Study) -> tuple[list[str], list[float]]:
-    """Sliding rules and directions (degrees) of a study, in the order of the sums."""
+    """Return sliding rules and directions (degrees) of a study, in the order of the sums."""
     return list(study.contact.rules()), [float(angle) for angle in study.contact.degrees()]
 
 

@@ -1,4 +1,4 @@
-"""Pictures of a page that do not move: two profiles in contact, and how pairs begin to slide."""
+"""Static figures of a page: profiles in contact, and the onset of sliding."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from stiction.views.style import STYLE
 
 
 def profiles_panel(study: Study, approach: float) -> str:
-    """A panel of a pair of generated profiles at an approach (µm), as markup."""
+    """Return the panel of a pair of generated profiles at an approach (µm), as markup."""
     cells, contact = study.surfaces.cells(), study.contact
     dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])
     middle = dimensions[dimensions.size // 2 :][:1]
@@ -46,7 +46,7 @@ def profiles_panel(study: Study, approach: float) -> str:
 
 
 def adhesion_panel(ways: xarray.Dataset | None, title: str) -> str:
-    """A panel of what `coming_and_going` gives, as markup; none without adhesion."""
+    """Return the panel of loading and unloading, as markup; empty without adhesion."""
     if ways is None:
         return ""
     return _panel(
@@ -58,7 +58,7 @@ def adhesion_panel(ways: xarray.Dataset | None, title: str) -> str:
 
 
 def height_scale_panels(result: Result, title: str) -> str:
-    """Panels of a result over the factors of its heights that are stored alongside it, as markup; empty without them.
+    """Return panels over the height factors that are stored alongside a result, as markup; empty without any.
 
     They are of its first load, mu0 and tau0.
     """
@@ -76,7 +76,7 @@ def height_scale_panels(result: Result, title: str) -> str:
 
 
 def touching_panel(picture: xarray.Dataset, direction: float) -> str:
-    """A panel of what `contact_picture` gives, for a motion in a direction (degrees), as markup."""
+    """Return the panel of contacts for a direction of motion (degrees), as markup."""
     force, cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     climbs = int(find_opposing_contacts(picture, direction).sum())
     said = (
@@ -87,13 +87,13 @@ def touching_panel(picture: xarray.Dataset, direction: float) -> str:
     if cut.any():
         said += f" The edge cuts contacts with {percent(float(force[cut].sum() / force.sum()))} of the load."
     moved = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
-    stands = "line stands as it is pressed" if "gap" in picture else f"map is moved by {moved} µm"
-    seen, caption = "The two bodies with their true contacts.", f"{said} The upper {stands}."
-    return _panel("Where they touch", seen, caption, lambda: contact_map_figure(picture, direction=direction))
+    position = "profile is shown in the pressed position" if "gap" in picture else f"map is moved by {moved} µm"
+    seen, caption = "The two bodies with their true contacts.", f"{said} The upper {position}."
+    return _panel("Contacts", seen, caption, lambda: contact_map_figure(picture, direction=direction))
 
 
 def positions_panel(result: Result, load: float, title: str) -> str:
-    """A panel of friction in single positions at a load (mN), as markup."""
+    """Return the panel of friction at single positions at a load (mN), as markup."""
     at = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
     return _panel(
         "Single positions", "Friction coefficient of each pair in each direction.",
@@ -103,7 +103,7 @@ def positions_panel(result: Result, load: float, title: str) -> str:
 
 
 def onset_panels(onset: xarray.Dataset, title: str) -> str:
-    """Panels of the curve and of the map, as markup; the map is of areas."""
+    """Return panels of the onset curve and, for areas, of the onset map, as markup."""
     curve = _panel(
         "How the bodies begin to slide",
         "Tangential load over the displacement of the upper body, with cycles, and what slips before all does.",
@@ -123,7 +123,7 @@ def onset_panels(onset: xarray.Dataset, title: str) -> str:
 
 
 def dimension_panel(dataset: xarray.Dataset) -> str:
-    """A panel of how the generated pairs of a result begin to slide, as markup."""
+    """Return the panel of the onset of sliding of generated pairs, as markup."""
     return _panel(
         "How the pairs begin to slide",
         "Creep before sliding, what slips at half of the sliding load, and tangential stiffness over fractal "
@@ -154,7 +154,7 @@ _COLOURS = {
 
 
 def inline(figure: Figure, seen: str) -> str:
-    """A figure as SVG that is part of the page, with a text for screen readers."""
+    """Return a figure as inline SVG with a text for screen readers."""
     for axes in figure.axes:
         drawn: list[Any] = [*axes.collections, *axes.lines]
         for artist in drawn:

@@ -1,4 +1,4 @@
-"""How a file was read, as a table of fields: layout, points, columns, units, spacing, missing points and caveats."""
+"""Table of how a file was read: layout, points, columns, units, spacing, missing points and caveats."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ function whyNoInterval() {
   return facts.repetitions === 1 ? "there is one repetition" : "fewer than two repetitions carry load";
 }
 
-// ---- The answer -----------------------------------------------------------------------------------------------------
+// ---- Result ---------------------------------------------------------------------------------------------------------
 
 function showReadout() {
   sayParameters();
@@ -294,7 +294,7 @@ function showCurve(id) {
     ...(id === "friction" ? frictionAt(rule, state.dimension, l, at) : quantityAt(id, state.dimension, l, at)), x: load})));
   const levels = id === "friction" && isMeasured ? series.flatMap(({rule, colour}) => {
     const alone = slopesAlone(rule, state.dimension);
-    return alone ? [{value: alone.value, colour, name: `by slope alone, ${rule}`}] : [];
+    return alone ? [{value: alone.value, colour, name: `small-slope estimate, ${rule}`}] : [];
   }) : [];
   const room = isMeasured ? 1.15 : 1;
   const x = {low: loads[0] / room, high: loads.at(-1) * room, isLog: true, title: `normal load _F_~N~ (mN)${facts.loads.unit}`};

@@ -1,4 +1,4 @@
-"""The report of a result.
+"""Report of a result.
 
 It contains what the library evaluated at nodes of mu0 and tau0: values, intervals, statuses, assessments and decimals.
 The scripts unpack these, interpolate between nodes and draw.
@@ -80,7 +80,7 @@ def save_report(
 
 
 def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
-    """The page of a result as HTML, which needs nothing else.
+    """Return the report of a result as HTML without external resources.
 
     The name is what it is called on the page; a built-in study, and a pair of files, have names of their own. A picture
     is what `contact_picture` returns, that beside a stored result by default. Raises a `ReportError` if the result is

@@ -1,4 +1,4 @@
-"""The page of one measured profile or surface: what it means for friction, its heights, spectra and roughness."""
+"""Report of a measured profile or surface: friction, heights, spectra and roughness."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MUCH = 0.1  # fraction of the mean square slope in the shortest octave from whic
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
 ) -> Page:
-    """The page of a levelled profile or surface, with the command that makes it and, as markup, how it was read.
+    """Return the page of a levelled profile or surface, with its command and the markup of its reading.
 
     `options` are those of `characterisation_text`.
     """
@@ -39,7 +39,7 @@ def surface_page(
 
 
 def _meaning(found: Characterisation) -> str:
-    """What is doubtful, what the slopes say of friction, and what a finer scan would change, as markup."""
+    """Return caveats, the small-slope estimate, and the effect of a finer scan, as markup."""
     doubts = "".join(
         f"<li>{escaped(f'{each.text[0].upper()}{each.text[1:]}; {each.cure}.')}</li>" for each in found.doubts
     )
@@ -67,7 +67,7 @@ def _meaning(found: Characterisation) -> str:
 
 
 def _table(rows: list[Row]) -> str:
-    """Rows as markup; those without a label go on with the one before."""
+    """Return rows as markup; a row without a label continues the previous row."""
     lines: list[tuple[str, list[str]]] = []
     for label, texts, _ in rows:
         cells = [escaped(text) for text in texts]

@@ -1,4 +1,4 @@
-"""Tables of numbers in a page, and how many decimals of each number are printed."""
+"""Tables of numbers in a page, and the number of decimals to print."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _COMPRESSION = 7  # a sixth of the time of 9 for half a per cent more bytes
 
 
 def packed(values: ArrayLike, leading: int) -> str:
-    """Doubles as text, rounded to some of their leading bytes: all first bytes, then all second ones, and so on.
+    """Return doubles as text, rounded to their leading bytes: all first bytes, then all second bytes, and so on.
 
     Bytes of the same place are alike, signs and exponents most, so this order takes the least room.
     """
@@ -36,13 +36,13 @@ def packed(values: ArrayLike, leading: int) -> str:
 
 
 def packed_bytes(values: NDArray[np.int8]) -> str:
-    """Small whole numbers as text."""
+    """Return small whole numbers as text."""
     return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION)).decode("ascii")
 
 
 @dataclass
 class Tables:
-    """Arrays of a page, one after the other: `offsets` has where each begins."""
+    """Arrays of a page in a row; `offsets` has the start of each."""
 
     offsets: dict[str, int] = field(default_factory=dict)
     floats: list[Floats] = field(default_factory=list)
