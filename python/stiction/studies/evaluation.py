@@ -1,4 +1,4 @@
-"""What a result says at a load: one reader for every result, with the load meant in one of three ways.
+"""Evaluate results at given loads, for which there are three definitions.
 
 *mean*: the ensemble's mean normal load reaches it (a ratio of means, as the paper's figures have it). *elastic*: each
 member's own load before anything slides is it. *normal*: each member's own normal load at the onset of sliding is it,
@@ -67,7 +67,7 @@ def at_load(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
     reading: Reading | None = None, of: Kind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Friction, true area and statistics of contacts at given loads, with 95 % intervals.
+    """Evaluate friction, true area and contact statistics at given loads, with 95 % intervals.
 
     Parameters
     ----------
@@ -115,19 +115,19 @@ def at_load(
     material = material_of(result.head, mu0, tau0)
     areas = None
     if reading == "mean":
-        point = _of_ensemble(result, values, *material)
+        point = _evaluate_ensemble(result, values, *material)
     else:
         members = _members_before_growth(result, values, *material, reading, of)
         if study.contact.junction_growth:
             areas = _areas_of_members(members, result)
             members = _with_growth(members, result, areas, of)
-        point = _of_members(study, members)
+        point = _average_members(study, members)
         if measured:
             gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
             cells = [str(dim) for dim in gradient.dims]
             along = slope.transpose(*cells, "direction").values
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
-            point = point.assign(by_slopes(cells, gradient.values, along, rules, *material, modulus))
+            point = point.assign(estimate_by_slopes(cells, gradient.values, along, rules, *material, modulus))
     if measured:
         # The largest relative difference of friction between each member's elastic and its normal load.
         other: Reading = "normal" if reading == "elastic" else "elastic"
@@ -165,7 +165,7 @@ def _pull_offs(result: Result) -> list[float]:
 
 
 def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Axes (degrees, 0 to 180) both senses of which are among directions, and where these are, (a, 2)."""
+    """Return axes (degrees, 0 to 180) of which both senses are among the directions, and their indices (a, 2)."""
     angles = np.mod(directions, 360.0)
     found, places = [], []
     for index, angle in enumerate(angles):
@@ -180,19 +180,19 @@ def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
 # ---- The ensemble's mean load ----------------------------------------------------------------------------------------
 
 
-def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.Dataset:
-    """What `friction_map` and its kin say, with a dimension statistic."""
+def _evaluate_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.Dataset:
+    """Return ensemble means at loads, as `friction_map` has them, with a dimension statistic."""
     import xarray
 
     def read(what: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
-        """Where the mean normal load reaches the loads; of means over groups of directions, if there are any."""
+        """Evaluate a quantity where the mean normal load reaches the loads, averaged over groups of directions."""
 
-        def put_together(piece: xarray.Dataset) -> xarray.Dataset:
+        def average_groups(piece: xarray.Dataset) -> xarray.Dataset:
             found = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
             found = found.mean("way", skipna=False, keep_attrs=True).rename(group="direction")
             return found.assign_coords(direction=("direction", np.arange(found.sizes["direction"], dtype=float)))
 
-        return ensemble_map(result, loads, mu0, tau0, what, None if groups is None else put_together)
+        return ensemble_map(result, loads, mu0, tau0, what, None if groups is None else average_groups)
 
     head = result.head
     first = read("friction_coefficient")
@@ -222,9 +222,9 @@ def _of_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xa
             continue
         variables[what] = _with_statistic(found if every is None else found.isel(direction=0), what)
     if result.study.contact.adheres:
-        held = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
+        unloaded = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
         for name in ("pull_off", "share_of_pull_off_bounds", "friction_at_no_load"):
-            own = held[name].transpose("repetition", ...)
+            own = unloaded[name].transpose("repetition", ...)
             mean = np.stack(intervals.sample_mean(own.values), axis=-1)
             one = {dim: 0 for dim in own.dims if dim == "sliding" and dim not in head.dims}
             variables[name] = xarray.Variable((*own.dims[1:], "statistic"), mean, own.attrs).isel(one)
@@ -243,7 +243,7 @@ def _with_statistic(table: xarray.Dataset, name: str) -> xarray.Variable:
 
 
 def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
-    """Loads in equal ratios (mN), from what every cell carries at its first step to the most that any reaches."""
+    """Return loads in equal ratios (mN), from the largest at the first step of any cell to the largest of all cells."""
     elastic = means(result, ["normal_elastic"])["normal_elastic"]
     highest = float(elastic.max())
     if not highest > 0:
@@ -270,7 +270,7 @@ def default_loads(result: Result) -> Floats:
 # ---- Means over members ----------------------------------------------------------------------------------------------
 
 
-def _of_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
+def _average_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
     import xarray
 
     order = OverMembers.of(study, members)
@@ -338,7 +338,7 @@ def _contact_status(fraction: Floats, *, by_half_space: bool) -> tuple[NDArray[A
 
 @dataclass(frozen=True, eq=False)
 class OverMembers:
-    """How members belong together: independent of each other, neighbours on lines, or of several scans of parts."""
+    """Dependence of members: independent pairs, neighbours on lines, or pairs of several scans of parts."""
 
     order: NDArray[np.intp] | None = None
     lines: NDArray[np.intp] | None = None
@@ -346,7 +346,7 @@ class OverMembers:
 
     @classmethod
     def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
-        """Members at places: neighbours are the lines of maps, side by side, and the positions on one line."""
+        """Return the dependence of members: adjacent lines of maps and adjacent positions on a line are neighbours."""
         surfaces: Any = study.surfaces
         if math.prod(surfaces.scan_counts) > 1:
             return cls(scans=surfaces.scans_of(np.asarray(places["repetition"])))
@@ -375,7 +375,7 @@ class OverMembers:
 
 
 def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
-    """Mean, lower and upper end, which are above 0 where no value is negative."""
+    """Return mean, lower and upper end; the ends are above 0 if no value is negative."""
     if found is None:
         known = values[np.isfinite(values)]
         return float(known.mean()) if known.size else np.nan, np.nan, np.nan
@@ -393,7 +393,7 @@ def member_values(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
     reading: Reading = "elastic", of: Kind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """What each member has at given loads of its own, before any mean is taken.
+    """Evaluate each member at its own given loads.
 
     Parameters
     ----------
@@ -430,7 +430,9 @@ def _members_before_growth(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, of: Kind | None
 ) -> xarray.Dataset:
     """Return `member_values` without junction growth."""
-    return _of_all(result, of, lambda piece: piece_at(piece, loads, mu0, tau0, reading, ratio=step_of(piece) == "load"))
+    return _evaluate_pieces(
+        result, of, lambda piece: evaluate_piece(piece, loads, mu0, tau0, reading, ratio=step_of(piece) == "load")
+    )
 
 
 # ---- Junction growth -------------------------------------------------------------------------------------------------
@@ -531,12 +533,12 @@ def member_sums(
             {name: (dims, each) for name, each in zip(sums, values, strict=True)}, _motions_of(piece) | kept
         )
 
-    return _of_all(Result.of(result), of, read)
+    return _evaluate_pieces(Result.of(result), of, read)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PerLoad:
-    """Both forces over the elastic load: tangential = elastic + mu0 rub + tau0 stick, normal = 1 + mu0 .. + tau0 .."""
+    """Forces over the elastic load: tangential = elastic + mu0 rub + tau0 stick, normal = 1 + mu0 .. + tau0 .."""
 
     elastic: float = 0.0
     rub: float = 1.0
@@ -546,7 +548,7 @@ class PerLoad:
 
     @classmethod
     def of(cls, six: Mapping[str, Any], **more: Any) -> Self:
-        """From means of the six sums."""
+        """Return the forces over the elastic load from means of the six sums."""
         per = {name: float(each / six["normal_elastic"]) for name, each in six.items()}
         return cls(
             elastic=per["tangential_elastic"], rub=per["tangential_frictional"], stick=per["tangential_adhesive"],
@@ -554,12 +556,14 @@ class PerLoad:
         )  # fmt: skip
 
     def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
-        """mu_s, where the true area is that many times the computed one."""
+        """Compute mu_s if the true area is `area` times the computed one."""
         tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
         return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
 
 
-def _of_all(result: Result, of: Kind | None, read: Callable[[xarray.Dataset], xarray.Dataset]) -> xarray.Dataset:
+def _evaluate_pieces(
+    result: Result, of: Kind | None, read: Callable[[xarray.Dataset], xarray.Dataset]
+) -> xarray.Dataset:
     import xarray
 
     parts = [read(piece) for piece in result.pieces() if piece.sizes["repetition"]]
@@ -575,10 +579,10 @@ def _of_all(result: Result, of: Kind | None, read: Callable[[xarray.Dataset], xa
     return whole.isel(repetition=np.flatnonzero(made == wanted))
 
 
-def piece_at(
+def evaluate_piece(
     piece: xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, *, ratio: bool
 ) -> xarray.Dataset:
-    """`member_values` of some members in memory; by `ratio` sums are read off over the logarithm of the load."""
+    """Evaluate members in memory as `member_values` does; with `ratio`, interpolate over the logarithm of the load."""
     import xarray
 
     cells, step = cells_of(piece), step_of(piece)
@@ -631,16 +635,16 @@ def piece_at(
         bounds = (_over(there["pull_off_is_bound"], lead) != 0).astype(np.float64)  # NaN where missing
         variables["share_of_pull_off_bounds"] = (lead, bounds, attributes_of("share_of_pull_off_bounds"))
         parts = {name: _over(there[name], (*lead, *MOTIONS), missing=True)[..., None, None] for name in UNLOADED}
-        held = compute_load("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
+        unloaded = compute_load("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
         variables["friction_at_no_load"] = (
-            (*lead, "sliding", "mu0", "tau0"), held, attributes_of("friction_at_no_load"),
+            (*lead, "sliding", "mu0", "tau0"), unloaded, attributes_of("friction_at_no_load"),
         )  # fmt: skip
     coordinates: dict[str, Any] = {
         str(name): each.variable for name, each in piece.coords.items() if name not in (step, "mu0", "tau0")
     }
-    asked = {"load": loads, "mu0": mu0, "tau0": tau0}
-    coordinates |= _motions_of(piece) | {name: (name, each, attributes_of(name)) for name, each in asked.items()}
-    return xarray.Dataset(_with_derived(variables, piece.coords.get("nominal_area")), coordinates, piece.attrs)
+    parameters = {"load": loads, "mu0": mu0, "tau0": tau0}
+    coordinates |= _motions_of(piece) | {name: (name, each, attributes_of(name)) for name, each in parameters.items()}
+    return xarray.Dataset(_add_ratios(variables, piece.coords.get("nominal_area")), coordinates, piece.attrs)
 
 
 def _curves(
@@ -657,7 +661,7 @@ def _curves(
 
 
 def _motions_of(piece: xarray.Dataset) -> dict[str, Any]:
-    """Coordinates of sliding rules or directions of which a result has but one."""
+    """Return coordinates of the sliding rule and the direction if the result has a single one."""
     one: dict[str, Callable[[], Any]] = {
         "sliding": lambda: study_of(piece).contact.rules(),
         "direction": lambda: study_of(piece).contact.degrees(),
@@ -665,8 +669,8 @@ def _motions_of(piece: xarray.Dataset) -> dict[str, Any]:
     return {name: ((name,), list(one[name]()[:1]), attributes_of(name)) for name in MOTIONS if name not in piece.dims}
 
 
-def _with_derived(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """With the fractions that follow from the sums, in place of what only they are made of."""
+def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
+    """Add the ratios of sums, and drop the sums that serve only these ratios."""
     dims, elastic = variables["normal_elastic"][:2]
     found: dict[str, Any] = {}
     if nominal_area is not None and "pull_off" in variables:
@@ -692,7 +696,7 @@ def _with_derived(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any
 
 
 def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
-    """Values over dimensions in this order, as floating-point numbers; those that are missing have one element."""
+    """Return values over dimensions in this order as floats; `missing` dimensions get one element."""
     own = [dim for dim in dims if dim in array.dims]
     values = array.transpose(*own).values.astype(np.float64)
     if not missing:
@@ -701,7 +705,7 @@ def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = Fals
 
 
 def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, below: Any) -> NDArray[Any]:
-    """Status of each member over (..., sliding, direction, load, mu0, tau0)."""
+    """Return the status of each member over (..., sliding, direction, load, mu0, tau0)."""
     known = np.isfinite(normal)
     locked = known & (normal <= 0)
     status = friction.combine_status(touched=True, reached=known & reached & ~locked, locked=locked, below=below)
@@ -719,10 +723,10 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
     return status
 
 
-def by_slopes(
+def estimate_by_slopes(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """`gentle_friction` as a variable, of gradients of a gap (...) and its slopes along directions (..., direction)."""
+    """Compute `gentle_friction` from gradients of a gap (...) and its slopes along directions (..., direction)."""
     known = (gradient[..., np.newaxis] > 0) & (slope > 0)
     steep, along = (np.where(known, each, 1.0)[..., None, None] for each in (gradient[..., np.newaxis], slope))
     found = [

@@ -117,7 +117,7 @@ def table_study(
 def friction_table(
     result: Result | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    r"""Friction, true area and stiffness against pressure, and fitted laws, of a study by the half-space.
+    r"""Compute friction, true area and stiffness over pressure, and fitted laws, of a study by the half-space.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def friction_table(
 
 
 def _coefficient(data: xarray.Dataset, mu0: Floats, tau0: Floats) -> Floats:
-    """(sliding, fractal dimension, amplitude, load, mu0, tau0, 3): ratios of means over pairs and directions."""
+    """Return ratios of means over pairs and directions (sliding, dimension, amplitude, load, mu0, tau0, 3)."""
     sums = {}
     for name in SIX_SUMS:
         part = data[name]
@@ -233,7 +233,7 @@ def _coefficient(data: xarray.Dataset, mu0: Floats, tau0: Floats) -> Floats:
 
 
 def _laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
-    """A of A/A0 = a p, b and c of k/A0 = b p^c: (fractal dimension, amplitude, 3), NaN if a pair has none."""
+    """Fit a of A/A0 = a p, b and c of k/A0 = b p^c, (fractal dimension, amplitude, 3); NaN if a pair has none."""
     names = ("area_factor", "stiffness_factor", "stiffness_exponent")
     found = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in names}
     for cell in np.ndindex(*light.shape[:2]):

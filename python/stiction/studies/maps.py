@@ -1,4 +1,4 @@
-"""Ensemble means at a load: read off where the ensemble's mean normal load reaches it, with intervals.
+"""Ensemble means and intervals at the approach or load step where the mean normal load reaches a load.
 
 An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios; repetitions without contact
 count as zeros. The load is reached where mean(F_N), linear between the steps, first crosses it upwards; nothing is
@@ -184,17 +184,17 @@ def stiffness_map(
 
 
 def cells_of(dataset: xarray.Dataset) -> list[str]:
-    """The dimensions of a dataset that come before its members."""
+    """Return the dimensions of a dataset that precede its members."""
     return [name for name in CELLS if name in dataset.dims]
 
 
 def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Values over some dimensions, and over repetitions as neighbours in memory, where they are summed faster."""
+    """Return values over some dimensions with the repetitions last, contiguous in memory for fast sums."""
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
 def means(result: Result | xarray.Dataset, names: Iterable[str] | None = None) -> xarray.Dataset:
-    """Means over the members of some variables of a result, or of all that are over members."""
+    """Compute means over members of some variables of a result, by default of all that depend on the member."""
     import xarray
 
     result = Result.of(result)
@@ -216,7 +216,7 @@ def means(result: Result | xarray.Dataset, names: Iterable[str] | None = None) -
 def solved_pieces(
     result: Result, names: Iterable[str] | None = None, change: Change | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Pieces of a result without the members of which a load has no solution."""
+    """Yield pieces of a result without members that lack a solution at a load."""
     for piece in result.pieces(names):
         elastic = piece["normal_elastic"]
         known = np.isfinite(repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"]))
@@ -229,7 +229,7 @@ def ensemble_map(
     result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
     change: Change | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """One quantity of the ensemble, as `friction_map` returns it; a `change` is made to each piece of the result."""
+    """Evaluate a quantity of the ensemble as `friction_map` does; `change` is applied to each piece of the result."""
     load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
@@ -244,30 +244,30 @@ def ensemble_map(
     for name in _needed(what):
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
-    asked = _Asked(dataset if change is None else change(dataset), what, load_values, *material)
+    quantity = _EnsembleQuantity(dataset if change is None else change(dataset), what, load_values, *material)
     # Two passes over the members: the means say where loads are reached, and intervals are of what each has there.
-    averages, others, count = _means(lambda: solved_pieces(result, asked.names(), change), what, asked.step)
+    averages, others, count = _means(lambda: solved_pieces(result, quantity.names(), change), what, quantity.step)
     if not count:
         raise ValueError("no member of the result has a solution at every load")
     at = {}
-    for cell in np.ndindex(asked.cells):
-        normal, values = (each[..., 0] for each in asked.curves(cell, averages, others))
+    for cell in np.ndindex(quantity.cells):
+        normal, values = (each[..., 0] for each in quantity.curves(cell, averages, others))
         at[cell] = intervals.MeansAtLoads(normal, values, count, load_values)
-    at_a_time = max(1, AT_ONCE // max(1, asked.mu0.size * asked.tau0.size * dataset.sizes[asked.step]))
+    at_a_time = max(1, AT_ONCE // max(1, quantity.mu0.size * quantity.tau0.size * dataset.sizes[quantity.step]))
     with given_or_threads(None) as pool:
-        for piece in solved_pieces(result, asked.names(), change):
-            both = [_sums_of(piece, what, asked.step)] * len(at)
+        for piece in solved_pieces(result, quantity.names(), change):
+            both = [_sums_of(piece, what, quantity.step)] * len(at)
 
             def add(cell: tuple[int, ...], sums: tuple[Sums, Sums]) -> None:
                 for first in range(0, sums[0].contact_count.shape[-1], at_a_time):
-                    at[cell].add(*asked.curves(cell, *sums, slice(first, first + at_a_time)))
+                    at[cell].add(*quantity.curves(cell, *sums, slice(first, first + at_a_time)))
 
             list(pool.map(add, at, both))
-    return asked.dataset_of(at, averages, others)
+    return quantity.dataset_of(at, averages, others)
 
 
-class _Asked:
-    """One quantity of an ensemble at loads (mN), for every mu0 and tau0 (GPa)."""
+class _EnsembleQuantity:
+    """Quantity of an ensemble at loads (mN), for every mu0 and tau0 (GPa)."""
 
     def __init__(self, head: xarray.Dataset, what: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
         self.head, self.what, self.loads, self.mu0, self.tau0 = head, what, loads, mu0, tau0
@@ -279,7 +279,7 @@ class _Asked:
         self.judged = all(name in head for name in SUMS)
 
     def names(self) -> tuple[str, ...]:
-        """Variables that are read."""
+        """Return the names of the variables to read."""
         own = _needed(self.what)
         if self.what == "normal_stiffness" and self.step == "load":
             own = (*own, "approach")  # of each pair
@@ -288,7 +288,7 @@ class _Asked:
     def curves(
         self, cell: tuple[int, ...], sums: Sums, others: Sums, some: slice = slice(None)
     ) -> tuple[Floats, Floats]:
-        """Normal loads and values of every mu0 and tau0, one after the other, and of some members: (c, k, r)."""
+        """Return normal loads and values (c, k, r) of some members for every mu0 and tau0 in a row."""
         pair, other = (each.apply(operator.itemgetter((*cell, slice(None), some))) for each in (sums, others))
         material = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
         normal = friction.compute_load("normal", pair, *material)
@@ -298,7 +298,7 @@ class _Asked:
     def dataset_of(
         self, at: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sums, others: Sums
     ) -> xarray.Dataset:
-        """What was found of each cell, as a dataset."""
+        """Return the values of all cells as a dataset."""
         import xarray
 
         mean, lower, upper = (np.full(self.shape, np.nan) for _ in range(3))
@@ -323,8 +323,8 @@ class _Asked:
             for array in (mean, lower, upper):
                 array /= self.loads[:, np.newaxis, np.newaxis]
         coordinates: dict[str, Any] = {name: self.head[name].variable for name in self.dims}
-        asked = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
-        coordinates |= {name: (name, each, attributes_of(name)) for name, each in asked}
+        dimensions = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
+        coordinates |= {name: (name, each, attributes_of(name)) for name, each in dimensions}
         dims = tuple(coordinates)
         of_one = [motion for motion in MOTIONS if motion in self.head.coords]
         unit, words = QUANTITIES[self.what].unit, QUANTITIES[self.what].words
@@ -340,12 +340,12 @@ class _Asked:
 
 
 def _by_load(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """What curves (c, l) of every mu0 and tau0 have, over load, mu0 and tau0."""
+    """Rearrange values of curves (c, l), one per mu0 and tau0, over load, mu0 and tau0."""
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
-    """The sums of a result over motions, cells, step and repetition, and those that a quantity is linear in."""
+    """Return the sums over motions, cells, step and repetition, and the sums in which a quantity is linear."""
     dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
 
@@ -379,7 +379,7 @@ def _values(sums: Sums, what: str, mu0: Floats, tau0: Floats) -> Floats:
 
 
 def _means(solved: Callable[[], Iterator[xarray.Dataset]], what: str, step: str) -> tuple[Sums, Sums, int]:
-    """Means over the members of what `_sums_of` gives, as of one member, and of how many members."""
+    """Return means of `_sums_of` over members, in the form of one member, and the number of members."""
     total: list[Sums] = []
     count = 0
     for piece in solved():
@@ -394,7 +394,7 @@ def _means(solved: Callable[[], Iterator[xarray.Dataset]], what: str, step: str)
 
 
 def material_of(dataset: xarray.Dataset, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Values of mu0 and tau0 (GPa): those that are given, or the study's."""
+    """Return the given mu0 and tau0 (GPa), by default the study's."""
     if mu0 is None or tau0 is None or "study" in dataset.attrs:
         study = study_of(dataset)
         mu0 = study.friction.mu0 if mu0 is None else mu0

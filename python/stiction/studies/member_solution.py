@@ -1,4 +1,4 @@
-"""Pairs of bodies pressed together as their study says: sums and statistics of a member, and a pair at one load."""
+"""Solution of a member of a study: its sums and statistics, and a pair at one load."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
 def pressed_to_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, unloads: bool = False
 ) -> Arrays:
-    """Sums of a pair at the elastic loads of its study, and of measured bodies statistics, by name.
+    """Compute the sums of a pair at the elastic loads of its study, and statistics of measured bodies, by name.
 
     Arrays are (rules, directions, loads) of what depends on the motion, else (loads,); NaN, with no contacts, where a
     load has no solution. Whether the stiffness of unloading is solved for decides about a third of the time.
@@ -95,7 +95,7 @@ def pressed_to_loads(
 
 
 def _nothing(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
-    """An array of what has no answer."""
+    """Return an array of NaN."""
     sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(QUANTILES)}
     shape = tuple(sizes[each] for each in QUANTITIES[name].along)
     if name == "status":
@@ -104,21 +104,21 @@ def _nothing(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
 
 
 def _ways(contact: ContactTable) -> list[Shear]:
-    """Directions on profiles."""
+    """Return the directions on profiles."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.degrees()]
 
 
 def _by_half_space(
     contact: HalfSpace, upper: Any, lower: Any, values: Arrays, slopes: Slopes | None, *, unloads: bool
 ) -> None:
-    """The elastic half-space; a load without a solution leaves the others theirs."""
+    """Solve the elastic half-space at all loads; a load without a solution does not affect the others."""
     areal = isinstance(upper, Surface)
     first: list[float] | Literal["+x"] = contact.degrees().tolist() if areal else "+x"
     solve = functools.partial(half_space, upper, lower, **contact.solid(), direction=first, sliding=contact.rules()[0])
     sums = (*HALF_SPACE_SUMS, *(ADHESION[:1] if contact.adheres else ()))
 
     def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
-        """The curve by every rule and in every direction, of which a curve of lines has +x."""
+        """Return the curve for every rule and direction; a curve of lines has +x."""
         ways = [curve] if areal else [curve if way == "+x" else curve.with_direction(way) for way in _ways(contact)]
         rules = enumerate(contact.rules())
         return [[way if rule == 0 else way.with_sliding(sliding) for way in ways] for rule, sliding in rules]
@@ -153,7 +153,7 @@ def _by_half_space(
 
 
 def _by_asperities(contact: Asperities, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
-    """Hertz contacts that do not feel each other, at the approaches that carry the elastic loads.
+    """Compute independent Hertz contacts at the approaches that carry the elastic loads.
 
     Where the load jumps with the approach, as it does by cells, sums are in proportion between before and behind it.
     """
@@ -204,7 +204,7 @@ def _by_asperities(contact: Asperities, upper: Any, lower: Any, values: Arrays, 
 
 
 def found_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
-    """What `press` takes: candidates up to an approach (µm) where contacts are minima of the gap, else both bodies."""
+    """Return contact candidates up to an approach (µm) if contacts are minima of the gap, else both bodies."""
     if model.detection != "gap-minimum":
         return upper, lower
     return (candidates(upper, lower, deepest=deepest, curvature=model.curvature),)
@@ -215,7 +215,7 @@ def found_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> t
 
 @dataclass(frozen=True, eq=False)
 class OneLoad:
-    """A pair under one elastic load."""
+    """Pair under one elastic load."""
 
     upper: Any
     lower: Any
@@ -224,7 +224,7 @@ class OneLoad:
 
     @classmethod
     def of(cls, study: Study, pair: tuple[Any, Any], load: float) -> OneLoad | None:
-        """The pair pressed as its study says, to a load (mN); None where it has no answer."""
+        """Press a pair to a load (mN) as its study defines; None without a solution."""
         upper, lower = pair
         contact = study.contact
         if isinstance(contact, HalfSpace):
@@ -243,7 +243,7 @@ class OneLoad:
         return cls(upper, lower, pushed, model=model)
 
     def table(self) -> Table:
-        """The contacts, one row each."""
+        """Return a table with a row for each contact."""
         if isinstance(self.curve, HalfSpaceCurve):
             return patches_of(self.curve.at(0))
         assert self.model is not None
@@ -280,7 +280,7 @@ _kept = threading.local()
 
 
 def member_sums(study: Study, index: int) -> Arrays:
-    """Every variable of a result as an array without the dimension of members, of one member of its study.
+    """Compute every variable of a member of a study, as arrays without the dimension of members.
 
     Of measured bodies also what the member is, as `OF_MEMBERS` lists it. A load that has no solution is NaN. Raises a
     `ValueError` if the bodies cannot be made.
@@ -294,7 +294,7 @@ def member_sums(study: Study, index: int) -> Arrays:
 
 @functools.lru_cache(maxsize=4)
 def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
-    """Shape and kind of each variable of a member."""
+    """Return shape and dtype of each variable of a member."""
     cells = len(study.surfaces.cells())
     return {
         name: ((*each.shape[:cells], *each.shape[cells + 1 :]), each.dtype)
@@ -303,7 +303,7 @@ def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
 
 
 def cost_of_member(study: Study) -> float:
-    """A rough estimate of the seconds that a member takes on one core, whatever the number of members."""
+    """Estimate the seconds that a member takes on one core, whatever the number of members."""
     cells = math.prod(values.size for values in study.surfaces.cells().values())
     loads = study.contact.steps().size
     points, areal = points_of_member(study), study.is_areal
@@ -356,7 +356,7 @@ def _relative_stiffness(study: Study) -> float:
 
 
 def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
-    """Parts of a repetition with their places among the cells, fractal dimension and amplitude."""
+    """Yield the values of a repetition with their cell index, fractal dimension and amplitude."""
     if not (study.is_areal or study.by_half_space or study.contact.onset):
         yield from _families(study, repetition)
         return
@@ -375,7 +375,7 @@ def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
 
 
 def _pressed_to_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
-    """Each sum of a study at asperities as an array (steps,), or of what depends on the motion ([rules], steps)."""
+    """Compute the sums of a pair at asperities, as arrays (steps,), or ([rules], steps) per motion."""
     steps, models = _steps(study.contact), _models(study.contact)
     bodies: Any = upper, lower
     if isinstance(upper, Surface):
@@ -391,7 +391,7 @@ def _pressed_to_approaches(study: Study, upper: Profile | Surface, lower: Profil
 
 
 def _onset(study: Study, curve: LoadCurve) -> Arrays:
-    """How a pair begins to slide at every approach, pushed along the first direction; 0 where nothing touches."""
+    """Compute the onset of sliding along the first direction at every approach; 0 without contact."""
     contact = study.contact
     assert isinstance(contact, Asperities)
     assert contact.onset is not None
@@ -418,7 +418,7 @@ def _steps(contact: Any) -> Floats:
 
 
 def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
-    """Sums of profiles that touch at asperities, of some fractal dimensions at a time, each in one call.
+    """Compute the sums of profiles at asperities, several fractal dimensions per call.
 
     Each is an array (dimensions, amplitudes, rules, steps), of one rule where it does not depend on the motion.
     """
@@ -445,7 +445,7 @@ def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
 
 
 def _memory(shape: tuple[int, ...]) -> Floats:
-    """An uninitialised array; a thread's tasks use the same again, because new pages are slow to come by.
+    """Return an uninitialised array that the tasks of a thread reuse, because the system provides new pages slowly.
 
     It begins on a line of the cache: wide writes across two lines cost two.
     """
@@ -461,7 +461,7 @@ def _memory(shape: tuple[int, ...]) -> Floats:
 
 
 def _measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
-    """A member at each cut-off; what the member is goes to `arrays` at once."""
+    """Yield a member at each cutoff; its place and kind are written to `arrays`."""
     unloads = index - study.surfaces.first_scanned < UNLOADED_MEMBERS
     for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = bodies_of(study).member(index, float(wavelength))

@@ -57,7 +57,7 @@ def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:
 
 
 def by_rule(table: Any, rule: str) -> Any:
-    """Select one sliding rule of a table, which may be its only one."""
+    """Return one sliding rule of a table, which may be its only rule."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 

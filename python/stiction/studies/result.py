@@ -158,14 +158,14 @@ class Result:
 
     @cached_property
     def coming_and_going(self) -> xarray.Dataset | None:
-        """Load, area and approach of a typical member that adheres, pressed and drawn apart; solved once more."""
+        """Load, area and approach of a typical member with adhesion while loading and unloading, solved once more."""
         from stiction.studies.contact_picture import coming_and_going
 
         return coming_and_going(self)
 
     @cached_property
     def input_caveats(self) -> tuple[Doubt, ...]:
-        """Caveats about the bodies themselves, whatever the load; their files are opened once."""
+        """Caveats about the bodies, at any load; their files are opened once."""
         from stiction.studies.input_caveats import doubts_of_study
 
         return doubts_of_study(self.study)
@@ -174,7 +174,7 @@ class Result:
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) of the study, or if it has none, a few that are reached; a `ValueError` if nothing touches."""
+        """Loads (mN) of the study, or some that are reached; a `ValueError` without contact."""
         from stiction.studies.evaluation import default_loads
 
         return default_loads(self)

@@ -51,7 +51,7 @@ read_length = _reader("length")
 
 
 def written(value: Any) -> Any:
-    """A quantity as a person wrote it, a number in few digits, some of these as a list; what is no number as it is."""
+    """Return the text of a quantity, a number in six digits, or a tuple of these; other values unchanged."""
     if isinstance(value, tuple):
         return tuple(map(written, value))
     if isinstance(value, Quantity):
@@ -113,7 +113,7 @@ Times = Annotated[tuple[Time, ...], *_none_or_few]
 
 
 def _one_or_several(name: str, one: Callable[[object], Any], same: Callable[[Any], Any]) -> PlainValidator:
-    """A value, or a tuple of several of which no two are the same."""
+    """Return a validator of one value, or of a tuple of different values."""
 
     def values(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -140,7 +140,7 @@ def _read_direction(value: object) -> Any:
 
 
 def degrees_of(direction: Direction) -> float:
-    """From +x towards +y, from 0 to 360."""
+    """Return a direction in degrees from +x towards +y, from 0 to 360."""
     return {"+x": 0.0, "-x": 180.0}[direction] if isinstance(direction, str) else direction % 360.0
 
 
@@ -157,19 +157,19 @@ Rules = Annotated[Sliding | tuple[Sliding, ...], _one_or_several("rule", _read_s
 
 
 class Table(BaseModel):
-    """A table of a study file: only known keys, exact types, never changed."""
+    """Immutable table of a study file, with declared keys and strict types."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
 
 
 class Case(Table):
-    """A table that has other keys in other cases."""
+    """Case of a table whose keys depend on the case."""
 
     place: ClassVar[str]  # as messages call the case
 
 
 def fault_at(key: str, message: str) -> PydanticCustomError:
-    """The error that a table has a fault at one of its keys."""
+    """Return the error of a fault at a key of a table."""
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
@@ -183,7 +183,7 @@ def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
 
 
 class _Range(Table):
-    """Both ends included, in equal steps."""
+    """Range in equal steps, with both ends."""
 
     start: Any
     stop: Any
@@ -198,19 +198,19 @@ class _Range(Table):
         return self
 
     def values(self) -> Floats:
-        """(count,) array, of quantities in core units."""
+        """Return the values (count,), in core units."""
         return np.linspace(float(self.start), float(self.stop), self.count)
 
 
 class DimensionRange(_Range):
-    """Fractal dimensions."""
+    """Range of fractal dimensions."""
 
     start: Dimension
     stop: Dimension
 
 
 class _Steps(_Range):
-    """The same in equal steps (linear) or ratios (geometric)."""
+    """Range in equal steps (linear) or equal ratios (geometric)."""
 
     spacing: Literal["linear", "geometric"] = "geometric"
 
@@ -221,21 +221,21 @@ class _Steps(_Range):
         return self
 
     def values(self) -> Floats:
-        """(count,) array, µm or mN."""
+        """Return the values (count,), µm or mN."""
         if self.spacing == "linear":
             return super().values()
         return np.geomspace(float(self.start), float(self.stop), self.count)
 
 
 class ApproachRange(_Steps):
-    """Approaches."""
+    """Range of approaches."""
 
     start: LengthOrZero
     stop: LengthOrZero
 
 
 class LoadRange(_Steps):
-    """Normal loads."""
+    """Range of normal loads."""
 
     start: Force
     stop: Force
@@ -262,7 +262,7 @@ LoadsOrRange = Annotated[Annotated[LoadRange, Tag(RANGE)] | Annotated[Loads, Tag
 
 
 def array_of(values: _Range | tuple[float, ...]) -> Floats:
-    """All values of a range or a list."""
+    """Return all values of a range or a list."""
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
 
@@ -294,7 +294,7 @@ MAX_LISTED_FAULTS = 5  # faults of a study in a message
 
 
 class StudyError(ValueError):
-    """A study that cannot be: one line per fault, each naming its key.
+    """Error of an invalid study, with one line per fault that names its key.
 
     Attributes
     ----------
@@ -308,7 +308,7 @@ class StudyError(ValueError):
 
 
 def as_toml(value: Any) -> str:
-    """A value of a study file."""
+    """Return the TOML text of a value."""
     match value:
         case None:
             return "none"
@@ -328,7 +328,7 @@ def as_toml(value: Any) -> str:
 
 
 def toml(text: str) -> dict[str, Any]:
-    """What a TOML text says; a `ValueError` if it is not TOML, or is deeper than any study."""
+    """Parse a TOML text; a `ValueError` if it is invalid or nested too deeply."""
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -336,7 +336,7 @@ def toml(text: str) -> dict[str, Any]:
 
 
 def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
-    """A table of that kind with its data; errors call it by the name of its source."""
+    """Return a validated table; errors name its source."""
     try:
         return kind.model_validate(data)
     except ValidationError as error:
@@ -405,7 +405,7 @@ def _suggestion(kind: type[Table], location: list[int | str]) -> str:
 
 
 def tables_of(annotation: Any) -> list[type[Table]]:
-    """The tables that a value of this type may be."""
+    """Return the classes of tables that an annotation allows."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, Table) else []
     return [table for part in get_args(annotation) for table in tables_of(part)]
