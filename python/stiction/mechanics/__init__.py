@@ -1,1 +1,1 @@
-"""Two profiles pressed together: asperities, contacts, friction."""
+"""Contact mechanics of two rough surfaces: contacts, loads, friction and the onset of sliding."""

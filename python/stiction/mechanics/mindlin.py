@@ -176,7 +176,7 @@ class SlidingHalfSpace:
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
-        """Solver for tractions. It cannot be copied; copies create it again."""
+        """Solver for tractions. Copies of the problem create their own solver."""
         return _core.HalfSpaceSolver(
             np.zeros(self.shape), self.grids, bound=self.everywhere, tolerance=self.tolerance, threads=threads()
         )

@@ -373,7 +373,7 @@ def _check_displacements(displacements: ArrayLike, limit: float) -> Floats:
 def _solve_at_displacement(
     tangential_problem: TangentialProblem, target: float, at_sliding: SlipState, near: SlipState | None
 ) -> SlipState:
-    """The state at a displacement (µm), which grows with the load."""
+    """Return the state at a displacement (µm). The displacement increases with the load."""
     from scipy.optimize import brentq
 
     far = at_sliding.displacement

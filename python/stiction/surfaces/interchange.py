@@ -23,7 +23,7 @@ class ForeignHeights(NamedTuple):
     heights: Floats  # (n,) or (rows, columns), µm
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm
     history: tuple[str, ...]
-    missing: Any = None  # where nothing was measured, of a body of our own
+    missing: Any = None  # mask of missing points of a Profile or a Surface
 
 
 def extract_heights(name: str, other: Any, *, unit: str | None = None) -> ForeignHeights:

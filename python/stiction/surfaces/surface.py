@@ -17,7 +17,7 @@ AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitude = Literal["height", "Sa", "Sq"]
 BodyLike = Any  # a Profile, a Surface, or an array of heights
 
-# Measures by their names in the core; they do not depend on the arrangement of the points.
+# Names of the measures in the core. The measures do not depend on the order of the points.
 _OF_POINTS = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
 _MIN_HEIGHT = 1e-50  # µm; the fourth power of heights must neither overflow nor underflow
 
@@ -86,7 +86,7 @@ class Surface(Body):
 
     def _line(self, index: Any, axis: int, step: str) -> Profile:
         mask = index_mask(self.missing, index)
-        mask = None if mask is None or mask.all() else mask  # a line without any measured point is used as interpolated
+        mask = None if mask is None or mask.all() else mask  # an unmeasured line keeps its interpolated heights
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
     def with_amplitude(self, amplitude: float, measure: SurfaceAmplitude = "height") -> Surface:

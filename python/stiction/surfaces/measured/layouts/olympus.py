@@ -29,7 +29,7 @@ _Z = re.compile(r"\W*Z\s*Resolution\s*[\[(]\s*([^\])]{1,12}?)\s*[\])].*", re.IGN
 def _read(text: Text) -> ColumnTable:
     table = parse_table(text)
     if not isinstance(table, ColumnTable):
-        raise FormatError("holds more than one map; export one in a file")
+        raise FormatError("contains more than one map; export each map to its own file")
     rows = table.values.shape[0]
     if table.values.shape[1] < 3 or not np.array_equal(table.values[:, 0], table.values[0, 0] + np.arange(rows)):
         raise FormatError("does not number its rows in the first column, as exports of this microscope do")
