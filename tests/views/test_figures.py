@@ -282,7 +282,7 @@ def test_force_arrows_stay_inside_their_frame(circular_arc, tmp_path):
         start = large.transData.transform(arrows.get_offsets())
         length = np.hypot(arrows.U, arrows.V) / arrows.scale * figure.dpi
         assert (start[:, 1] + length <= frame.y1).all()
-    assert "times larger" in large.get_title(loc="left")
+    assert "heights magnified" in large.get_title(loc="left")
     # And two flat bodies without a contact are drawn.
     flat = Profile(np.zeros(200), spacing=0.01)
     save_figure(contact_figure(flat, flat, 0.0, mu0=0.3), tmp_path / "contact.png")
