@@ -189,7 +189,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_is_bound(self) -> bool:
-        """Whether the pull-off force may be larger than `pull_off`."""
+        """True if the pull-off force may be larger than `pull_off`."""
         return self.pull_off_bound[1]
 
     @property

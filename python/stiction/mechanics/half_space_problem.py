@@ -86,7 +86,7 @@ class Problem:
 
     @property
     def periodic(self) -> bool:
-        """Whether the surfaces continue periodically beyond their edges."""
+        """True if the surfaces continue periodically beyond their edges."""
         return self.grids.periodic
 
     @cached_property
@@ -101,7 +101,7 @@ class Problem:
 
     @property
     def has_approach(self) -> bool:
-        """Whether far points have a finite displacement: not on a free half-plane."""
+        """True if far points have a finite displacement; False on a free half-plane."""
         return self.periodic or len(self.spacing) == 2
 
     @property

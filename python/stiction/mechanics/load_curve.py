@@ -128,7 +128,7 @@ class LoadCurve(FrictionCurve, Sums):
 
     @property
     def validity(self) -> Validity:
-        """How far the model is to be trusted at each approach, (k,) each."""
+        """Validity indicators of the model at each approach, arrays of shape (k,)."""
         return Validity.from_sums(self)
 
 
@@ -175,7 +175,7 @@ class SurfaceLoadCurve(LoadCurve):
 
     @property
     def validity(self) -> SurfaceValidity:
-        """Indicators of the model's validity at each approach, (k,) each."""
+        """Validity indicators of the model at each approach, arrays of shape (k,)."""
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:

@@ -167,7 +167,7 @@ _SCALES = {
 def nondimensional(
     result: xarray.Dataset, *, length: float | None = None, effective_modulus: float | None = None
 ) -> xarray.Dataset:
-    """Loads as F/(E* L²), shear strengths as tau0/E*, areas as A/L², and so on: everything that has a unit, without.
+    """Divide loads, areas, pressures and lengths of a dataset by E* and L, so that all values are dimensionless.
 
     Parameters
     ----------

@@ -106,7 +106,7 @@ def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
 def pair_of(
     study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """One pair of a study of generated bodies, as `run` presses it together.
+    """Generate one pair of surfaces of a study, equal to the pair that `run` computes.
 
     Parameters
     ----------

@@ -72,7 +72,7 @@ class LineRoughness(TextRepr):
 
     @property
     def is_straight(self) -> bool:
-        """Whether the mean spectrum follows a power law."""
+        """True if the mean spectrum follows a power law."""
         return self.misfit <= MAX_MISFIT
 
 

@@ -64,7 +64,7 @@ class Body(PlotRepr):
 
     @property
     def is_flat(self) -> bool:
-        """Whether all heights are equal."""
+        """True if all heights are equal."""
         return bool((self.heights == self.heights.flat[0]).all())
 
     def changed(self, heights: Floats, step: str, **others: Any) -> Self:

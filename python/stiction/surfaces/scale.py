@@ -293,7 +293,7 @@ class InstrumentLimit(TableRepr):
 
     @property
     def matters(self) -> bool:
-        """Whether wavelengths below the limit contribute more than a tenth of the mean square slope."""
+        """True if wavelengths below the limit contribute more than a tenth of the mean square slope."""
         return self.slope_fraction > MAX_UNKNOWN_FRACTION
 
 
