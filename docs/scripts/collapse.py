@@ -357,7 +357,7 @@ def per_cent(points: list[dict], name: str) -> str:
 def table(points: list[dict]) -> list[str]:
     rows = [
         "| bodies | h' | points | κ | contacts | by points: τ0 = 0 | 2 % of E* | by patches: τ0 = 0 | 2 % of E* "
-        "| all rub: τ0 = 0 | 2 % of E* | asperities, opposing: τ0 = 0 | 2 % of E* | standard error |",
+        "| friction at all contacts: τ0 = 0 | 2 % of E* | asperities, opposing: τ0 = 0 | 2 % of E* | standard error |",
         "|" + "---|" * 14,
     ]
     for family, words in FAMILIES.items():
@@ -381,7 +381,8 @@ def table(points: list[dict]) -> list[str]:
 def limits(points: list[dict]) -> list[str]:
     """Render the limits of the curve: a row for each secondary case."""
     rows = [
-        "| bodies | h' | p̄/(E* h') | true area | κ | by points | by patches | all rub |", "|" + "---|" * 8,
+        "| bodies | h' | p̄/(E* h') | true area | κ | by points | by patches | friction at all contacts |",
+        "|" + "---|" * 8,
     ]  # fmt: skip
     for point in points:
         case, family = point["case"], point["family"]

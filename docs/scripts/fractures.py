@@ -111,7 +111,7 @@ def variants(folder, name):
         yield f"E = {young:g} GPa", "E", gap, {"young": young}
     yield "Poisson's ratio 0.25", "E", gap, {"poisson": 0.25}
     yield "tilt fixed as scanned", "tilt", gap, {"tilt": "fixed"}
-    yield "tilt fixed after a plane is taken off", "tilt", levelled(gap, "plane"), {"tilt": "fixed"}
+    yield "tilt fixed after a plane is removed", "tilt", levelled(gap, "plane"), {"tilt": "fixed"}
     yield "tilt fixed, periodic", "tilt", gap, {"tilt": "fixed", "boundary": "periodic"}
     yield "whole disc", "tilt", load_gap(folder, name, square=False), {}
     yield "heights random within 4 µm", "digitising", with_heights(
@@ -119,17 +119,17 @@ def variants(folder, name):
     ), {}  # fmt: skip
     yield "blurred by one point", "digitising", with_heights(gap, lambda z: gaussian_filter(z, 1.0)), {}
     yield (
-        "points clipped at 1 mm put to 1.5 mm",
+        "points clipped at 1 mm set to 1.5 mm",
         "digitising",
         with_heights(gap, lambda z: np.where(z >= 1e3, 1.5e3, z)),
         {},
     )
     for hardness in (1.0, 0.5):
         yield f"hardness {hardness:g} GPa", "hardness" if hardness >= 1 else "", gap, {"hardness": hardness}
-    yield "finer waves on a grid of half the spacing", "", refine_gap(gap, 2), {}
+    yield "finer wavelengths on a grid of half the spacing", "", refine_gap(gap, 2), {}
     for by in (100.0, 300.0):
-        yield f"one face moved by {by / 1e3:g} mm", "", shift_gap(gap, by), {}
-    yield "bow taken off (second degree)", "", levelled(gap, "quadratic"), {}
+        yield f"one face displaced by {by / 1e3:g} mm", "", shift_gap(gap, by), {}
+    yield "form removed (second degree)", "", levelled(gap, "quadratic"), {}
 
 
 def main(folder, names):
@@ -142,7 +142,8 @@ def main(folder, names):
         print(
             f"\n**{name}**: Hurst exponent of the gap {hurst:.2f}, {100 * clipped:.1f} % of its points are clipped.\n"
         )
-        print("| change | stiffness 1 to 2 MPa, MPa/mm | off | 5 to 10 MPa | off | area at 10 MPa, % |\n|-|-|-|-|-|-|")
+        print("| change | stiffness 1 to 2 MPa, MPa/mm | difference | 5 to 10 MPa | difference | area at 10 MPa, % |")
+        print("|-|-|-|-|-|-|")
         print(f"| measured, loading | {wanted[0]:.0f} | | {wanted[1]:.0f} | | |")
         returned = [secant(back[::-1], falling[::-1], between) for between in (LOW, HIGH)]
         print(f"| measured, unloading | {returned[0]:.0f} | | {returned[1]:.0f} | | |")

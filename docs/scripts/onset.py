@@ -76,11 +76,11 @@ def asperities() -> list[str]:
     lines = header(
         "longest / shortest wave",
         "pressure / E\\* h'",
-        "stiffness at rest",
-        "creep, τ0 = 0",
-        "creep, τ0 = 2 % of E\\*",
+        "initial tangential stiffness",
+        "pre-sliding displacement, τ0 = 0",
+        "pre-sliding displacement, τ0 = 2 % of E\\*",
         "sliding load, τ0 = 2 % of E\\*",
-        "load that slips at half of it: half-space, asperities",
+        "load that slips at half of the sliding load: half-space, asperities",
     )
     for band in BANDS:
         result = [[[] for _ in range(6)] for _ in LOADS]
@@ -113,11 +113,12 @@ def asperities() -> list[str]:
 
 def whole_kernel() -> list[str]:
     """Return the initial stiffness with the full tangential kernel over that with the isotropic kernel, ν = 0.3."""
-    lines = header("roughness", "the kernel's direction", "and nothing moves across")
+    lines = header("roughness", "exact kernel", "exact kernel without transverse displacement")
     upper, lower, unit = pair(8, 0, points=32)
     gap = upper.heights - lower.heights
     n = gap.shape[0]
-    for name, axis in (("isotropic", None), ("four times as long along the motion", 0), ("four times across it", 1)):
+    stretched = (("stretched fourfold along the motion", 0), ("stretched fourfold across the motion", 1))
+    for name, axis in (("isotropic", None), *stretched):
         if axis is not None:
             gap = np.concatenate([np.take(upper.heights - lower.heights, np.arange(0, n, 4), axis)] * 4, axis)
         bodies = Surface(gap, spacing=1 / n), Surface(np.zeros(gap.shape), spacing=1 / n)
@@ -173,7 +174,9 @@ def _stuck(touching: np.ndarray, *, both: bool) -> float:
 
 
 def costs() -> list[str]:
-    lines = header("512²", "a normal load", "20 steps of tangential load", "a step over the normal load")
+    lines = header(
+        "512²", "a normal load", "20 steps of tangential load", "time of a step over time of the normal load"
+    )
     upper, lower, unit = pair(32, 0)
     for boundary, part in product(("periodic", "free"), (0.02, 0.1)):
         half_space(upper, lower, [0.01 * unit], effective_modulus=MODULUS, boundary=boundary)
@@ -191,8 +194,8 @@ def costs() -> list[str]:
 def fits() -> list[str]:
     """Fit the Iwan and LuGre models to the curve."""
     lines = header(
-        "boundary", "pressure / E\\* h'", "τ0 / E\\*", "Iwan: χ, β", "its load off, rms",
-        "its energy of a cycle off, rms", "LuGre: σ0 over stiffness at rest", "its load off, rms",
+        "boundary", "pressure / E\\* h'", "τ0 / E\\*", "Iwan: χ, β", "rms error of the load",
+        "rms error of the energy per cycle", "LuGre: σ0 over initial stiffness", "rms error of the load",
     )  # fmt: skip
     upper, lower, unit = pair(16, 0)
     for boundary in ("periodic", "free"):
@@ -214,7 +217,7 @@ def fits() -> list[str]:
 
 
 def slopes() -> list[str]:
-    lines = header("h' of the gap", 'load that starts the sliding by the rule "all", over mu0 F + tau0 A')
+    lines = header("h' of the gap", "load at which sliding starts with friction at all contacts, over μ0 F + τ0 A")
     for slope in (0.05, 0.1, 0.3, 0.6):
         upper, lower, unit = pair(16, 0, slope=slope / math.sqrt(2))
         curve = half_space(
@@ -240,7 +243,11 @@ def compute_over_dimension() -> list[str]:
     areas = run(Study.named("presliding").with_changes(AREAS), progress=True)
     rows = header(
         "D",
-        *(f"{of}: {what}" for of in ("lines", "areas") for what in ("creep (nm)", "slips at half (%)", "k_t (mN/µm)")),
+        *(
+            f"{of}: {what}"
+            for of in ("profiles", "height maps")
+            for what in ("pre-sliding displacement (nm)", "slips at half (%)", "k_t (mN/µm)")
+        ),
     )
     at = [result.at(load).squeeze() for result, load in ((lines, 4e-3), (areas, 0.1))]
     for dimension in at[1]["fractal_dimension"].values:

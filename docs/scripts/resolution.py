@@ -228,16 +228,18 @@ def settled_lines(rows):
         f"| h' of the gap | {mean('plastic', 'gradient')} |",
         f"| elastic: A/A0 (%) | {mean('elastic', 'area', 100)} |",
         f"| elastic: mean pressure (GPa) | {mean('elastic', 'pressure', 1, 1)} |",
-        f"| elastic: μ_s, all rub | {mean('elastic', 'all')} |",
+        f"| elastic: μ_s, friction at all contacts | {mean('elastic', 'all')} |",
         f"| H = 4 GPa: A/A0 (%), F/H is {100 * rows[0]['limit'][0]:.3f} | {mean('plastic', 'area', 100)} |",
         f"| H = 4 GPa: fraction of the load at the hardness | {mean('plastic', 'capped', 1, 2)} |",
-        f"| H = 4 GPa: μ_s, all rub; limit {rows[0]['limit'][1]:.3f} | {mean('plastic', 'all')} |",
-        f"| H = 4 GPa: μ_s, opposing rub | {mean('plastic', 'opposing')} |",
+        f"| H = 4 GPa: μ_s, friction at all contacts; limit {rows[0]['limit'][1]:.3f} | {mean('plastic', 'all')} |",
+        f"| H = 4 GPa: μ_s, friction at opposing contacts | {mean('plastic', 'opposing')} |",
     ]
-    for name, words in (("all", "μ_s, all rub"), ("area", "A/A0")):
+    for name, words in (("all", "μ_s, friction at all contacts"), ("area", "A/A0")):
         values = np.array([row["plastic"][name] for row in rows])
         off = 100 * np.abs(values / values[:, :1] - 1).max(axis=0)
-        lines.append(f"| {words}: furthest from the finest (%) | {' | '.join(f'{each:.1f}' for each in off)} |")
+        lines.append(
+            f"| {words}: largest difference from the finest (%) | {' | '.join(f'{each:.1f}' for each in off)} |"
+        )
     return lines
 
 
@@ -262,12 +264,12 @@ def widths(rows, name, limit, most):
 def bracket_lines(groups):
     """Return the fractions of pairs inside their brackets and narrower ones, and the widths of the brackets."""
     lines = [
-        "| every finer answer is between the plastic limit and | A/A0 | upper end over the limit (%) | μ_s, all rub "
-        "| upper end over the limit (%) |",
+        "| every finer result is between the plastic limit and | A/A0 | upper end over the limit (%) "
+        "| μ_s, friction at all contacts | upper end over the limit (%) |",
         "|---|---|---|---|---|",
     ]
     for words, rows in groups.items():
-        for said, prefix in (("the upper end of the bracket", "most_"), ("the answer at the coarser cut-off", "")):
+        for said, prefix in (("the upper end of the bracket", "most_"), ("the result at the coarser cut-off", "")):
             parts = [
                 item
                 for limit, name in enumerate(("area", "all"))
@@ -280,8 +282,8 @@ def bracket_lines(groups):
 def yielded_lines(by_hurst):
     """Return deviations of the coarsest result from the finest at elastic pressures of one and two hardnesses."""
     lines = [
-        f"| μ_s, all rub, at {SEEN[-1]} points | elastic pressure over the hardness | from the finest, mean (%) "
-        "| furthest (%) |",
+        f"| μ_s, friction at all contacts, at {SEEN[-1]} points | elastic pressure over the hardness "
+        "| mean difference from the finest (%) | largest difference (%) |",
         "|---|---|---|---|",
     ]
     for hurst, rows in by_hurst.items():
@@ -315,12 +317,12 @@ def continued_lines(ahead):
         ],
         "elastic μ_s at the scan's 32 points": [f"{median(rows, 'at_scan'):.4f}" for rows in known],
         "elastic μ_s at 4 points, solved": [f"{median(rows, 'friction'):.4f}" for rows in known],
-        "said from the scan": ["{:.4f} [{:.4f}, {:.4f}]".format(*median(rows, "said_friction")) for rows in known],
+        "estimated from the scan": ["{:.4f} [{:.4f}, {:.4f}]".format(*median(rows, "said_friction")) for rows in known],
         "in its interval": [covered(rows, "friction") for rows in known],
         "wavelength at which plasticity reaches, solved (nm)": [
             f"{1e3 * median(rows, 'wavelength'):.0f}" for rows in known
         ],
-        "said from the scan (nm)": [
+        "estimated from the scan (nm)": [
             "{:.0f} [{:.0f}, {:.0f}]".format(*1e3 * median(rows, "said_wavelength")) for rows in known
         ],
         "in its interval ": [covered(rows, "wavelength") for rows in known],
@@ -336,7 +338,7 @@ def continued_lines(ahead):
 def joined_lines(together):
     wanted = list(dict.fromkeys(together["names"]))
     lines = [
-        "| wavelength (µm) | waves | joined over known spectrum | h' down to it over the known one "
+        "| wavelength (µm) | waves | combined over true spectrum | h' down to this wavelength over the true h' "
         f"| {' | '.join(wanted)} |",
         "|---|---|---|---|" + "---|" * len(wanted),
     ]
@@ -368,14 +370,14 @@ def page():
         lines += [*settled_lines(rows), ""]
     lines += [
         f"Pairs of {WHOLE}² points, E\\* {MODULUS:g} GPa, {1e3 * PRESSURE:g} MPa, μ0 {MU0:g}, τ0 {1e3 * TAU0:g} MPa, "
-        "waves from 4 points to a quarter of the length, means over pairs, Gaussian cut-offs.",
+        "wavelengths from 4 points to a quarter of the length, means over pairs, Gaussian cut-offs.",
         "",
         *yielded_lines(by_hurst),
         "",
         *bracket_lines({f"{WHOLE}², 4 to 64 points": settled, f"{WHOLE // 4}², 4 to 16 points": bracketed}),
         "",
-        "The factor 1 + h'²/8 of the finer answer's slopes is allowed. Upper ends are medians, at all cut-offs but the "
-        "first.",
+        "The factor 1 + h'²/8 for the slopes of the finer result is allowed. Upper ends are medians, at all cut-offs "
+        "but the first.",
         "",
         *continued_lines(ahead),
         "",
