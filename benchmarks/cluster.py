@@ -16,9 +16,9 @@ import numpy as np
 from measure import seconds
 from stiction import Study
 from stiction.studies import runner
-from stiction.studies.layout import bytes_of_member, stacked
+from stiction.studies.layout import member_bytes, stack_members
 from stiction.studies.member_solution import member_sums
-from stiction.studies.store import encoded
+from stiction.studies.store import encode_members
 
 STUDIES = ("figure6", "figure6-areal", "figure6-half-plane")
 BLOCKS = 60
@@ -40,11 +40,11 @@ class StoredSums:
         self.path = path
         self.seen = seen
 
-    def __call__(self, version: str, study: Study, folder: runner.Folder, members: range) -> object:
+    def __call__(self, version: str, study: Study, folder: runner.SharedFolder, members: range) -> object:
         if self.path not in _read:
             _read[self.path] = pickle.loads(Path(self.path).read_bytes())
         runner.member_sums = lambda _, member: _read[self.path][member % KINDS]
-        return _task(version, study, folder if self.seen else runner.Folder(Path("/nowhere"), ""), members)
+        return _task(version, study, folder if self.seen else runner.SharedFolder(Path("/nowhere"), ""), members)
 
 
 _read: dict[str, list[dict]] = {}
@@ -71,9 +71,11 @@ def measure_storage(study: Study, sums: list[dict], executor: Executor, *, seen:
         size = runner.block_size(study)
         parts = -(-study.ensemble.repetitions // (size * BLOCKS))
         try:
-            runner.fill(study, Path(folder) / "r", part=(2, parts), executor=executor)  # and all modules are loaded
+            runner.compute_missing(
+                study, Path(folder) / "r", part=(2, parts), executor=executor
+            )  # and all modules are loaded
             start, driver_start = time.perf_counter(), time.process_time()
-            count = runner.fill(study, Path(folder) / "r", part=(1, parts), executor=executor)
+            count = runner.compute_missing(study, Path(folder) / "r", part=(1, parts), executor=executor)
             return count / (time.perf_counter() - start), (time.process_time() - driver_start) / count
         finally:
             runner.block_task = _task
@@ -91,9 +93,11 @@ def rows() -> list[tuple[str, str]]:
             cost = dimensions * seconds(lambda one=one: member_sums(one, 1), 1 if half_plane else 3)
             kinds = randomise({name: values.repeat(dimensions, axis=0) for name, values in sums.items()})
             size = runner.block_size(study)
-            block = stacked(study, [kinds[i % KINDS] for i in range(size)])
-            encoded(study, range(size), block)
-            writing = seconds(lambda study=study, size=size, block=block: encoded(study, range(size), block), 5) / size
+            block = stack_members(study, [kinds[i % KINDS] for i in range(size)])
+            encode_members(study, range(size), block)
+            writing = (
+                seconds(lambda study=study, size=size, block=block: encode_members(study, range(size), block), 5) / size
+            )
             runs = [
                 (
                     measure_storage(study, kinds, executor, seen=True),
@@ -105,7 +109,7 @@ def rows() -> list[tuple[str, str]]:
             sent = statistics.median(by_driver[0] for _, by_driver in runs)
             results += [
                 (f"a repetition of {name}: time on one core", f"{cost:.3g} s"),
-                ("... its sums", f"{bytes_of_member(study) / 1e3:.0f} kB"),
+                ("... its sums", f"{member_bytes(study) / 1e3:.0f} kB"),
                 ("... repetitions in a block", f"{size}"),
                 ("... time to make its part of the block's file", f"{1e3 * writing:.2g} ms, {writing / cost:.2%}"),
                 ("... stored a second by two workers that compute nothing", f"{rate:.0f}"),

@@ -14,7 +14,7 @@ import numpy as np
 from stiction import Study, area_map, friction_map, stiffness_map
 from stiction.studies import runner, store
 from stiction.studies.member_solution import arrays_of
-from stiction.studies.runner import fill
+from stiction.studies.runner import compute_missing
 
 REPETITIONS = 1_000_000
 MORE = 10_000
@@ -59,7 +59,7 @@ def rows() -> list[tuple[str, str]]:
     try:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "r"
-            _, writing = timed(lambda: fill(STUDY, path))
+            _, writing = timed(lambda: compute_missing(STUDY, path))
             files = sum(len(files) for _, _, files in os.walk(path))
             kept, looking = timed(lambda: store.info(path))
             result, opening = timed(lambda: store.open_stored(path))
@@ -67,9 +67,9 @@ def rows() -> list[tuple[str, str]]:
             maps = [timed(lambda each=each: each(result, loads)) for each in (friction_map, area_map, stiffness_map)]
             assert (maps[0][0]["status"] == "ok").all()
             more = STUDY.with_changes({"ensemble.repetitions": REPETITIONS + MORE})
-            longer, continuing = timed(lambda: fill(more, path))
+            longer, continuing = timed(lambda: compute_missing(more, path))
             assert longer == REPETITIONS + MORE
-            _, again = timed(lambda: fill(more, path))
+            _, again = timed(lambda: compute_missing(more, path))
     finally:
         runner.member_sums, runner.cost_of_member = real
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

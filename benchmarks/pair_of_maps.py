@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from stiction import half_space, self_affine_surface, write_surface
-from stiction.studies.members import bodies_of
+from stiction.studies.members import load_bodies
 from stiction.studies.onset import FEW, onset_of_member
 from stiction.studies.resolution import FOLDER
 from stiction.studies.store import open_stored
@@ -43,7 +43,7 @@ def measure_command(folder: Path, output: str) -> tuple[float, float]:
 
 def solving(study: Study) -> Callable[[], None]:
     """Solve every load of prepared members in one direction."""
-    contact, bodies = study.contact, bodies_of(study)
+    contact, bodies = study.contact, load_bodies(study)
     pairs = [
         bodies.member(member, float(wavelength)).pair
         for member in range(study.ensemble.repetitions) for wavelength in study.surfaces.cells()["cut_off"]
@@ -80,7 +80,7 @@ def rows() -> list[tuple[str, str]]:
         commands = [measure_command(folder, "0")]
         study, over = (open_stored(folder / "0" / sub).study for sub in ("", FOLDER))
         tasks = solving(study), solving(over), lambda: beginning_to_slide(study)
-        half_space(*bodies_of(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)  # imports, kernels
+        half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)  # imports, kernels
         solved = []
         for turn in range(TURNS):
             solved.append([seconds(task) for task in tasks])

@@ -21,7 +21,7 @@ from stiction.studies.pair_options import (
     UNITS,
     PairOptions,
     ReadingOptions,
-    choices_of,
+    list_choices,
     name_in_python,
 )
 
@@ -91,7 +91,7 @@ def descriptions() -> str:
     lines = []
     for name in order:
         option, declared = OPTIONS[name], types[name].removesuffix(" | None")
-        choices = ", ".join(f'"{choice}"' for choice in choices_of(name))
+        choices = ", ".join(f'"{choice}"' for choice in list_choices(name))
         kind = f"{{{choices}}}" if choices and declared != "InterfaceName" else WORDS[declared]
         unit = f", {UNITS[option.kind]}" if option.kind else ""
         optional = "" if PairOptions.model_fields[name].is_required() or name in BODIES else ", optional"

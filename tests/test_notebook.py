@@ -525,7 +525,7 @@ def test_pair_replaces_other_result_only_on_request(by_function, where, tmp_path
     pair(where / "upper.npy", where / "lower.npy", **options)
     assert pair(where / "upper.npy", where / "lower.npy", **options | {"mu0": 0.1}).study.friction.mu0 == (0.1,)
     other = options | {"effective_modulus": "70 GPa"}
-    with pytest.raises(ValueError, match="holds another study") as refused:
+    with pytest.raises(ValueError, match="contains another study") as refused:
         pair(where / "upper.npy", where / "lower.npy", **other)
     assert "\n" not in str(refused.value)
     assert pair(where / "upper.npy", where / "lower.npy", **other, replace=True).study.contact.effective_modulus == 70

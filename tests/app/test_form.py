@@ -4,7 +4,7 @@ import json
 
 import pytest
 from stiction.app.form import FIELDS, READING, fields_html, first_option, numbers_json, with_labels
-from stiction.studies.pair_options import OPTIONS, ReadingOptions, choices_of
+from stiction.studies.pair_options import OPTIONS, ReadingOptions, list_choices
 
 
 def test_reading_fields_are_reading_options():
@@ -20,8 +20,8 @@ def test_field_is_in_one_place_of_the_form(flag):
 
 def test_choices_of_fields_are_values_of_their_options():
     for name, option in OPTIONS.items():
-        if option.field and option.field.choices and choices_of(name):
-            assert {value for value, _ in option.field.choices} <= set(choices_of(name))
+        if option.field and option.field.choices and list_choices(name):
+            assert {value for value, _ in option.field.choices} <= set(list_choices(name))
 
 
 def test_units_are_added_to_bare_numbers_of_quantities_alone():

@@ -20,7 +20,7 @@ pytest.importorskip("starlette", reason="the extra app is not installed")
 
 from app.served import served, until, write_maps
 
-MOST_MEMORY = 400e6  # bytes: it has xarray and its own pages, and reads a scan at a time
+MAX_RESULT_BYTES = 400e6  # bytes: it has xarray and its own pages, and reads a scan at a time
 
 
 @pytest.fixture(scope="module")
@@ -159,7 +159,7 @@ def test_oversized_upload_is_rejected_before_it_is_received(app):
         except OSError:
             pass
     assert sent < size / 5
-    assert app.memory() < MOST_MEMORY
+    assert app.memory() < MAX_RESULT_BYTES
     assert until(lambda: list(app.private()[0].glob("*.partial")), lambda left: not left) == []
     assert app.is_alive()
 
@@ -196,7 +196,7 @@ def test_decompression_bomb_is_reported_in_a_sentence(app, name, tmp_path):
     status, _, body = app.ask("GET", f"/scans/{app.take(path)}")
     assert status == 200
     assert json.loads(body)["error"].startswith(f"{name}: ")
-    assert app.memory() < MOST_MEMORY
+    assert app.memory() < MAX_RESULT_BYTES
     assert app.is_alive()
 
 
@@ -212,7 +212,7 @@ def test_simultaneous_requests_are_answered_or_rejected(app):
         result = list(pool.map(ask, range(1000)))
     assert set(result) <= {200, "refused"}
     assert result.count(200) > 50
-    assert app.memory() < MOST_MEMORY
+    assert app.memory() < MAX_RESULT_BYTES
     assert until(app.is_alive, bool)
 
 

@@ -58,7 +58,7 @@ def test_exhausted_resource_is_reported_in_one_message(tmp_path, monkeypatch, er
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr("stiction.studies.pipeline.filled", fail)
+    monkeypatch.setattr("stiction.studies.pipeline.complete_blocks", fail)
     assert_rejected(call_stiction("run", "quick", *TINY, cwd=tmp_path), words)
 
 

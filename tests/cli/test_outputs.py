@@ -106,5 +106,5 @@ def test_csv_quotes_names_that_start_formulas(folder, start):
 
 def test_pair_prints_estimated_time_without_terminal(folder, monkeypatch):
     assert "computing" not in check_stiction(*PAIR, "-o", "short", cwd=folder).stderr
-    monkeypatch.setattr(pipeline, "LONG", 0.0)
+    monkeypatch.setattr(pipeline, "MIN_ANNOUNCED_TIME", 0.0)
     assert "computing 2 repetitions: about " in check_stiction(*PAIR, "-o", "long", cwd=folder).stderr

@@ -20,7 +20,7 @@ from stiction.studies import store
 from stiction.studies.evaluation import at_load
 from stiction.studies.input_caveats import doubts_of_inputs
 from stiction.studies.member_solution import pressed_to_loads
-from stiction.studies.members import bodies_of
+from stiction.studies.members import load_bodies
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import read_options
 from stiction.studies.store import export
@@ -143,7 +143,7 @@ def test_gap_is_used_unchanged_at_one_position(where):
     study = study_of(where, "--gap", *MAPS[1:], *MATERIAL, *LOAD, "--tilt", "fixed", "--level", "plane")
     assert study.surfaces.level == "plane"
     study = study_of(where, "--gap", *MAPS[1:], *MATERIAL, *LOAD, "--level", "mean")
-    (upper, lower), gap = bodies_of(study).member(0, 0.0).pair, surface("lower").heights
+    (upper, lower), gap = load_bodies(study).member(0, 0.0).pair, surface("lower").heights
     assert not upper.heights.any()
     np.testing.assert_allclose(upper.heights - lower.heights, gap - gap.mean(), atol=1e-12)
 
@@ -151,7 +151,7 @@ def test_gap_is_used_unchanged_at_one_position(where):
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
 def test_closure_is_stored_with_its_stiffness(where, mechanics):
     study = study_of(where, *MAPS, *MATERIAL, *LOAD, "--mechanics", mechanics)
-    upper, lower = bodies_of(study).member(0, 0.0).pair
+    upper, lower = load_bodies(study).member(0, 0.0).pair
     result = pressed_to_loads(study, upper, lower, unloads=True)
     over_area = 1e6 * result["normal_stiffness"] / np.prod(upper.extent)  # MPa/mm
     if mechanics == "asperities":
@@ -172,9 +172,9 @@ def test_study_has_checksums_of_files_and_travel(where):
     study = study_of(where, *PROFILES, *MATERIAL, *LOAD, "--travel", "2 um", "--offsets", 1)
     assert study.surfaces.upper.file == str(where / "upper.csv")
     assert study.surfaces.upper.sha256 == study.surfaces.upper.checksum()
-    assert bodies_of(study).member(0, 0.0).x == pytest.approx(2)
+    assert load_bodies(study).member(0, 0.0).x == pytest.approx(2)
     study = study_of(where, *PROFILES, *MATERIAL, *LOAD, "--travel", "2 um", "--offsets", 9)
-    offsets = [bodies_of(study).member(index, 0.0).x for index in range(9)]
+    offsets = [load_bodies(study).member(index, 0.0).x for index in range(9)]
     assert 0 < min(offsets) < 0.5
     assert 1.5 < max(offsets) <= 2
 
@@ -336,7 +336,7 @@ def test_dwell_time_is_left_out_of_preview_and_check(where):
     arguments = asked(where, *MAPS, *MATERIAL, *LOAD, *waiting)
     with contextlib.chdir(where):
         assert [list(map(float, study.friction.wait)) for study in arguments.studies] == [[60.0, 3600.0], []]
-        assert not arguments.first_study.friction.wait
+        assert not arguments.preview_study.friction.wait
 
 
 def test_table_and_json_have_equal_intervals(where, tmp_path):
@@ -394,13 +394,13 @@ def test_preview_is_printed_to_standard_error_of_a_terminal(where, monkeypatch):
     assert "preliminary, with asperities: μ_s = " in completed.stderr
     assert json.loads(completed.stdout)["command"] == "pair"
     with contextlib.chdir(where):
-        by_asperities = asked(where, *command[1:]).first_study
+        by_asperities = asked(where, *command[1:]).preview_study
         value = at_load(run(by_asperities), [float(by_asperities.friction.load[0])])["friction_all_round"]
     mean = float(value.sel(sliding="all", statistic="mean").squeeze())
     assert f"μ_s = {quoted(mean)}  friction at all contacts" in completed.stderr
     for arguments in ([*PROFILES, *LOAD], [*MAPS, "--load", "10 MPa", "--mechanics", "asperities"]):
         with contextlib.chdir(where):
-            assert asked(where, *arguments, *MATERIAL).first_study is None
+            assert asked(where, *arguments, *MATERIAL).preview_study is None
     again = call_stiction(*command, cwd=where, without_figures=True)
     assert "preliminary" not in again.stderr, "what is there already has its answer"
 
@@ -519,7 +519,7 @@ def test_pair_resumes_with_same_options_and_rejects_others(where, areas):
     (where / "areas" / "picture.nc").unlink()
     check_stiction(*again, "--shifts", 4, cwd=where)
     assert (where / "areas" / "picture.nc").exists()
-    assert_rejected(call_stiction(*again, "--shifts", 4, "--rotate", 10, cwd=where), "holds another study")
+    assert_rejected(call_stiction(*again, "--shifts", 4, "--rotate", 10, cwd=where), "contains another study")
     check_stiction(*again, "--shifts", 2, "--rotate", 10, "--replace", cwd=where)
     assert store.open_stored(where / "areas").finished.size == 2
 
@@ -666,7 +666,7 @@ def test_scan_with_unattributed_hump_is_also_computed_filtered(tmp_path):
     noisy = stiction.Profile(clean.heights + 1.3e-4 * noise / noise.std(), spacing=0.0167)
     asked = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
     studies = {
-        name: Pair.of(upper=body, lower=body, **asked, **more).study
+        name: Pair.from_values(upper=body, lower=body, **asked, **more).study
         for name, body, more in (
             ("clean", clean, {}), ("noisy", noisy, {}), ("vouched", noisy, {"cutoff": "none"}),
             ("cut", noisy, {"cutoff": "0.3 um"}),
@@ -691,12 +691,12 @@ def test_noise_floor_is_filtered_from_its_scan_and_reported():
     limit = stiction.instrument_limit(noisy)
     assert (limit.origin, limit.matters) == ("instrument", True)
     asked = {"load": "10 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "offsets": 8}
-    study = Pair.of(upper=noisy, lower=clean, **asked).study
+    study = Pair.from_values(upper=noisy, lower=clean, **asked).study
     assert [float(item) for item in study.surfaces.cut_off] == [limit.cut_off, 0.0]
     assert study.surfaces.both_readings
     assert [float(item.max_cut_off) for item in (study.surfaces.upper, study.surfaces.lower)] == [limit.cut_off, 0.0]
-    slider, track = bodies_of(study).member(0, limit.cut_off).pair
-    raw_slider, raw_track = bodies_of(study).member(0, 0.0).pair
+    slider, track = load_bodies(study).member(0, limit.cut_off).pair
+    raw_slider, raw_track = load_bodies(study).member(0, 0.0).pair
     assert np.array_equal(track.heights, raw_track.heights)
     assert not np.array_equal(slider.heights, raw_slider.heights)
     result = stiction.pair(noisy, clean, onset=0, **asked)
@@ -713,10 +713,10 @@ def test_declared_texture_preserves_its_line_and_unknown_texture_is_rejected():
     _, clean = noisy_and_clean()
     humming = stiction.Profile(clean.heights + 2e-4 * np.sin(2 * np.pi * np.arange(1500) / 8), spacing=0.0167)
     asked = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
-    study = Pair.of(upper=humming, lower=clean, **asked).study
+    study = Pair.from_values(upper=humming, lower=clean, **asked).study
     assert float(study.surfaces.cut_off[0]) == 0.0
     assert study.surfaces.both_readings
-    ground = Pair.of(upper=humming, lower=clean, texture="ground", **asked).study
+    ground = Pair.from_values(upper=humming, lower=clean, texture="ground", **asked).study
     assert [float(item) for item in ground.surfaces.cut_off] == [0.0]
     assert [ground.surfaces.upper.texture, ground.surfaces.lower.texture] == ["ground", "ground"]
     assert not any(item.severity == "fault" for item in doubts_of_inputs(humming, clean, ground))

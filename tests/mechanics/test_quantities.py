@@ -86,7 +86,7 @@ def loads(dataset):
     return [float(elastic.max()) / 4]
 
 
-def variables_of(datasets):
+def list_variables(datasets):
     for title, dataset in datasets.items():
         for name, item in (*dataset.data_vars.items(), *dataset.coords.items()):
             yield title, str(name), item
@@ -100,7 +100,7 @@ def dims_of(name, dataset):
 
 
 def test_quantities_contain_every_variable_of_results_with_its_unit(results, at_loads):
-    for title, name, item in variables_of(results | {f"{key} at a load": one for key, one in at_loads.items()}):
+    for title, name, item in list_variables(results | {f"{key} at a load": one for key, one in at_loads.items()}):
         if name not in LAYOUT:
             assert name in QUANTITIES, f"{name} of {title}"
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
@@ -129,7 +129,7 @@ def test_variables_at_a_load_have_the_dimensions_of_the_table(at_loads):
 
 
 def test_intervals_at_a_load_are_within_the_bounds_of_the_table(at_loads):
-    for title, name, item in variables_of(at_loads):
+    for title, name, item in list_variables(at_loads):
         if name in QUANTITIES and "statistic" in item.dims and item.dtype.kind == "f":
             ends, mean = item.sel(statistic=["lower", "upper"]), item.sel(statistic="mean")
             low, high = QUANTITIES[name].bounds
@@ -146,7 +146,7 @@ def test_values_of_members_are_quantities_of_the_table():
     }
     values = {title: one.at(per_member=True) for title, one in result.items()}
     assert "lateral_load" in values["areas"]
-    for title, name, item in variables_of(values):
+    for title, name, item in list_variables(values):
         if name not in LAYOUT:
             assert name in QUANTITIES, f"{name} of {title}"
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"

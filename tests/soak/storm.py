@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 from stiction import Study
 from stiction.studies import member_solution, store
-from stiction.studies.store import decoded
+from stiction.studies.store import decode_members
 
 KILLS = 200
 OF_A_FOLDER = 20  # kills, before a new one is begun: so that many fall into its beginning
@@ -205,7 +205,7 @@ class Storm:
         for name in now.keys() - self.files.keys():
             content = (self.path / store.BLOCKS / name).read_bytes()
             assert name.endswith(f"-{zlib.crc32(content):08x}.nc"), f"{name} is torn"
-            members = decoded(content)
+            members = decode_members(content)
             for place, number in enumerate(members.numbers.tolist()):
                 bits = crc([values[:, :, place] for values in members.arrays.values()])
                 assert self.bits.setdefault(number, bits) == bits, "other bits than before"
@@ -225,7 +225,7 @@ class Storm:
         for process in self.dask:
             process.kill()
             process.wait()
-        store.begin(self.path, STUDY.with_changes({"ensemble.repetitions": self.repetitions}))
+        store.create_or_open(self.path, STUDY.with_changes({"ensemble.repetitions": self.repetitions}))
         left = [file for file in self.path.rglob("*.partial") if str(os.getpid()) not in file.name]
         assert not left, f"left: {left[:3]}"
         errors = [line for line in (self.folder / "said").read_text().splitlines() if "Error" in line]

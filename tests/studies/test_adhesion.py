@@ -9,7 +9,7 @@ from stiction.mechanics.quantities import HELD
 from stiction.studies.assessment import ADDED, TYPICAL_WORK, added_by_adhesion
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.evaluation import at_load
-from stiction.studies.members import bodies_of
+from stiction.studies.members import load_bodies
 from stiction.studies.point import is_unloaded, points
 from stiction.studies.pull_off import Sticking
 from stiction.views.pull_off import pull_off_text
@@ -48,7 +48,7 @@ def sticky():
 
 def test_member_equals_half_space_of_its_surfaces(sticky):
     data, contact = sticky.dataset.isel(cut_off=0, repetition=1), sticky.study.contact
-    bodies = bodies_of(sticky.study).member(1, 0.0).pair
+    bodies = load_bodies(sticky.study).member(1, 0.0).pair
     directions = {"direction": data["direction"].values.tolist(), "sliding": "all"}
     curve = half_space(*bodies, data["load"].values, **contact.solid(), **directions)
     free = half_space(*bodies, [0.0], **contact.solid(), **directions)

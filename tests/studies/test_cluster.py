@@ -37,8 +37,8 @@ def scheduler():
 
 def test_dask_workers_write_the_bits_of_threads(scheduler, tmp_path, monkeypatch):
     undisturbed = run(STUDY).dataset
-    monkeypatch.setattr(runner, "put", lambda *_: pytest.fail("written by the process that hands out the work"))
-    with executors.connected(scheduler) as executor:
+    monkeypatch.setattr(runner, "write_block", lambda *_: pytest.fail("written by the process that hands out the work"))
+    with executors.connect_cluster(scheduler) as executor:
         assert_same_bits(run(STUDY, executor=executor).dataset, undisturbed)
         assert_same_bits(run(STUDY, executor=executor, store=tmp_path).dataset, undisturbed)
     assert not list(tmp_path.rglob("*.partial"))
@@ -46,7 +46,10 @@ def test_dask_workers_write_the_bits_of_threads(scheduler, tmp_path, monkeypatch
 
 def test_tasks_of_a_killed_worker_are_computed_again(scheduler, tmp_path, monkeypatch):
     study = STUDY.with_changes({"surfaces.fractal_dimension.count": 12})
-    with distributed.Client(scheduler, set_as_default=False) as client, executors.connected(scheduler) as executor:
+    with (
+        distributed.Client(scheduler, set_as_default=False) as client,
+        executors.connect_cluster(scheduler) as executor,
+    ):
         workers = list(client.run(os.getpid).values())
 
         def kill_one(_):
@@ -66,8 +69,8 @@ def test_tasks_of_a_killed_worker_are_computed_again(scheduler, tmp_path, monkey
 def test_worker_with_another_version_is_rejected(scheduler, monkeypatch):
     monkeypatch.setattr(runner, "__version__", "0.0.1")
     with (
-        executors.connected(scheduler) as executor,
-        pytest.raises(StudyError, match=r"the worker on .* has stiction .*, and 0\.0\.1 asks for the study"),
+        executors.connect_cluster(scheduler) as executor,
+        pytest.raises(StudyError, match=r"the worker on .* has stiction .*, but the study was submitted with 0\.0\.1"),
     ):
         run(STUDY, executor=executor)
 
@@ -75,12 +78,18 @@ def test_worker_with_another_version_is_rejected(scheduler, monkeypatch):
 def test_absent_scheduler_is_reported(monkeypatch):
     monkeypatch.setattr(executors, "PATIENCE", "1s")
     for address in ("tcp://127.0.0.1:1", "", "host", "tcp://host", "tcp://host:port", "file:///etc"):
-        with pytest.raises(ClusterError, match=address or "such as tcp://host:8786"), executors.connected(address):
+        with (
+            pytest.raises(ClusterError, match=address or "such as tcp://host:8786"),
+            executors.connect_cluster(address),
+        ):
             pass
 
 
 def test_scheduler_without_workers_is_waited_for_with_a_message():
     with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs="CRITICAL") as running:
         address = running.scheduler_address
-        with pytest.warns(UserWarning, match="has no workers yet; waiting for them"), executors.connected(address):
+        with (
+            pytest.warns(UserWarning, match="has no workers yet; waiting for them"),
+            executors.connect_cluster(address),
+        ):
             pass

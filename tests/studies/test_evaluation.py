@@ -5,9 +5,9 @@ import pytest
 from stiction import Study, approach_at_load, area_map, friction_map, press, run, stiffness_map
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import intervals
-from stiction.studies.contact_tables import AROUND_AREAS, ladder
+from stiction.studies.contact_tables import AREAL_LOAD_FACTOR, ladder
 from stiction.studies.evaluation import at_load, axes_of, member_values, reached_loads
-from stiction.studies.members import bodies_of
+from stiction.studies.members import load_bodies
 from support.measured_studies import study_of, write_maps, write_profiles
 
 ROUND_OFF = 1e-9
@@ -29,7 +29,7 @@ def lines(tmp_path_factory):
 
 def test_at_load_of_profiles_equals_press_of_each_position(lines):
     study, result = lines
-    pairs = [bodies_of(study).member(index, 0.0).pair for index in range(12)]
+    pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
     order = np.argsort(result["x"].values)  # neighbours share asperities
     material = {"mu0": 0.3, "tau0": 0.05}
     for load, mu0, tau0 in (("elastic", 0.0, 0.0), ("normal", *material.values())):
@@ -161,7 +161,7 @@ def test_load_between_distant_steps_is_not_reached():
 def test_ladder_of_areas_has_no_gap_between_given_loads():
     loads = ladder([1e-3, 2e-3, 2.0], press="areas", mechanics="half-space")
     assert {1e-3, 2e-3, 2.0} <= set(loads.tolist())
-    assert (loads[1:] / loads[:-1]).max() < 1.02 * AROUND_AREAS
+    assert (loads[1:] / loads[:-1]).max() < 1.02 * AREAL_LOAD_FACTOR
     few = ladder([1.0, 3.0], press="areas", mechanics="half-space")
     assert few.size == 4
 

@@ -5,9 +5,9 @@ import pytest
 from stiction import Profile, approach_at_load, flipped, half_space, levelled, press
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import member_solution
-from stiction.studies.layout import OF_MEMBERS, dataset_of, names_of, stacked, variables_of
+from stiction.studies.layout import MEMBER_COORDINATES, build_dataset, list_variables, stack_members, variable_names
 from stiction.studies.member_solution import cost_of_member, member_sums
-from stiction.studies.members import about, bodies_of
+from stiction.studies.members import body_attributes, load_bodies
 from support.measured_studies import study_of, write_maps, write_profiles
 
 ROUND_OFF = 1e-9
@@ -18,7 +18,7 @@ def test_areal_member_equals_direct_computation(tmp_path, mechanics):
     study = study_of(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
     loads, angles = study.contact.steps(), study.contact.degrees()
     values = member_sums(study, 2)
-    upper, lower = bodies_of(study).member(2, 0.0).pair
+    upper, lower = load_bodies(study).member(2, 0.0).pair
     for rule, sliding in enumerate(study.contact.rules()):
         if mechanics == "half-space":
             curve = half_space(upper, lower, loads, effective_modulus=100.0, direction=angles, sliding=sliding)
@@ -47,7 +47,7 @@ def test_unloading_stiffness_is_computed_for_few_members_with_hardness(tmp_path)
 def test_profile_member_equals_direct_computation(tmp_path, mechanics):
     study = study_of(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
     loads = study.contact.steps()
-    values, member = member_sums(study, 3), bodies_of(study).member(3, 0.0)
+    values, member = member_sums(study, 3), load_bodies(study).member(3, 0.0)
     whole = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
     above, below = (levelled(item, "line") for item in whole)
     slider = levelled(Profile(flipped(above).heights[:600], spacing=0.02), "line")
@@ -72,13 +72,13 @@ def test_profile_member_equals_direct_computation(tmp_path, mechanics):
 def test_dataset_has_variables_of_the_study(tmp_path):
     study = study_of(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
     parts = [member_sums(study, index) for index in range(3)]
-    dataset = dataset_of(study, range(3), stacked(study, parts), about(study))
-    assert set(dataset.data_vars) == set(names_of(study))
-    for name, item in variables_of(study).items():
+    dataset = build_dataset(study, range(3), stack_members(study, parts), body_attributes(study))
+    assert set(dataset.data_vars) == set(variable_names(study))
+    for name, item in list_variables(study).items():
         assert dataset[name].dims == item.dims
         assert dataset[name].shape == item.shape
         assert "long_name" in dataset[name].attrs
-    assert set(OF_MEMBERS) <= set(dataset.coords)
+    assert set(MEMBER_COORDINATES) <= set(dataset.coords)
     assert float(dataset["nominal_area"]) == pytest.approx(3.6**2)
     assert "turned over" in dataset.attrs["upper"]
 
@@ -123,8 +123,8 @@ def test_cost_of_member_with_adhesion_increases_with_compliance(tmp_path):
 
 
 def test_changed_scan_file_is_rejected(tmp_path):
-    study = study_of(tmp_path, spacing=write_maps(tmp_path)).with_known_files()
-    bodies_of(study)
+    study = study_of(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
+    load_bodies(study)
     np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)
     with pytest.raises(ValueError, match=r"upper\.npy: is another file"):
-        bodies_of(study.with_changes({"ensemble.seed": 5}))
+        load_bodies(study.with_changes({"ensemble.seed": 5}))

@@ -24,9 +24,9 @@ STUDY = Study().with_changes(
 
 @pytest.mark.parametrize("members", [1, 2, 5])
 def test_pairs_of_several_dimensions_equal_single_pairs(monkeypatch, members):
-    monkeypatch.setattr(bodies, "FAMILY_MEMORY", members * 8 * STUDY.surfaces.points)
+    monkeypatch.setattr(bodies, "MAX_BATCH_BYTES", members * 8 * STUDY.surfaces.points)
     dimensions = np.array([1.0, 1.2, 1.45])
-    several = list(bodies.pairs_of(STUDY, 1, dimensions, 0.1))
+    several = list(bodies.generate_pairs(STUDY, 1, dimensions, 0.1))
     assert len(several) == dimensions.size
     for dimension, result in zip(dimensions, several, strict=True):
         for body, alone in zip(result, pair_of(STUDY, 1, fractal_dimension=dimension, amplitude=0.1), strict=True):

@@ -10,10 +10,10 @@ import xarray
 from stiction import Profile, Study, approach_at_load, contacts, half_space, open_result, self_affine
 from stiction.studies.executors import threads
 from stiction.studies.intervals import sample_mean
-from stiction.studies.members import bodies_of
-from stiction.studies.onset import FILE, TOLERANCE, backbone, onset_beside, onset_of_result
+from stiction.studies.members import load_bodies
+from stiction.studies.onset import FILE, TOLERANCE, backbone, load_onset, onset_of_result
 from stiction.studies.pair import pair_study
-from stiction.studies.runner import fill
+from stiction.studies.runner import compute_missing
 from stiction.studies.store import export, open_stored
 from stiction.views.onset import onset_record, onset_rows, onset_text
 from stiction.views.report import report_page
@@ -45,7 +45,7 @@ def test_onset_is_mean_over_members(study, onset):
     curves, exact = [], []
     for index in range(3):
         curve = half_space(
-            *bodies_of(study).member(index, 0.0).pair, [2.0], effective_modulus=100.0, hardness=4.0,
+            *load_bodies(study).member(index, 0.0).pair, [2.0], effective_modulus=100.0, hardness=4.0,
             compliance_share=0.3,
         )  # fmt: skip
         steps = onset["fraction"].values.tolist()
@@ -111,7 +111,7 @@ def test_onset_is_none_without_friction_or_for_generated_surfaces(study):
 
 
 def test_slip_map_gives_smallest_slip_load_of_each_cell(study, onset, monkeypatch):
-    upper, lower = bodies_of(study).member(0, 0.0).pair
+    upper, lower = load_bodies(study).member(0, 0.0).pair
     curve = half_space(upper, lower, [2.0], effective_modulus=100.0, hardness=4.0, compliance_share=0.3)
     one = curve.onset(0, mu0=0.3, tau0=0.05, steps=onset["fraction"].values.tolist(), poisson=[0.3, 0.4])
     expected = (one.slip_load() / one.sliding_load).reshape(lower.heights.shape)
@@ -134,7 +134,7 @@ def test_slip_map_gives_smallest_slip_load_of_each_cell(study, onset, monkeypatc
 def test_onset_of_asperities_lists_each_contact(tmp_path):
     study = study_of(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=2)
     result = computed(study, members=1)
-    pair = bodies_of(study).member(0, 0.0).pair
+    pair = load_bodies(study).member(0, 0.0).pair
     approach = approach_at_load(*pair, 2.0, mu0=0.0, effective_modulus=100.0, sliding="all")
     listed = contacts(*pair, float(approach), effective_modulus=100.0, sliding="all")
     np.testing.assert_allclose(result["contact_x"], listed.centre[:, 0], rtol=1e-9)
@@ -144,7 +144,7 @@ def test_onset_of_asperities_lists_each_contact(tmp_path):
 
 
 def test_figures_and_report_show_slip_map(study, onset, tmp_path):
-    fill(study, tmp_path)
+    compute_missing(study, tmp_path)
     export(onset, tmp_path / FILE)
     result = open_result(tmp_path)
     assert {"onset", "slip"} <= set(result.figures())
@@ -162,14 +162,14 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
 
 
 def test_stored_onset_is_read_only_with_its_result(study, onset, tmp_path):
-    fill(study, tmp_path)
+    compute_missing(study, tmp_path)
     stored = open_stored(tmp_path)
-    assert onset_beside(stored) is None
+    assert load_onset(stored) is None
     export(onset, tmp_path / FILE)
-    assert onset_beside(stored).identical(onset)
+    assert load_onset(stored).identical(onset)
     other = onset.assign_attrs(mu0=0.4)
     export(other, tmp_path / FILE, replace=True)
-    assert onset_beside(stored) is None
+    assert load_onset(stored) is None
 
 
 def test_onset_table_starts_at_rest(onset):

@@ -9,7 +9,7 @@ import pytest
 import xarray
 from stiction import run
 from stiction.studies import runner, store
-from stiction.studies.runner import Folder, fill
+from stiction.studies.runner import SharedFolder, compute_missing
 from support.generated_studies import TINY, InlineExecutor, assert_same_bits, with_repetitions
 
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
@@ -21,7 +21,7 @@ def test_parts_complete_one_result(tmp_path, undisturbed, computed):
     for part, expected in own.items():
         del computed[:]
         for _ in range(2):
-            assert fill(TINY, tmp_path, part=part) == 8
+            assert compute_missing(TINY, tmp_path, part=part) == 8
         assert sorted(computed) == expected
     present = store.open_stored(tmp_path).dataset()
     xarray.testing.assert_identical(present, undisturbed.isel(repetition=sorted(itertools.chain(*own.values()))))
@@ -32,16 +32,16 @@ def test_parts_complete_one_result(tmp_path, undisturbed, computed):
 
 
 def test_parts_of_other_counts_are_compatible(tmp_path, undisturbed):
-    fill(with_repetitions(10), tmp_path, part=(1, 2))
-    fill(TINY, tmp_path, part=(3, 5))
-    fill(TINY, tmp_path, part=(1, 1))
+    compute_missing(with_repetitions(10), tmp_path, part=(1, 2))
+    compute_missing(TINY, tmp_path, part=(3, 5))
+    compute_missing(TINY, tmp_path, part=(1, 1))
     assert_same_bits(store.read(tmp_path), undisturbed)
 
 
 @pytest.mark.parametrize("part", [(0, 2), (3, 2), (1, 0)])
 def test_fill_rejects_bad_part(tmp_path, part):
     with pytest.raises(ValueError, match="part must be K of N"):
-        fill(TINY, tmp_path / "r", part=part)
+        compute_missing(TINY, tmp_path / "r", part=part)
     assert not (tmp_path / "r").exists()
 
 
@@ -53,27 +53,27 @@ class Workers(Executor):
 
     def submit(self, function, /, *args):
         if not self.sees:
-            args = [replace(arg, path=Path("/nowhere")) if isinstance(arg, Folder) else arg for arg in args]
-            if isinstance(getattr(function, "__self__", None), Folder):  # Folder.is_seen
-                function = Folder(Path("/nowhere"), "").is_seen
+            args = [replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedFolder) else arg for arg in args]
+            if isinstance(getattr(function, "__self__", None), SharedFolder):  # SharedFolder.is_visible
+                function = SharedFolder(Path("/nowhere"), "").is_visible
         return InlineExecutor().submit(function, *args)
 
 
 def test_workers_write_to_shared_directory_or_return_blocks(tmp_path, undisturbed, monkeypatch):
     written, completed = [], []
     monkeypatch.setattr(
-        runner, "put", lambda path, first, *rest: written.append(first) or store.put(path, first, *rest)
+        runner, "write_block", lambda path, first, *rest: written.append(first) or store.write_block(path, first, *rest)
     )
     task = runner.block_task
     monkeypatch.setattr(runner, "block_task", lambda *args: completed.append(task(*args)) or completed[-1])
     for where, executor, who in (
         ("here", InlineExecutor(), "in 6 files"),
         ("shared", Workers(True), "in 6 files"),
-        ("apart", Workers(False), "this process writes them"),
+        ("apart", Workers(False), "this process writes the files"),
     ):
         del written[:], completed[:]
         events = []
-        fill(TINY, tmp_path / where, executor=executor, say=events.append)
+        compute_missing(TINY, tmp_path / where, executor=executor, say=events.append)
         assert len(events) == 1
         assert events[0].startswith("computing 22 repetitions: ")
         assert "in 6 files" in events[0]

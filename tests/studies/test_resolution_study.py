@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from stiction import Study, run, self_affine_surface
 from stiction.studies.evaluation import at_load
-from stiction.studies.members import bodies_of
+from stiction.studies.members import load_bodies
 from stiction.studies.resolution import FOLDER, resolution_at, resolution_study, seen
-from stiction.studies.runner import fill
+from stiction.studies.runner import compute_missing
 from stiction.studies.store import open_stored
 from stiction.surfaces.scale import scale_dependent_roughness
 from stiction.surfaces.surface import Surface
@@ -51,10 +51,10 @@ def test_resolution_study_is_none_without_cutoffs_to_compare(study, tmp_path):
 
 def test_stored_resolution_is_read_only_with_its_result(study, tmp_path):
     few = study.with_changes({"contact.load": ["2 mN"], "ensemble.repetitions": 2})
-    fill(few, tmp_path)
+    compute_missing(few, tmp_path)
     assert resolution_at(open_stored(tmp_path)) is None
     over = resolution_study(few)
-    fill(over, tmp_path / FOLDER)
+    compute_missing(over, tmp_path / FOLDER)
     result = resolution_at(open_stored(tmp_path))
     expected = at_load(run(over), [2.0])
     np.testing.assert_array_equal(result["friction_all_round"].values, expected["friction_all_round"].values)
@@ -69,14 +69,14 @@ def test_stored_resolution_is_read_only_with_its_result(study, tmp_path):
     assert (area > least).all()
     # With another pair beside it, it is none of this one.
     softer = tmp_path / "softer"
-    fill(few.with_changes({"contact.hardness": "3 GPa"}), softer)
-    fill(over, softer / FOLDER)
+    compute_missing(few.with_changes({"contact.hardness": "3 GPa"}), softer)
+    compute_missing(over, softer / FOLDER)
     assert resolution_at(open_stored(softer)) is None
 
 
 def test_wavelengths_are_those_of_the_gap(study):
     result = seen(study)
-    upper, lower = bodies_of(study).member(0, 0.0).pair
+    upper, lower = load_bodies(study).member(0, 0.0).pair
     gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
     roughness = scale_dependent_roughness(gap)
     assert result.shortest == pytest.approx(0.2)

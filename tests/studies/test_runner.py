@@ -17,7 +17,7 @@ import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
 from stiction.studies import executors, member_solution, members, runner
-from stiction.studies.layout import bytes_of_member
+from stiction.studies.layout import member_bytes
 from stiction.studies.member_solution import cost_of_member
 from stiction.studies.store import StoreError
 from stiction.studies.study import study_of
@@ -78,7 +78,7 @@ def test_bits_are_independent_of_executor_and_block_size(result, monkeypatch):
             assert_same_bits(run(SMALL, executor=pool).dataset, result)
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
         assert_same_bits(run(SMALL, executor=pool).dataset, result)
-    monkeypatch.setattr(runner, "MOST_SUBMITTED", 2)
+    monkeypatch.setattr(runner, "MAX_SUBMITTED_TASKS", 2)
     for size in (1, 2, 3, 100):
         monkeypatch.setattr(runner, "block_size", lambda study, size=size: size)
         assert_same_bits(run(SMALL, executor=InlineExecutor()).dataset, result)
@@ -87,15 +87,15 @@ def test_bits_are_independent_of_executor_and_block_size(result, monkeypatch):
 def test_bits_are_independent_of_batch_size(result, monkeypatch):
     for rows in (1, 3):
         for module in (members, member_solution):
-            monkeypatch.setattr(module, "FAMILY_MEMORY", rows * 8 * SMALL.surfaces.points)
+            monkeypatch.setattr(module, "MAX_BATCH_BYTES", rows * 8 * SMALL.surfaces.points)
         assert_same_bits(run(SMALL).dataset, result)
 
 
 @pytest.mark.parametrize("points", [500, 1000, 4000, 20_000])
 def test_memory_of_a_task_is_within_documented_limit(monkeypatch, points):
-    """cluster.md: FAMILY_MEMORY for each body and a profile of each that is scaled, or 32 bytes for each point."""
+    """cluster.md: MAX_BATCH_BYTES for each body and a profile of each that is scaled, or 32 bytes for each point."""
     family = 8 * 2500
-    monkeypatch.setattr(member_solution, "FAMILY_MEMORY", family)
+    monkeypatch.setattr(member_solution, "MAX_BATCH_BYTES", family)
     values = []
     monkeypatch.setattr(member_solution, "_memory", lambda shape: values.append(np.empty(shape)) or values[-1])
     study = SMALL.with_changes({"surfaces.points": points, "surfaces.fractal_dimension.count": 10})
@@ -116,12 +116,12 @@ def test_blocks_are_short_and_many(name):
     study = Study.named(name)
     for total in (1, 10, 100, 1_000_000):
         size = runner.block_size(with_repetitions(total, study))
-        assert 1 <= size <= runner.MOST_MEMBERS
+        assert 1 <= size <= runner.MAX_BLOCK_MEMBERS
         assert size == 1 or size * cost_of_member(study) <= runner.BLOCK_TIME
-        assert size == 1 or size * bytes_of_member(study) <= runner.MOST_BYTES
+        assert size == 1 or size * member_bytes(study) <= runner.MAX_BLOCK_BYTES
         assert math.ceil(total / size) >= min(total, 4)
-        is_worth_its_file = (size - 1) * cost_of_member(study) < runner.LEAST_TIME
-        assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.FEWEST_BLOCKS)
+        is_worth_its_file = (size - 1) * cost_of_member(study) < runner.MIN_BLOCK_TIME
+        assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.MIN_BLOCKS)
 
 
 def test_impossible_study_raises_value_error():
@@ -132,12 +132,14 @@ def test_impossible_study_raises_value_error():
 def test_result_larger_than_memory_is_rejected(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "member_sums", lambda *_: pytest.fail("computed"))
     many = SMALL.with_changes({"ensemble.repetitions": 10_000_000})
-    with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory, more than 16: give it a store"):
+    with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory, more than 16: give a store"):
         run(many)
     fine = {"start": 1.0, "stop": 1.9, "count": 10_000}
     wide = SMALL.with_changes({"surfaces.fractal_dimension": fine, "contact.approach.count": 10_000})
-    with pytest.raises(ValueError, match=r"a repetition would take \d+ GiB, more than 16: take fewer contact"):
-        runner.fill(wide, tmp_path / "r")
+    with pytest.raises(
+        ValueError, match=r"a repetition would take \d+ GiB, more than 16: reduce the number of values of contact"
+    ):
+        runner.compute_missing(wide, tmp_path / "r")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -155,7 +157,7 @@ def test_interrupt_cancels_submitted_tasks(monkeypatch):
 
     monkeypatch.setattr(runner, "member_sums", record)
     monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
-    monkeypatch.setattr(runner, "PATIENCE", 0.1)
+    monkeypatch.setattr(runner, "SHUTDOWN_TIMEOUT", 0.1)
     stored = None
     with ThreadPoolExecutor(1) as pool:
         try:
@@ -211,7 +213,7 @@ def test_progress_is_printed_in_a_notebook(capfd, monkeypatch):
 def test_estimate_is_announced_once(tmp_path):
     events = []
     for _ in range(2):
-        runner.fill(SMALL, tmp_path, say=events.append)
+        runner.compute_missing(SMALL, tmp_path, say=events.append)
     (line,) = events
     assert line.startswith("computing 5 repetitions: about ")
     assert line.endswith(" of one core, 23 kB in 5 files")

@@ -193,7 +193,7 @@ def test_caveats_about_files_end_when_accepted(tmp_path, monkeypatch):
 
     def of_files(**options):
         arguments = {"load": "1 mN", "mu0": "0.3", "effective_modulus": "10 GPa", "missing": "interpolate", **options}
-        study = Pair.of(upper="codes.csv", lower="codes.csv", **arguments).study
+        study = Pair.from_values(upper="codes.csv", lower="codes.csv", **arguments).study
         return [item for item in doubts_of_study(study) if "(repeated-extreme)" in item.cure]
 
     (doubt,) = of_files()

@@ -21,7 +21,7 @@ import pytest
 import xarray
 from stiction import Result, _files, run
 from stiction.studies import layout, runner, store
-from stiction.studies.runner import fill
+from stiction.studies.runner import compute_missing
 from stiction.studies.store import BLOCKS, STUDY, Block, ExportError, StoreError, export
 from support.generated_studies import TINY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
 
@@ -34,7 +34,7 @@ def finished(tmp_path_factory):
     path = tmp_path_factory.mktemp("finished") / "r"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(runner, "block_size", lambda study: 4)
-        fill(TINY, path)
+        compute_missing(TINY, path)
     return path
 
 
@@ -81,7 +81,7 @@ def test_store_returns_what_was_written(tmp_path, undisturbed):
 
 
 def test_equal_members_have_equal_bytes(tmp_path, whole):
-    fill(TINY, tmp_path / "again", executor=InlineExecutor())
+    compute_missing(TINY, tmp_path / "again", executor=InlineExecutor())
     assert files(whole).keys() == files(tmp_path / "again").keys()
 
 
@@ -115,7 +115,7 @@ def test_store_preserves_every_bit(tmp_path, monkeypatch):
 
 
 def test_pieces_of_directory_and_dataset_are_equal(whole, undisturbed, monkeypatch):
-    monkeypatch.setattr(layout, "MOST_IN_PIECE", 9 * layout.bytes_of_member(TINY))
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY))
     block_of(whole, 4).unlink()
     present = undisturbed.isel(repetition=[*range(4), *range(8, 22)])
     both = list(zip(Result(store.open_stored(whole)).pieces(), Result(present).pieces(), strict=True))
@@ -129,8 +129,8 @@ def test_pieces_of_directory_and_dataset_are_equal(whole, undisturbed, monkeypat
 def test_result_of_one_piece_is_read_once(whole, undisturbed, monkeypatch):
     """And what becomes of it in the hands of a caller is not what the next one sees."""
     stored, reads = store.open_stored(whole), []
-    decoded = store.decoded
-    monkeypatch.setattr(store, "decoded", lambda content: reads.append(content) or decoded(content))
+    decode_members = store.decode_members
+    monkeypatch.setattr(store, "decode_members", lambda content: reads.append(content) or decode_members(content))
     stored.dataset()["contact_area"].values[:] = 7.0
     assert len(reads) == len(stored.blocks)
     (piece,) = stored.pieces()
@@ -142,7 +142,7 @@ def test_result_of_one_piece_is_read_once(whole, undisturbed, monkeypatch):
 
 
 def test_result_larger_than_memory_is_reported(whole, monkeypatch):
-    monkeypatch.setattr(store, "MOST_MEMORY", 1000)
+    monkeypatch.setattr(store, "MAX_RESULT_BYTES", 1000)
     with pytest.raises(StoreError, match="GiB of memory"):
         store.open_stored(whole).dataset()
 
@@ -189,7 +189,7 @@ def test_overlapping_blocks_are_accepted(whole, undisturbed, monkeypatch):
     for size, first in ((3, 3), (7, 7), (5, 5)):
         monkeypatch.setattr(runner, "block_size", lambda study, size=size: size)
         shutil.rmtree(others, ignore_errors=True)
-        fill(TINY, others)
+        compute_missing(TINY, others)
         shutil.copy(block_of(others, first), whole / BLOCKS)
     block_of(whole, 4).unlink()
     assert_same_bits(store.read(whole), undisturbed)
@@ -231,7 +231,7 @@ def test_edited_study_file_does_not_change_blocks(whole):
 def test_result_of_another_version_is_read_but_not_continued(whole, undisturbed, monkeypatch):
     monkeypatch.setattr(store, "__version__", "9.9")
     assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
-    with pytest.raises(StoreError, match=r"was begun by stiction .* and this is 9\.9"):
+    with pytest.raises(StoreError, match=r"was created by stiction .*this version, 9\.9"):
         run(with_repetitions(23), store=whole)
 
 
@@ -244,7 +244,7 @@ def test_result_of_another_machine_is_not_continued_if_steps_differ(whole, monke
 
 def test_foreign_study_file_without_blocks_is_preserved(tmp_path, undisturbed):
     (tmp_path / STUDY).write_text("# by hand\n" + TINY.to_toml())
-    with pytest.raises(StoreError, match="holds another study"):
+    with pytest.raises(StoreError, match="contains another study"):
         run(TINY.with_changes({"ensemble.seed": 1}), store=tmp_path)
     assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
     assert (tmp_path / STUDY).read_text().startswith("# by hand")
@@ -264,7 +264,7 @@ def test_flipped_bit_is_detected_and_block_named(whole, undisturbed, computed):
         damaged = bytearray(content)
         damaged[place // 8] ^= 1 << place % 8
         file.write_bytes(damaged)
-        with pytest.raises(StoreError, match=f"{file.name}: is not what was written; to have repetitions 4 to 7"):
+        with pytest.raises(StoreError, match=f"{file.name}: does not match its checksum; remove that file"):
             store.read(whole)
     file.unlink()
     assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
@@ -274,10 +274,10 @@ def test_flipped_bit_is_detected_and_block_named(whole, undisturbed, computed):
 def test_swapped_blocks_are_detected(whole, tmp_path):
     content = block_of(whole, 8).read_bytes()
     put(block_of(whole, 4), content)
-    with pytest.raises(StoreError, match="has other repetitions than its name says"):
+    with pytest.raises(StoreError, match="contains other repetitions than its name states"):
         store.read(whole)
     other = tmp_path / "other"
-    fill(TINY.with_changes({"ensemble.seed": 1}), other)
+    compute_missing(TINY.with_changes({"ensemble.seed": 1}), other)
     put(block_of(whole, 4), block_of(other, 4).read_bytes())
     with pytest.raises(StoreError, match=r"is of another study than study\.toml: ensemble\.seed"):
         store.read(whole)
@@ -295,7 +295,7 @@ def directory(file):
 @pytest.mark.parametrize("damage", [emptied, directory])
 def test_invalid_block_is_reported_in_one_sentence(whole, damage):
     damage(block_of(whole, 4))
-    with pytest.raises(StoreError, match=r"0000004-0000007-.*to have repetitions 4 to 7 computed again") as refused:
+    with pytest.raises(StoreError, match=r"0000004-0000007-.*recompute repetitions 4 to 7") as refused:
         store.read(whole)
     assert len(str(refused.value).splitlines()) == 1
 
@@ -391,7 +391,7 @@ def test_block_that_contradicts_its_study_is_reported_in_one_sentence(whole, lie
         store.read(away)
     assert len(str(refused.value).splitlines()) <= 2
     put(file, content)
-    with pytest.raises(StoreError, match="to have repetitions 4 to 7 computed again"):
+    with pytest.raises(StoreError, match="recompute repetitions 4 to 7"):
         store.read(whole)
 
 
@@ -434,14 +434,14 @@ def test_full_disk_loses_nothing(tmp_path, undisturbed, monkeypatch):
 
 
 def test_removed_directory_is_not_created_again(tmp_path, monkeypatch):
-    path, replace = tmp_path / "r", store.put
+    path, replace = tmp_path / "r", store.write_block
 
     def put_and_remove(where, first, written, count):
         replace(where, first, written, count)
         if first == 4:
             path.rename(tmp_path / "moved")
 
-    monkeypatch.setattr(runner, "put", put_and_remove)
+    monkeypatch.setattr(runner, "write_block", put_and_remove)
     with pytest.raises(StoreError, match="was removed or replaced"):
         run(TINY, store=path, executor=InlineExecutor())
     assert os.listdir(tmp_path) == ["moved"]
@@ -495,7 +495,7 @@ def test_removed_partial_file_is_written_again(tmp_path, undisturbed, monkeypatc
             self.unlink()
         return replace(self, target)
 
-    fill(with_repetitions(4), tmp_path)
+    compute_missing(with_repetitions(4), tmp_path)
     monkeypatch.setattr(Path, "replace", sweep)
     (tmp_path / STUDY).write_text(f"{store.MARK} 0.1.0.\n" + TINY.to_toml())
     assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
@@ -575,7 +575,7 @@ def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, undisturbed):
 
 @pytest.mark.parametrize("kind", ["dataset", "folder"])
 def test_export_equals_computed_dataset(whole, undisturbed, tmp_path, monkeypatch, kind):
-    monkeypatch.setattr(layout, "MOST_IN_PIECE", 9 * layout.bytes_of_member(TINY))
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY))
     file = tmp_path / "r.nc"
     export(undisturbed if kind == "dataset" else store.open_stored(whole).dataset(), file)
     assert_same_bits(store.read(file), undisturbed)
@@ -624,7 +624,9 @@ def test_block_equals_file_written_by_xarray(undisturbed):
                 assert one[name].attrs.keys() == other[name].attrs.keys()
     image = io.BytesIO()
     store.write(part, image)
-    assert store.encoded(TINY, range(4, 8), {name: part[name].values for name in TINY.sums()}) == image.getvalue()
+    assert (
+        store.encode_members(TINY, range(4, 8), {name: part[name].values for name in TINY.sums()}) == image.getvalue()
+    )
 
 
 INTERRUPTED = r"""
@@ -647,7 +649,7 @@ runner.member_sums = held
 runner.block_size = lambda study: 8
 tell("begun")
 try:
-    runner.fill(study, "r", say=lambda text: tell("ready"))
+    runner.compute_missing(study, "r", say=lambda text: tell("ready"))
 except KeyboardInterrupt:
     sys.exit(130)
 """
@@ -677,6 +679,6 @@ def test_interrupt_ends_run_soon_and_preserves_blocks(tmp_path):
 
 
 def test_result_without_finished_members_is_a_store_error(tmp_path):
-    store.begin(tmp_path, TINY)
+    store.create_or_open(tmp_path, TINY)
     with pytest.raises(StoreError, match="none of the 22 repetitions is finished"):
         Result(store.open_stored(tmp_path)).at_study_loads  # noqa: B018

@@ -6,14 +6,14 @@ import h5py
 import pytest
 import xarray
 from stiction.studies import contact_picture, onset
-from stiction.studies.contact_picture import picture_beside
+from stiction.studies.contact_picture import load_contact_picture
 from stiction.studies.executors import threads
-from stiction.studies.onset import onset_beside, onset_of_result
-from stiction.studies.runner import fill
+from stiction.studies.onset import load_onset, onset_of_result
+from stiction.studies.runner import compute_missing
 from stiction.studies.store import SEAL, StoreError, export, open_stored, read
 from support.measured_studies import study_of, write_maps
 
-FILES = {"picture.nc": picture_beside, "onset.nc": onset_beside}
+FILES = {"picture.nc": load_contact_picture, "onset.nc": load_onset}
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +22,7 @@ def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("maps")
     more = 'load = ["2 mN"]\ndirection = [0, 180]'
     study = study_of(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=more)
-    fill(study, folder / "r")
+    compute_missing(study, folder / "r")
     stored = open_stored(folder / "r")
     with threads(1) as executor:
         of = {"picture.nc": contact_picture.contact_picture(stored), "onset.nc": onset_of_result(study, executor)}
@@ -59,7 +59,7 @@ def test_flipped_bit_is_detected_before_the_file_is_opened(stored, name, monkeyp
         damaged = bytearray(content)
         damaged[place // 8] ^= 1 << place % 8
         path.write_bytes(damaged)
-        with pytest.raises(StoreError, match=rf"{name}: is not what was written"):
+        with pytest.raises(StoreError, match=rf"{name}: does not match its checksum"):
             FILES.get(name, lambda stored: read(stored.path / "result.nc"))(stored)
     path.unlink()
 
@@ -68,7 +68,7 @@ def test_flipped_bit_is_detected_before_the_file_is_opened(stored, name, monkeyp
 def test_file_without_a_variable_is_rejected_in_one_sentence(stored, name, variable):
     with h5py.File(stored.path / name, "r+") as file:
         del file[variable]
-    with pytest.raises(StoreError, match=rf"{name}: .*to have it made again, remove it") as refused:
+    with pytest.raises(StoreError, match=rf"{name}: .*remove it and run the study again") as refused:
         FILES[name](stored)
     assert len(str(refused.value).splitlines()) == 1
 
@@ -76,4 +76,4 @@ def test_file_without_a_variable_is_rejected_in_one_sentence(stored, name, varia
 def test_onset_with_other_steps_is_ignored(stored):
     with h5py.File(stored.path / "onset.nc", "r+") as file:
         file["fraction"][0] = 0.07
-    assert onset_beside(stored) is None
+    assert load_onset(stored) is None

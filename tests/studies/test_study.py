@@ -318,19 +318,19 @@ class TestMeasured:
         body = study.surfaces.upper.read()
         assert body.spacing == (2.0, 0.5)
         assert body.heights == pytest.approx(heights / 1000)
-        known = study.with_known_files()
+        known = study.with_checksums()
         assert known == study_from_text(known.to_toml(), "itself")
         assert known.surfaces.lower.read().heights.shape == (24, 20)
         np.save(tmp_path / "scan.npy", heights[:, ::-1])
         assert study.surfaces.upper.read().heights.shape == (24, 20)
         with pytest.raises(ValueError, match=r"scan\.npy: is another file"):
             known.surfaces.upper.read()
-        assert known.with_known_files() == known
+        assert known.with_checksums() == known
         monkeypatch.chdir(tmp_path)
-        assert study_from_text(text, "here").with_known_files().surfaces.upper.file == str(tmp_path / "scan.npy")
+        assert study_from_text(text, "here").with_checksums().surfaces.upper.file == str(tmp_path / "scan.npy")
         with pytest.raises(ValueError, match="cannot be read"):
-            AREAS.surfaces.upper.located(tmp_path / "none").known()
-        assert Study().with_known_files() == Study()
+            AREAS.surfaces.upper.with_absolute_paths(tmp_path / "none").known()
+        assert Study().with_checksums() == Study()
 
 
 VALUES = [

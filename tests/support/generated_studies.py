@@ -5,8 +5,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 import xarray
 from stiction import Study
-from stiction.studies.layout import OF_MEMBERS, dataset_of, variables_of
-from stiction.studies.measured_surfaces import About
+from stiction.studies.layout import MEMBER_COORDINATES, build_dataset, list_variables
+from stiction.studies.measured_surfaces import BodyAttributes
 
 # Takes about a second: several fractal dimensions, amplitudes, repetitions and approaches.
 SMALL = Study.named("quick").with_changes(
@@ -39,10 +39,10 @@ TINY = Study().with_changes(
 def empty_dataset(study):
     """Return the dataset of a study before anything is computed: zeros, with units, names and attributes."""
     numbers = np.arange(study.ensemble.repetitions)
-    arrays = {name: np.zeros(item.shape, item.dtype) for name, item in variables_of(study, numbers).items()}
+    arrays = {name: np.zeros(item.shape, item.dtype) for name, item in list_variables(study, numbers).items()}
     if study.is_measured:
-        arrays |= {name: np.zeros(numbers.size, dtype) for name, dtype in OF_MEMBERS.items()}
-    return dataset_of(study, numbers, arrays, About(nominal_area=1.0) if study.is_measured else None)
+        arrays |= {name: np.zeros(numbers.size, dtype) for name, dtype in MEMBER_COORDINATES.items()}
+    return build_dataset(study, numbers, arrays, BodyAttributes(nominal_area=1.0) if study.is_measured else None)
 
 
 def with_repetitions(number, study=TINY):

@@ -177,7 +177,7 @@ def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(whole
         options = READ | ASKED | refused
         options.pop("onset")
         with pytest.raises(ValueError, match=why):  # before anything is computed
-            Pair.of(upper=path, lower=path, missing="mask", **options)
+            Pair.from_values(upper=path, lower=path, missing="mask", **options)
 
 
 @pytest.mark.parametrize("mask", [np.ones(4, bool), np.zeros(5, bool), np.zeros(4)])

@@ -11,7 +11,7 @@ from stiction.app.jobs import FAULTS, without_paths
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import OPTIONS, name_on_command_line
 from stiction.studies.result import Result, open_result
-from stiction.studies.runner import first_result
+from stiction.studies.runner import preview_result
 from stiction.studies.study import Study
 from stiction.views.files import result_csv
 from stiction.views.report import report_page
@@ -25,7 +25,7 @@ def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Stu
     for flag, text in options:
         values.setdefault(fields[f"--{flag}"], []).append(text)
     chosen = {name: texts if OPTIONS[name].is_repeatable else texts[0] for name, texts in values.items()}
-    return Pair.of(upper=files[0], lower=files[1], **chosen).first_study
+    return Pair.from_values(upper=files[0], lower=files[1], **chosen).preview_study
 
 
 def main() -> None:
@@ -39,7 +39,7 @@ def main() -> None:
     try:
         if "first" in request:
             study = load_preview_study([Path(each) for each in request["first"][0]], request["first"][1])
-            result = None if study is None else first_result(study)
+            result = None if study is None else preview_result(study)
         else:
             result = open_result(request["folder"])
         print(json.dumps(None if result is None else _write_files(result, request)))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stiction.app.preview import MAX_DRAWN_POINTS, svg
-from stiction.studies.members import pairs_of
+from stiction.studies.members import generate_pairs
 from stiction.studies.study import Study
 from stiction.surfaces.measured.writing import write_surface
 from stiction.surfaces.self_affine import self_affine_surface
@@ -32,7 +32,7 @@ def profiles(changes: Any) -> str:
     """Draw the first pair of `quick` with these changes around its first contact, as SVG."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
-    upper, lower = next(iter(pairs_of(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))
+    upper, lower = next(iter(generate_pairs(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))
     contact_index = int(np.argmin(gap := upper.heights - lower.heights))
     width = min(len(lower), round(4 * surfaces.longest() / lower.spacing))
     start = max(0, min(contact_index - width // 2, len(lower) - width))

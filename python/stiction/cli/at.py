@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import xarray
 
     from stiction.studies.result import Result
-    from stiction.studies.store import Stored
+    from stiction.studies.store import StoredResult
 
 
 Loads = Annotated[
@@ -139,7 +139,7 @@ def at(
 
 
 def _print_scaled_heights(
-    stored: Stored, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
+    stored: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Print a result for several factors of its heights, and compute missing factors on request."""

@@ -42,9 +42,9 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
         return threads(workers)
     if workers is not None:
         raise StudyError("--workers cannot be combined with --scheduler")
-    from stiction.studies.executors import connected
+    from stiction.studies.executors import connect_cluster
 
-    return connected(scheduler)
+    return connect_cluster(scheduler)
 
 
 def parse_part(text: str | None) -> tuple[int, int] | None:

@@ -119,7 +119,7 @@ def pair(
     info and export accept.
     """
     from stiction.cli.result_output import message_printer, print_result, print_values, write_pair_files
-    from stiction.studies.members import about
+    from stiction.studies.members import body_attributes
     from stiction.views.files import VIEWS, check_files
     from stiction.views.rows import summary_json
 
@@ -130,7 +130,7 @@ def pair(
     for file in bodies.files:
         show_reader_import(Path(file.file))
     studies = bodies.studies
-    about(studies[0])  # rejects surfaces that cannot be pressed, before any file is written
+    body_attributes(studies[0])  # rejects surfaces that cannot be pressed, before any file is written
     first_remark = 0 if verbose else bool(bodies.elasticity.source)  # the result shows the source of the elasticity
     for remark in bodies.remarks[first_remark:]:
         print_message(remark)
@@ -151,7 +151,7 @@ def pair(
     with open_executor(workers, scheduler) as executor:
         results: list[Result] = []
         if replace or not (output / STUDY).exists():
-            submit_preview(bodies.first_study, executor)
+            submit_preview(bodies.preview_study, executor)
         for study in studies:
             folder = output / study.contact.mechanics if results else output
             result = compute_in_folder(
@@ -183,10 +183,10 @@ def preview_line(study: Study) -> str:
 
     Raises `ValueError` if the surfaces do not touch.
     """
-    from stiction.studies.runner import first_result
+    from stiction.studies.runner import preview_result
     from stiction.views.text import preview_text
 
-    return preview_text(first_result(study).summary())
+    return preview_text(preview_result(study).summary())
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:

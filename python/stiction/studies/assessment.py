@@ -268,7 +268,7 @@ def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str,
     width = value.upper - value.lower
     area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
     steps = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    cell = float(np.prod(steps)) if steps.size == 2 and study.by_half_space else math.nan  # of maps
+    cell = float(np.prod(steps)) if steps.size == 2 and study.uses_half_space else math.nan  # of maps
     own = {check.name: value_of(point, check.name) for group in ([STEEP], OF_COUNTS, *OF_CONTACTS) for check in group}
     merged = _area_fraction(point, study) > MERGED
     mu0, members = float(point["mu0"]), float(point["ok"].min() if "ok" in point else value_of(point, "members"))
@@ -381,11 +381,11 @@ def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
     """Yield caveats of adhesion: a range that the grid decides, or an interval without its contribution."""
     if not study.contact.adheres:
         added = added_by_adhesion(point, study)
-        least = ADDED if study.by_half_space else 1.0  # asperities cannot say that there is none
+        least = ADDED if study.uses_half_space else 1.0  # asperities cannot say that there is none
         if study.is_measured and study.contact.work_of_adhesion is None and added > least:
             more = f"at least {percent(added)} of the load" if added < 1 else "more than the load"
             text = f"adhesion of {1e6 * TYPICAL_WORK:g} mJ/m² would add {more} to the load on the contacts"
-            also = "" if study.by_half_space else "--mechanics half-space and "
+            also = "" if study.uses_half_space else "--mechanics half-space and "
             yield Doubt(text, f"give {also}--adhesion, '0 mJ/m^2' if there is none", "caution")
         return
     asked, taken = range_of(point, study)
@@ -403,7 +403,7 @@ def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
 
 
 def added_by_adhesion(point: xarray.Dataset, study: Study) -> float:
-    """About what the typical work of adhesion would add to the contact load, as a part of the load.
+    """BodyAttributes what the typical work of adhesion would add to the contact load, as a part of the load.
 
     w/ρ on the true area A, and on what lies closer than ρ around contacts of the width d = (A/n)^(1/2), whose gap opens
     as in Pastewka & Robbins (PNAS 111 (2014) 3298): (w/ρ) (A/F) (1 + 4.3 u^(2/3)), u = ρ/(h' d), ρ as the grid has it.

@@ -232,7 +232,7 @@ class _CoefficientSamples:
         self.growth = find_junction_growth(study)  # α of junction growth
         hardness = study.contact.hardness
         self.finest: tuple[float, float] | None = None  # range of coefficients of finer scans
-        free = study.by_half_space and not study.contact.adheres
+        free = study.uses_half_space and not study.contact.adheres
         if hardness is not None and free and self.rule == "all":
             contacts = float(point["contact_count"][0]) * float(point["members"])
             limits = self.mu0, self.tau0 / self._under_shear(float(hardness), self.mu0, self.tau0), contacts

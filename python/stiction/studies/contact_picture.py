@@ -20,9 +20,9 @@ from stiction.studies.evaluation import member_values
 from stiction.studies.maps import cells_of
 from stiction.studies.measured_surfaces import Measured
 from stiction.studies.member_solution import OneLoad
-from stiction.studies.members import bodies_of, pair_of
+from stiction.studies.members import load_bodies, pair_of
 from stiction.studies.result import Result
-from stiction.studies.store import Stored, read_beside
+from stiction.studies.store import StoredResult, read_companion
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -86,7 +86,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     if not np.isfinite(area).any():
         return None
     index = int(members["repetition"].values[typical(area)])
-    member = bodies_of(study).member(index, cut_off)
+    member = load_bodies(study).member(index, cut_off)
     pressed = OneLoad.of(study, member.pair, load)
     if pressed is None:
         return None
@@ -126,11 +126,11 @@ def coming_and_going(result: Result) -> xarray.Dataset | None:
     return xarray.Dataset(table, attrs={"nominal_area": nominal, "member": index})
 
 
-def picture_beside(result: Stored) -> xarray.Dataset | None:
+def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
     """The picture that lies beside a stored result, if there is one; a `StoreError` if it is damaged."""
-    zoom = ("zoom_pressure", "zoom_height") if result.study.by_half_space else ()
+    zoom = ("zoom_pressure", "zoom_height") if result.study.uses_half_space else ()
     of_bodies = ("upper_height", "patch", *zoom) if result.study.is_areal else ("gap",)
-    return read_beside(result.path / FILE, (*_OF_CONTACTS, "lower_height", *of_bodies))
+    return read_companion(result.path / FILE, (*_OF_CONTACTS, "lower_height", *of_bodies))
 
 
 def typical(area: Floats) -> int:
@@ -259,5 +259,5 @@ def _places(at: xarray.DataArray, loads: Floats, chosen: list[int] | None) -> It
 
 def _pair(study: Study, index: int, cell: dict[str, float]) -> Any:
     if study.is_measured:
-        return bodies_of(study).member(index, cell["cut_off"]).pair
+        return load_bodies(study).member(index, cell["cut_off"]).pair
     return pair_of(study, index, **cell)

@@ -41,13 +41,13 @@ from stiction.studies.values import (
     written,
 )
 
-COMPASS = tuple(30.0 * step for step in range(12))  # directions of measured areas unless others are given, degrees
-MOST_DIRECTIONS = 360  # largest number of directions of measured areas
-AROUND = 30.0  # how far a curve of lines by asperities goes to both sides of the loads that are asked for
+DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # of measured areas, degrees
+MAX_DIRECTIONS = 360  # largest number of directions of measured areas
+LINE_LOAD_FACTOR = 30.0  # ratio of the outermost loads of a curve to the requested loads, lines by asperities
 LOAD_STEPS = 25
-AROUND_HALF_SPACE = 10.0  # as `AROUND`, of half-planes, where each load takes a solution
+HALF_SPACE_LOAD_FACTOR = 10.0  # as `LINE_LOAD_FACTOR`, of half-planes, where each load takes a solution
 HALF_SPACE_STEPS = 7
-AROUND_AREAS = 10**0.5  # ratio of the loads that are asked for to the one below and the one above them, of areas
+AREAL_LOAD_FACTOR = 10**0.5  # ratio of the loads that are asked for to the one below and the one above them, of areas
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
@@ -105,7 +105,7 @@ def _write_law(law: LawName | LawTable) -> object:
 LawEntry = Annotated[LawName | LawTable, PlainValidator(_read_law), PlainSerializer(_write_law)]
 
 
-def entry_of(law: Law | LawName) -> LawName | LawTable:
+def law_entry(law: Law | LawName) -> LawName | LawTable:
     """Return a law as a study has it."""
     law = as_law(law)
     if isinstance(law, HertzCylinder):
@@ -273,7 +273,7 @@ class MeasuredAreasContact(MeasuredContact):
 
     place: ClassVar[str] = "measured areas"
 
-    direction: Directions = Field(default=COMPASS, description=DIRECTION)
+    direction: Directions = Field(default=DEFAULT_DIRECTIONS, description=DIRECTION)
 
     def ways(self) -> tuple[Direction, ...]:
         """Every direction of motion."""
@@ -524,8 +524,8 @@ def read_contact(value: Mapping[str, Any], surfaces: Generated | Measured) -> Co
     contact = case.model_validate(value)
     if isinstance(contact, MeasuredAreasContact):
         direction = contact.direction
-        if direction is None or len(contact.ways()) > MOST_DIRECTIONS:
-            raise fault_at("direction", f"must be from 1 to {MOST_DIRECTIONS} directions, got {short_repr(direction)}")
+        if direction is None or len(contact.ways()) > MAX_DIRECTIONS:
+            raise fault_at("direction", f"must be from 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
         contact = contact.model_copy(update={"direction": tuple(contact.degrees().tolist())})
     is_profile = isinstance(surfaces, Profiles)
     if is_profile and isinstance(contact, GeneratedContact) and contact.direction not in (None, "+x", "-x"):
@@ -552,9 +552,9 @@ def _around(given: Floats, ratio: float, steps: int) -> Floats:
 
 
 def _filled(given: Floats) -> Floats:
-    """Return given loads (mN) with others between, in equal ratios of at most `AROUND_AREAS` and a little more."""
+    """Return given loads (mN) with others between, in equal ratios of at most `AREAL_LOAD_FACTOR` and a little more."""
     given = np.unique(given)
-    steps = np.ceil(np.log(given[1:] / given[:-1]) / np.log(1.01 * AROUND_AREAS)).astype(int)
+    steps = np.ceil(np.log(given[1:] / given[:-1]) / np.log(1.01 * AREAL_LOAD_FACTOR)).astype(int)
     between = [
         np.geomspace(low, high, count, endpoint=False)[1:]
         for low, high, count in zip(given[:-1], given[1:], steps, strict=True)
@@ -565,18 +565,18 @@ def _filled(given: Floats) -> Floats:
 def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None = None, lighter: int = 1) -> Floats:
     """Return loads (mN) to solve a measured pair at, all below `most`: the given ones, and others around and between.
 
-    Areas have a number of `lighter` loads below the given ones, and loads in steps of at most `AROUND_AREAS` between.
+    Areas get `lighter` loads below the given loads, and intermediate loads in ratios of at most `AREAL_LOAD_FACTOR`.
     """
     given = np.atleast_1d(float_array("loads", loads))
     if not given.size or not (given > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     if press == "lines" and mechanics == "asperities":
-        around = _around(given, AROUND, LOAD_STEPS)
+        around = _around(given, LINE_LOAD_FACTOR, LOAD_STEPS)
     elif press == "lines":
-        around = _around(given, AROUND_HALF_SPACE, HALF_SPACE_STEPS)
+        around = _around(given, HALF_SPACE_LOAD_FACTOR, HALF_SPACE_STEPS)
     else:
-        below = given.min() / AROUND_AREAS ** np.arange(1, lighter + 1)
-        around = np.unique(np.concatenate([_filled(given), below, [given.max() * AROUND_AREAS]]))
+        below = given.min() / AREAL_LOAD_FACTOR ** np.arange(1, lighter + 1)
+        around = np.unique(np.concatenate([_filled(given), below, [given.max() * AREAL_LOAD_FACTOR]]))
     # Those that are asked for stay to the bit, the others are written in few digits.
     asked = set(given.tolist())
     short = np.array([load if load in asked else float(f"{load:.6g}") for load in around.tolist()])

@@ -288,7 +288,7 @@ def _average_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
             variables[str(name)] = ((*own, "statistic"), found, values.attrs)
     if "contact_area_fraction" in variables:
         own_dims, fraction, words = variables["contact_area_fraction"]
-        status, fraction = _contact_status(fraction, by_half_space=study.by_half_space)
+        status, fraction = _contact_status(fraction, uses_half_space=study.uses_half_space)
         variables["contact_area_fraction"] = (own_dims, fraction, words)
         variables["contact_status"] = (own_dims[:-1], status, attributes_of("contact_status"))
     coefficient = there["friction_coefficient"].transpose("repetition", *dims).values
@@ -328,11 +328,11 @@ def _average_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates | {"statistic": STATISTIC}, members.attrs)
 
 
-def _contact_status(fraction: Floats, *, by_half_space: bool) -> tuple[NDArray[Any], Floats]:
+def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
     """Return the status of area fractions (..., 3), and the fractions: 1 of complete contact, NaN above nominal."""
     above = fraction[..., 0] > 1
-    status = np.where(above, COMPLETE if by_half_space else ABOVE_NOMINAL, friction.STATUS_OK)
-    limited = np.minimum(fraction, 1.0) if by_half_space else np.where(above[..., np.newaxis], np.nan, fraction)
+    status = np.where(above, COMPLETE if uses_half_space else ABOVE_NOMINAL, friction.STATUS_OK)
+    limited = np.minimum(fraction, 1.0) if uses_half_space else np.where(above[..., np.newaxis], np.nan, fraction)
     return status, limited
 
 

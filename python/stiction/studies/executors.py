@@ -16,14 +16,16 @@ from stiction._text import MAX_PATH_LENGTH, printable
 from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
-LEAST_SHARED = 2**16  # points of a problem whose transforms two threads share; in smaller ones they wait for each other
-BROKEN = "a worker has ended before its time; perhaps memory is limited here"
+MIN_SHARED_POINTS = (
+    2**16
+)  # points of a problem whose transforms two threads share; in smaller ones they wait for each other
+WORKER_DIED = "a worker has ended before its time; perhaps memory is limited here"
 _Result = TypeVar("_Result")
 PATIENCE = "15s"  # how long a scheduler may take to answer
 
 
 @contextlib.contextmanager
-def given_or_threads(given: Executor | None) -> Iterator[Executor]:
+def executor_or_threads(given: Executor | None) -> Iterator[Executor]:
     """Enter an executor that the caller shuts down, or one of threads; if a worker ends, a `StudyError` says so."""
     try:
         if given is not None:
@@ -32,7 +34,7 @@ def given_or_threads(given: Executor | None) -> Iterator[Executor]:
             with threads() as own:
                 yield own
     except BrokenExecutor:
-        raise StudyError(BROKEN) from None
+        raise StudyError(WORKER_DIED) from None
 
 
 @contextlib.contextmanager
@@ -49,11 +51,13 @@ def threads(workers: int | None = None) -> Iterator[Executor]:
     pool.shutdown()
 
 
-def sharing(function: Callable[..., _Result], executor: Executor, tasks: int, points: int) -> Callable[..., _Result]:
+def share_threads(
+    function: Callable[..., _Result], executor: Executor, tasks: int, points: int
+) -> Callable[..., _Result]:
     """One of so many tasks of so many points; threads that few, large tasks leave share their transforms."""
     workers = executor._max_workers if isinstance(executor, ThreadPoolExecutor) else 1
     each = workers // max(tasks, 1)
-    if points < LEAST_SHARED or each < 2:
+    if points < MIN_SHARED_POINTS or each < 2:
         return function
 
     def shared(*arguments: Any) -> _Result:
@@ -94,7 +98,7 @@ class ClusterError(ValueError):
 
 
 @contextlib.contextmanager
-def _without_log_of_losses() -> Iterator[None]:
+def _without_disconnect_log() -> Iterator[None]:
     """Keep the client from logging a lost scheduler, tracebacks included, which a `ClusterError` reports."""
     loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
     levels = [each.level for each in loggers]
@@ -108,7 +112,7 @@ def _without_log_of_losses() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def connected(address: str) -> Iterator[Executor]:
+def connect_cluster(address: str) -> Iterator[Executor]:
     """Connect to the workers of a scheduler by its address; a `ClusterError` without one, and where its workers die."""
     try:
         distributed: Any = import_module("distributed")
@@ -123,7 +127,7 @@ def connected(address: str) -> Iterator[Executor]:
             f"no Dask scheduler answers at {short_repr(address)}: "
             f"{printable(str(error).splitlines()[0], MAX_PATH_LENGTH)}"
         ) from None
-    with _without_log_of_losses(), client:
+    with _without_disconnect_log(), client:
         try:
             if not client.nthreads():
                 words = f"the scheduler at {short_repr(address)} has no workers yet; waiting for them"

@@ -45,7 +45,7 @@ AreaAmplitude = Annotated[
 ]
 
 
-MOST_HARMONICS = 1_000_000  # largest product of directions and frequencies; each takes a phase, and time at every point
+MAX_HARMONICS = 1_000_000  # largest product of directions and frequencies; each takes a phase, and time at every point
 
 
 class FractalParameters(Case):
@@ -73,10 +73,10 @@ class FractalParameters(Case):
     )
 
     @model_validator(mode="after")
-    def _has_few_harmonics(self) -> Self:
+    def _check_harmonics(self) -> Self:
         product = getattr(self, "directions", 0) * getattr(self, "frequencies", 0)
-        if product > MOST_HARMONICS:
-            raise fault_at("directions", f"times frequencies must be at most {MOST_HARMONICS}, got {product}")
+        if product > MAX_HARMONICS:
+            raise fault_at("directions", f"times frequencies must be at most {MAX_HARMONICS}, got {product}")
         return self
 
     def longest(self) -> float:
@@ -133,7 +133,7 @@ class Areas(FractalParameters):
     shape: Shape = (512, 512)
 
     @model_validator(mode="after")
-    def _has_few_points(self) -> Areas:
+    def _check_points(self) -> Areas:
         if self.shape[0] * self.shape[1] > MAX_POINTS:
             raise fault_at("shape", f"must hold at most {MAX_POINTS} points, got {list(self.shape)}")
         return self
@@ -166,7 +166,7 @@ class WeierstrassMandelbrotSurfaces(Areas):
     band_limit: BandLimit = "none"
 
 
-def _dimensions_of(exponents: Any) -> Any:
+def _to_fractal_dimensions(exponents: Any) -> Any:
     """Return D = 2 - H of one Hurst exponent, a list or a range, in rising order."""
     try:
         if isinstance(exponents, Mapping):
@@ -204,13 +204,13 @@ class SelfAffineSurfaces(Areas):
 
     @model_validator(mode="before")
     @classmethod
-    def _with_names_of_arguments(cls, given: Any) -> Any:
+    def _translate_argument_names(cls, given: Any) -> Any:
         """Replace keys that are named as the arguments of `self_affine_surface`; they come before the others."""
         if not isinstance(given, Mapping) or not cls.other_keys.keys() & given.keys():
             return given
         table = {key: value for key, value in given.items() if key not in cls.other_keys}
         if "hurst_exponent" in given:
-            table["fractal_dimension"] = _dimensions_of(given["hurst_exponent"])
+            table["fractal_dimension"] = _to_fractal_dimensions(given["hurst_exponent"])
         if "rms" in given:
             rms = given["rms"]
             table |= {"amplitude": rms if isinstance(rms, (list, tuple)) else [rms], "amplitude_measure": "Sq"}
@@ -229,7 +229,7 @@ class SelfAffineSurfaces(Areas):
         return table
 
     @model_validator(mode="after")
-    def _has_waves_that_fit(self) -> SelfAffineSurfaces:
+    def _check_wavelengths(self) -> SelfAffineSurfaces:
         longer, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.longest()
         shortest = finest if self.shortest_wavelength is None else float(self.shortest_wavelength)
         if longest > longer * ROUND_OFF_FACTOR:

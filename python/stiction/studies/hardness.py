@@ -21,9 +21,9 @@ from stiction.mechanics.materials import Material, material, softer_material
 from stiction.mechanics.resolution import KAPPA
 from stiction.studies.contact_tables import HalfSpace
 from stiction.studies.input_uncertainty import UncertainInput, parse_input, parse_study_input
-from stiction.studies.members import bodies_of, points_of_member
+from stiction.studies.members import count_points, load_bodies
 from stiction.studies.moduli import Moduli, hardness_of_material, moduli_of_material
-from stiction.studies.store import Stored, read_beside
+from stiction.studies.store import StoredResult, read_companion
 from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
 
@@ -207,7 +207,7 @@ def count_solutions(study: Study) -> int:
 
 
 def _members(study: Study) -> int:
-    few = LARGE if points_of_member(study) >= LARGE_POINTS else MEMBERS
+    few = LARGE if count_points(study) >= LARGE_POINTS else MEMBERS
     return min(few if study.is_areal else LINES, study.ensemble.repetitions)
 
 
@@ -223,13 +223,13 @@ def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float, float]
     mean over directions. Areas are NaN at loads that the member does not bear.
     """
     index, modulus, ratio = task
-    bodies, contact, hardness = bodies_of(study), study.contact, modulus * ratio
+    bodies, contact, hardness = load_bodies(study), study.contact, modulus * ratio
     surfaces: Any = study.surfaces
     upper, lower = bodies.member(index, surfaces.quoted_cut_off()).pair
     assert isinstance(contact, HalfSpace), "the mechanics must be half-space"
     modulus *= float(contact.effective_modulus)
     solid = contact.solid() | {"hardness": hardness if np.isfinite(hardness) else None, "effective_modulus": modulus}
-    can = np.flatnonzero(loads < hardness * float(bodies.about().nominal_area or 0.0))
+    can = np.flatnonzero(loads < hardness * float(bodies.attributes().nominal_area or 0.0))
     areas = np.full((len(_area_names(study)), loads.size), np.nan)
     solid |= {"direction": contact.degrees().tolist()} if study.is_areal and len(areas) > 1 else {}
     for at, curve in (
@@ -249,13 +249,13 @@ def _opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
     return np.asarray(sums.reshape(-1, sums.shape[-1]).mean(axis=0))
 
 
-def load_areas_over_hardness(result: Stored) -> xarray.Dataset | None:
+def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
     """Return the stored areas of a result; None if there are none for its nodes and loads."""
     study = result.study
     hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     wanted = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
     names = ("hardness", "relative_modulus", "load")
-    found = read_beside(result.path / FILE, (*names, *_area_names(study))) if hardnesses.size else None
+    found = read_companion(result.path / FILE, (*names, *_area_names(study))) if hardnesses.size else None
     if found is None:
         return None
     there = [found[name].values for name in names]

@@ -23,7 +23,7 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import ABOVE_NOMINAL, at_load, is_unloaded
-from stiction.studies.executors import given_or_threads
+from stiction.studies.executors import executor_or_threads
 from stiction.studies.hardness import FILE as HARDNESS
 from stiction.studies.hardness import (
     choose_area_nodes,
@@ -37,9 +37,9 @@ from stiction.studies.member_solution import cost_of_member, cost_of_solution
 from stiction.studies.members import first_pair
 from stiction.studies.pipeline import remove_result
 from stiction.studies.result import Result
-from stiction.studies.runner import fill
-from stiction.studies.store import STUDY, Stored, StoreError, export, open_stored
-from stiction.studies.study import Study, computed_otherwise
+from stiction.studies.runner import compute_missing
+from stiction.studies.store import STUDY, StoredResult, StoreError, export, open_stored
+from stiction.studies.study import Study, member_differences
 from stiction.surfaces.pairing import SIDES
 
 if TYPE_CHECKING:
@@ -177,7 +177,7 @@ def folder_of(path: Path, factor: float, scaled: Scaled) -> Path:
     return path / FOLDER / f"{scaled}-{factor:.6g}"
 
 
-def stored_factors(result: Stored, scaled: Scaled) -> dict[float, Stored]:
+def stored_factors(result: StoredResult, scaled: Scaled) -> dict[float, StoredResult]:
     """Return the finished studies of a result over factors, in rising order, each with the friction of the result.
 
     That of 1 is the result itself.
@@ -190,15 +190,15 @@ def stored_factors(result: Stored, scaled: Scaled) -> dict[float, Stored]:
         except (StoreError, ValueError):
             continue
         wanted = scaled_study(result.study, factor, scaled)
-        if computed_otherwise(stored.study, wanted):
+        if member_differences(stored.study, wanted):
             continue
-        stored = Stored(stored.path, wanted, stored.blocks)  # with the friction of the result
+        stored = StoredResult(stored.path, wanted, stored.blocks)  # with the friction of the result
         if stored.count == wanted.ensemble.repetitions and not _lacks_hardness(stored):
             found[factor] = stored
     return dict(sorted(found.items()))
 
 
-def _lacks_hardness(stored: Stored) -> bool:
+def _lacks_hardness(stored: StoredResult) -> bool:
     """Return whether a study has ranges of hardness or E*, and is not solved over them yet."""
     wants = bool(choose_area_nodes(stored.study)[0].size) and not is_unloaded(Result(stored))
     return wants and load_areas_over_hardness(stored) is None
@@ -206,28 +206,28 @@ def _lacks_hardness(stored: Stored) -> bool:
 
 def seconds_to_compute(study: Study, count: int) -> float:
     """Estimate the time of one core that so many factors take."""
-    others = count_solutions(study) * cost_of_solution(study) if study.by_half_space else 0.0
+    others = count_solutions(study) * cost_of_solution(study) if study.uses_half_space else 0.0
     return count * (study.ensemble.repetitions * cost_of_member(study) + others)
 
 
 def compute_factors(
-    result: Stored, factors: Any, scaled: Scaled = "both", executor: Executor | None = None, *,
+    result: StoredResult, factors: Any, scaled: Scaled = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
     """Compute factors of the heights, or others around them, that a stored result lacks.
 
     Each factor is a stored study of its own, so that whoever is interrupted keeps those that are finished. `announce`
-    is given a line before each. Errors are those of `at_height_scale` and of `fill`.
+    is given a line before each. Errors are those of `at_height_scale` and of `compute_missing`.
     """
     missing = missing_factors(checked_factors(factors), np.array(list(stored_factors(result, scaled))))
-    with given_or_threads(executor) as workers:
+    with executor_or_threads(executor) as workers:
         for number, factor in enumerate(missing.tolist(), 1):
             announce(f"heights times {factor:g} ({number} of {missing.size})")
             study, folder = scaled_study(result.study, factor, scaled), folder_of(result.path, factor, scaled)
             there = open_stored(folder) if (folder / STUDY).exists() else None
-            if there and computed_otherwise(there.study, study):
+            if there and member_differences(there.study, study):
                 remove_result(there)  # of another pair
-            fill(study, folder, executor=workers, progress=progress)
+            compute_missing(study, folder, executor=workers, progress=progress)
             stored = open_stored(folder)
             if _lacks_hardness(stored) and (areas := compute_areas_over_hardness(stored.study, workers)) is not None:
                 export(areas, folder / HARDNESS, replace=True)
@@ -237,13 +237,13 @@ def compute_factors(
 
 
 def at_height_scale(
-    result: Stored, factors: Any, loads: Any, *, mu0: Any = None, tau0: Any = None, scaled: Scaled = "both"
+    result: StoredResult, factors: Any, loads: Any, *, mu0: Any = None, tau0: Any = None, scaled: Scaled = "both"
 ) -> xarray.Dataset:
     """Return friction, true area and stiffness of a measured pair over factors of its heights.
 
     Parameters
     ----------
-    result : Stored
+    result : StoredResult
     factors : float, array_like or str
         From 0.01 to 100, as `checked_factors` reads them; 1 is the pair as measured.
     loads : array_like of float, mN
@@ -299,7 +299,7 @@ def at_height_scale(
     if all("contact_status" in point for point in points):
         dims = first["contact_status"].dims
         statuses = np.stack([point["contact_status"].transpose(*dims).values for point in points])
-        other = STATUS_OK if study.by_half_space else ABOVE_NOMINAL
+        other = STATUS_OK if study.uses_half_space else ABOVE_NOMINAL
         read = np.stack([np.where(statuses[i] == statuses[j], statuses[i], other) for i, j in around])
         variables["contact_status"] = (("height_scale", *dims), read, first["contact_status"].attrs)
     for side, rms in _rms_heights(study).items():

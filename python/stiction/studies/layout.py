@@ -20,16 +20,16 @@ from stiction._core import __version__
 from stiction.mechanics.friction import STATUSES
 from stiction.mechanics.quantities import DISTRIBUTIONS, GAP, QUANTITIES, STATISTICS, attributes_of
 from stiction.studies.contact_statistics import QUANTILES
-from stiction.studies.measured_surfaces import About
+from stiction.studies.measured_surfaces import BodyAttributes
 from stiction.studies.study import Study
 
 if TYPE_CHECKING:
     import xarray
 
 TITLE = "stiction study"  # of every result
-MOST_IN_PIECE = 2**26  # bytes of a result that are in memory at a time, where it is read piece by piece
+MAX_PIECE_BYTES = 2**26  # bytes of a result that are in memory at a time, where it is read piece by piece
 
-OF_MEMBERS: dict[str, np.dtype[Any]] = {
+MEMBER_COORDINATES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
 }  # fmt: skip
 """Coordinates along `repetition` that say what a member of measured bodies is, with their kind."""
@@ -38,7 +38,7 @@ Arrays = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True)
-class Array:
+class ArraySpec:
     """An array of a result before there is any: its dimensions and their sizes, its kind, units and names."""
 
     dims: tuple[str, ...]
@@ -52,9 +52,9 @@ class Array:
         return self.dtype.itemsize * math.prod(self.shape)
 
 
-def coordinates_of(
+def list_coordinates(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
-) -> dict[str, tuple[Array, NDArray[Any]]]:
+) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
     """The coordinates of a result, or of some of its repetitions, with their values, in the order of its dimensions."""
     values: dict[str, NDArray[Any]] = {
         **study.surfaces.cells(),
@@ -70,36 +70,36 @@ def coordinates_of(
         more["fractal_dimension"] = {"convention": surfaces.convention}
         more["amplitude"] = {"measure": surfaces.amplitude_measure}
     return {
-        name: (Array((name,), each.shape, each.dtype, attributes_of(name) | more.get(name, {})), each)
+        name: (ArraySpec((name,), each.shape, each.dtype, attributes_of(name) | more.get(name, {})), each)
         for name, each in values.items()
     }
 
 
-def variables_of(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None) -> dict[str, Array]:
+def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None) -> dict[str, ArraySpec]:
     """The variables of a result, or of some of its repetitions."""
-    sizes = {name: each.size for name, (_, each) in coordinates_of(study, repetitions).items()}
+    sizes = {name: each.size for name, (_, each) in list_coordinates(study, repetitions).items()}
     found = {}
-    for name in names_of(study):
+    for name in variable_names(study):
         dims = _dims(study, name)
         dtype = np.dtype(QUANTITIES[name].dtype)
         attributes: dict[str, Any] = dict(attributes_of(name))
         if name == "status":
             attributes |= {"flag_values": np.arange(len(STATUSES)), "flag_meanings": " ".join(STATUSES)}
-        found[name] = Array(dims, tuple(sizes[dim] for dim in dims), dtype, attributes)
+        found[name] = ArraySpec(dims, tuple(sizes[dim] for dim in dims), dtype, attributes)
     return found
 
 
-def bytes_of_member(study: Study) -> int:
+def member_bytes(study: Study) -> int:
     """Bytes of the numbers of one member."""
-    return sum(each.size for each in variables_of(study, [0]).values())
+    return sum(each.size for each in list_variables(study, [0]).values())
 
 
-def piece_of(size: int) -> int:
+def piece_length(size: int) -> int:
     """How many members of so many bytes are in memory at a time, a power of two."""
-    return 1 << max(0, (MOST_IN_PIECE // max(1, size)).bit_length() - 1)
+    return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
-def names_of(study: Study) -> tuple[str, ...]:
+def variable_names(study: Study) -> tuple[str, ...]:
     """Names of the variables of a result: the study's sums, and of measured bodies the statistics of contacts."""
     if not study.is_measured:
         return study.sums()
@@ -112,34 +112,35 @@ def _dims(study: Study, name: str) -> tuple[str, ...]:
     return (*study.surfaces.cells(), "repetition", *(dims[each] for each in QUANTITIES[name].along if each in dims))
 
 
-def stacked(study: Study, members: Sequence[Arrays]) -> Arrays:
+def stack_members(study: Study, members: Sequence[Arrays]) -> Arrays:
     """Arrays of several members as those of a result: one more axis, behind the cells."""
     axis = len(study.surfaces.cells())
     return {
-        name: np.stack([each[name] for each in members], axis=0 if name in OF_MEMBERS else axis) for name in members[0]
+        name: np.stack([each[name] for each in members], axis=0 if name in MEMBER_COORDINATES else axis)
+        for name in members[0]
     }
 
 
-def dataset_of(
+def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
-    about: About | None = None,
+    about: BodyAttributes | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """The dataset of some repetitions, from arrays as `stacked` makes them, of the shapes that the study says."""
+    """The dataset of some repetitions, from arrays as `stack_members` makes them, of the shapes that the study says."""
     import xarray
 
-    variables = variables_of(study, repetitions)
+    variables = list_variables(study, repetitions)
     for name, each in variables.items():
         if name not in arrays or arrays[name].shape != each.shape:
             raise ValueError(f"{name} of the result is not what its study says: {each.shape} wanted")
     coordinates: dict[str, Any] = {
         name: xarray.Variable(each.dims, values, each.attributes)
-        for name, (each, values) in coordinates_of(study, repetitions).items()
+        for name, (each, values) in list_coordinates(study, repetitions).items()
     }
-    about = about or About()
+    about = about or BodyAttributes()
     if study.is_measured:
         coordinates |= {
             name: xarray.Variable(("repetition",), np.asarray(arrays[name], dtype), attributes_of(name))
-            for name, dtype in OF_MEMBERS.items()
+            for name, dtype in MEMBER_COORDINATES.items()
         }
         modulus = float(study.contact.effective_modulus)
         for name, value in (("nominal_area", about.nominal_area), ("effective_modulus", modulus)):

@@ -19,7 +19,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
-from stiction.studies.executors import given_or_threads
+from stiction.studies.executors import executor_or_threads
 from stiction.studies.result import Result
 from stiction.studies.study import step_of, study_of
 
@@ -254,7 +254,7 @@ def ensemble_map(
         normal, values = (each[..., 0] for each in quantity.curves(cell, averages, others))
         at[cell] = intervals.MeansAtLoads(normal, values, count, load_values)
     at_a_time = max(1, AT_ONCE // max(1, quantity.mu0.size * quantity.tau0.size * dataset.sizes[quantity.step]))
-    with given_or_threads(None) as pool:
+    with executor_or_threads(None) as pool:
         for piece in solved_pieces(result, quantity.names(), change):
             both = [_sums_of(piece, what, quantity.step)] * len(at)
 
@@ -263,7 +263,7 @@ def ensemble_map(
                     at[cell].add(*quantity.curves(cell, *sums, slice(first, first + at_a_time)))
 
             list(pool.map(add, at, both))
-    return quantity.dataset_of(at, averages, others)
+    return quantity.build_dataset(at, averages, others)
 
 
 class _EnsembleQuantity:
@@ -295,7 +295,7 @@ class _EnsembleQuantity:
         values = np.broadcast_to(_values(other, self.what, *material), normal.shape)
         return tuple(each.reshape(-1, *normal.shape[2:]) for each in (normal, values))  # type: ignore[return-value]
 
-    def dataset_of(
+    def build_dataset(
         self, at: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sums, others: Sums
     ) -> xarray.Dataset:
         """Return the values of all cells as a dataset."""

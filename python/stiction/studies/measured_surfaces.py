@@ -63,7 +63,7 @@ from stiction.surfaces.surface import Surface, parse_lengths
 
 Column = int | str
 Body = Profile | Surface | JoinedSpectrum  # what a file may hold
-LONGEST_PATH = 4096  # characters
+MAX_PATH_LENGTH_OF_FILE = 4096  # characters
 Texture = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
 TEXTURES: tuple[str, ...] = get_args(Texture)
 Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
@@ -151,7 +151,7 @@ class MeasuredFile(Table):
     def _compared(self) -> tuple[Any, ...]:
         return tuple(value for name, value in self if name != "body")
 
-    file: str = Field(min_length=1, max_length=LONGEST_PATH, description="Name of the file.")
+    file: str = Field(min_length=1, max_length=MAX_PATH_LENGTH_OF_FILE, description="Name of the file.")
     sha256: str | None = Field(
         default=None, pattern="^[0-9a-f]{64}$", description="Checksum; another file of this name is refused."
     )
@@ -329,7 +329,7 @@ class MeasuredFile(Table):
             return None
         return status and (status.st_mtime_ns, status.st_size)
 
-    def located(self, directory: Path) -> MeasuredFile:
+    def with_absolute_paths(self, directory: Path) -> MeasuredFile:
         """The same with absolute names; one that is not absolute is relative to the directory."""
         return self._each(
             lambda one: one if one.body else one.model_copy(update={"file": str((directory / one.file).absolute())})
@@ -405,7 +405,7 @@ class Facts:
 
 
 @dataclass(frozen=True)
-class About:
+class BodyAttributes:
     """What measured bodies say of a result besides its study: nothing, of generated ones."""
 
     nominal_area: float | None = None  # µm²
@@ -498,7 +498,7 @@ class MeasuredBodies(Case):
 
 SHIFTS = 16  # relative positions of two maps by default
 SURROGATES = 16  # pairs of surrogates of profiles, which have no areas of their own, by default
-MOST_OFFSETS = 100_000  # largest number of positions on a pair of lines
+MAX_OFFSETS = 100_000  # largest number of positions on a pair of lines
 
 
 class MeasuredLines(MeasuredBodies):
@@ -515,7 +515,7 @@ class MeasuredLines(MeasuredBodies):
     )
     along: Along = Field(default="x", description="Whether lines of maps are rows or columns.")
     offsets: int = Field(
-        default=1, ge=1, le=MOST_OFFSETS,
+        default=1, ge=1, le=MAX_OFFSETS,
         description="Positions on each pair of lines; of two profiles without surrogates every member is a position.",
     )  # fmt: skip
     travel: LengthOrZero | None = Field(
@@ -528,7 +528,7 @@ class MeasuredLines(MeasuredBodies):
 
     positions: (
         Annotated[
-            tuple[LengthOrZero, ...], as_tuple, Field(min_length=1, max_length=MOST_OFFSETS),
+            tuple[LengthOrZero, ...], as_tuple, Field(min_length=1, max_length=MAX_OFFSETS),
             AfterValidator(require_different),
         ]
         | None
@@ -631,7 +631,7 @@ class MeasuredAreas(MeasuredBodies):
     positions: (
         Annotated[
             tuple[Annotated[tuple[SignedLength, SignedLength], as_tuple], ...], as_tuple,
-            Field(min_length=1, max_length=MOST_OFFSETS), AfterValidator(require_different),
+            Field(min_length=1, max_length=MAX_OFFSETS), AfterValidator(require_different),
         ]
         | None
     ) = Field(

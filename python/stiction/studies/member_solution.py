@@ -43,14 +43,14 @@ from stiction.studies.contact_statistics import (
     pressed_on_steepest,
 )
 from stiction.studies.contact_tables import Asperities, ContactTable, HalfSpace
-from stiction.studies.layout import Arrays, names_of, variables_of
+from stiction.studies.layout import Arrays, list_variables, variable_names
 from stiction.studies.members import (
-    FAMILY_MEMORY,
-    bodies_of,
+    MAX_BATCH_BYTES,
+    count_points,
     fill_profiles,
     first_pair,
-    pairs_of,
-    points_of_member,
+    generate_pairs,
+    load_bodies,
     scaled_surface,
     unscaled_surface,
 )
@@ -82,7 +82,7 @@ def pressed_to_loads(
     """
     contact = study.contact
     loads, motions = contact.steps().size, (len(contact.rules()), contact.degrees().size)
-    values = {name: _nothing(name, motions, loads) for name in names_of(study) if name not in GAP}
+    values = {name: _nothing(name, motions, loads) for name in variable_names(study) if name not in GAP}
     slopes = Slopes.of(upper, lower) if study.is_measured else None
     if isinstance(contact, HalfSpace):
         _by_half_space(contact, upper, lower, values, slopes, unloads=unloads)
@@ -282,8 +282,8 @@ _kept = threading.local()
 def member_sums(study: Study, index: int) -> Arrays:
     """Compute every variable of a member of a study, as arrays without the dimension of members.
 
-    Of measured bodies also what the member is, as `OF_MEMBERS` lists it. A load that has no solution is NaN. Raises a
-    `ValueError` if the bodies cannot be made.
+    Measured bodies also have the `MEMBER_COORDINATES`. A load without a solution is NaN. Raises a `ValueError` if the
+    bodies cannot be loaded.
     """
     arrays: Arrays = {name: np.empty(shape, dtype) for name, (shape, dtype) in arrays_of(study).items()}
     for place, part in _measured(study, index, arrays) if study.is_measured else _generated(study, index):
@@ -298,7 +298,7 @@ def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
     cells = len(study.surfaces.cells())
     return {
         name: ((*each.shape[:cells], *each.shape[cells + 1 :]), each.dtype)
-        for name, each in variables_of(study, [0]).items()
+        for name, each in list_variables(study, [0]).items()
     }
 
 
@@ -306,12 +306,12 @@ def cost_of_member(study: Study) -> float:
     """Estimate the seconds that a member takes on one core, whatever the number of members."""
     cells = math.prod(values.size for values in study.surfaces.cells().values())
     loads = study.contact.steps().size
-    points, areal = points_of_member(study), study.is_areal
-    if study.by_half_space and study.contact.adheres:
+    points, areal = count_points(study), study.is_areal
+    if study.uses_half_space and study.contact.adheres:
         softest = PULL_OFF_ITERATIONS[areal] / MAX_PULL_OFF_ITERATIONS
         pull_off = PULL_OFF_ITERATIONS[areal] / max(_relative_stiffness(study), softest)
         return cells * ((loads + 1) * cost_of_solution(study) + pull_off * _cost_of_iteration(study))
-    if study.by_half_space:
+    if study.uses_half_space:
         return cells * loads * cost_of_solution(study)
     if study.is_measured:
         return cells * (COSTS["area"] * loads + COSTS["point"] * points if areal else COSTS["line"] * loads)
@@ -326,12 +326,12 @@ def cost_of_solution(study: Study) -> float:
     if study.contact.adheres:
         return besides + ITERATIONS_PER_LOAD * _cost_of_iteration(study)
     seconds, power = SOLUTION[areal]
-    return besides + seconds * math.pow(points_of_member(study), power)
+    return besides + seconds * math.pow(count_points(study), power)
 
 
 def _cost_of_iteration(study: Study) -> float:
     seconds, power = ITERATION[study.is_areal]
-    return seconds * math.pow(points_of_member(study), power)
+    return seconds * math.pow(count_points(study), power)
 
 
 @functools.lru_cache(maxsize=16)
@@ -357,15 +357,15 @@ def _relative_stiffness(study: Study) -> float:
 
 def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
     """Yield the values of a repetition with their cell index, fractal dimension and amplitude."""
-    if not (study.is_areal or study.by_half_space or study.contact.onset):
+    if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _families(study, repetition)
         return
-    press_pair = pressed_to_loads if study.by_half_space else _pressed_to_approaches
+    press_pair = pressed_to_loads if study.uses_half_space else _pressed_to_approaches
     cells: Any = study.surfaces.cells()
     dimensions, amplitudes = cells["fractal_dimension"], cells["amplitude"]
     if not study.is_areal:
         for a, amplitude in enumerate(amplitudes):
-            for d, pair in enumerate(pairs_of(study, repetition, dimensions, amplitude)):
+            for d, pair in enumerate(generate_pairs(study, repetition, dimensions, amplitude)):
                 yield (d, a), press_pair(study, *pair)
         return
     for d, dimension in enumerate(dimensions):
@@ -425,7 +425,7 @@ def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
     surfaces: Any = study.surfaces
     steps, models = _steps(study.contact), _models(study.contact)
     dimensions, amplitudes = surfaces.fractal_dimensions(), surfaces.amplitudes()
-    members = min(dimensions.size, max(1, FAMILY_MEMORY // (8 * surfaces.points)))
+    members = min(dimensions.size, max(1, MAX_BATCH_BYTES // (8 * surfaces.points)))
     memory = _memory((2 * members + 2, surfaces.points))
     for first in range(0, dimensions.size, members):
         family = dimensions[first : first + members]
@@ -464,6 +464,6 @@ def _measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, A
     """Yield a member at each cutoff; its place and kind are written to `arrays`."""
     unloads = index - study.surfaces.first_scanned < UNLOADED_MEMBERS
     for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
-        member = bodies_of(study).member(index, float(wavelength))
+        member = load_bodies(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
         yield place, pressed_to_loads(study, *member.pair, unloads=unloads and place < UNLOADED_CUT_OFFS)

@@ -15,7 +15,7 @@ import numpy as np
 
 from stiction._checks import Floats, check_instance
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
-from stiction.studies.measured_surfaces import About, Measured, Member, Members
+from stiction.studies.measured_surfaces import BodyAttributes, Measured, Member, Members
 from stiction.studies.study import Study
 from stiction.surfaces import fractal
 from stiction.surfaces.pairing import SIDES
@@ -23,15 +23,17 @@ from stiction.surfaces.profile import Profile, Side, combine_missing, scale_prof
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
-FAMILY_MEMORY = 64_000_000  # bytes of each body's profiles held at a time, so that memory does not grow with the study
-MOST_PREPARED = 16  # pairs of scans that are held as they are pressed
-_AVERAGED = 16  # members over which the measured area is averaged
-POINTS_OF_SCAN = {False: 4000, True: 400**2}  # points of a line and of an area that are pressed of a common scan
+MAX_BATCH_BYTES = (
+    64_000_000  # bytes of each body's profiles held at a time, so that memory does not grow with the study
+)
+MAX_CACHED_PAIRS = 16  # pairs of scans that are held as they are pressed
+NUM_AVERAGED_MEMBERS = 16  # members over which the measured area is averaged
+TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}  # points of a line and of an area that are pressed of a common scan
 
 # ---- Generated -------------------------------------------------------------------------------------------------------
 
 
-def phases_of(study: Study, repetition: int, side: Side) -> Floats:
+def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
     """(directions, frequencies) phases of Eq. 1 of one body of a repetition, rad."""
     surfaces: Any = study.surfaces
     return fractal.random_phases(
@@ -51,7 +53,7 @@ def _equation(surfaces: Any) -> dict[str, Any]:
 def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
     """Unscaled heights (k, points) of one body at dimensions (k,); mean, lowest and highest of each, (k, 3)."""
     surfaces: Any = study.surfaces
-    phases = phases_of(study, repetition, side)
+    phases = generate_phases(study, repetition, side)
     return fractal.fill_profiles(heights, phases, dimensions, extent=float(surfaces.extent), **_equation(surfaces))
 
 
@@ -63,10 +65,12 @@ def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float
     return Profile(heights[0], spacing=surfaces.spacing)
 
 
-def pairs_of(study: Study, repetition: int, dimensions: Floats, amplitude: float) -> Iterator[tuple[Profile, Profile]]:
+def generate_pairs(
+    study: Study, repetition: int, dimensions: Floats, amplitude: float
+) -> Iterator[tuple[Profile, Profile]]:
     """`pair_of` profiles at each of several fractal dimensions, many of which take little longer than one."""
     surfaces: Any = study.surfaces
-    members = max(1, FAMILY_MEMORY // (8 * surfaces.points))
+    members = max(1, MAX_BATCH_BYTES // (8 * surfaces.points))
     for first in range(0, dimensions.size, members):
         family = dimensions[first : first + members]
         bodies = [np.empty((family.size, surfaces.points)) for _ in SIDES]
@@ -91,7 +95,7 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
             longest_wavelength=None if longest is None else float(longest),
             shortest_wavelength=None if shortest is None else float(shortest), repetition=repetition, side=side,
         )  # fmt: skip
-    phases = phases_of(study, repetition, side)
+    phases = generate_phases(study, repetition, side)
     return fractal.weierstrass_mandelbrot_surface(
         phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), **_equation(surfaces)
     )
@@ -145,7 +149,7 @@ def pair_of(
             for side in SIDES
         )
         return one, other
-    return next(pairs_of(study, repetition, np.array([fractal_dimension]), amplitude))
+    return next(generate_pairs(study, repetition, np.array([fractal_dimension]), amplitude))
 
 
 # ---- Measured --------------------------------------------------------------------------------------------------------
@@ -157,7 +161,7 @@ def _grid(body: Any) -> tuple[Any, ...]:
     return type(body), np.shape(getattr(body, "heights", body)), *steps
 
 
-class Bodies:
+class LoadedBodies:
     """Measured bodies, read once, and the members that they make; a `ValueError` if a file is not what it was."""
 
     def __init__(self, surfaces: Measured, seed: int) -> None:
@@ -171,7 +175,7 @@ class Bodies:
                 raise ValueError(f"surfaces.{side}: two scans of a part are the same; give each place once")
         if surfaces.first_scanned and math.prod(surfaces.scan_counts) > 1:
             raise ValueError("surfaces.surrogates: of several scans of a part all members are pieces of these")
-        self.members = functools.lru_cache(MOST_PREPARED)(self._prepared)
+        self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepared)
 
     def _prepared(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
         """What makes the members of two scans at a cut-off (µm, 0 for none); a `ValueError` if none can be made."""
@@ -189,7 +193,7 @@ class Bodies:
         own = index if made else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scans_of(index)).member(own)
 
-    def about(self) -> About:
+    def attributes(self) -> BodyAttributes:
         """What a result says of the bodies."""
         facts = self.members(self._surfaces.quoted_cut_off()).facts()
         attributes: dict[str, Any] = {
@@ -205,7 +209,7 @@ class Bodies:
             attributes[f"{side}_extent_um"] = np.atleast_1d(np.asarray(scan.extent, np.float64))
             if (filled := getattr(self._surfaces, side).filled()).any():
                 attributes[f"{side}_filled"] = filled
-        return About(nominal_area=float(facts.area) * self._measured(), attributes=attributes)
+        return BodyAttributes(nominal_area=float(facts.area) * self._measured(), attributes=attributes)
 
     def _measured(self) -> float:
         """Share of a member that was measured in both, a mean over the first ones, however many there are."""
@@ -213,29 +217,29 @@ class Bodies:
             return 1.0
         found = []
         with contextlib.suppress(ValueError, IndexError):  # of fewer members
-            for index in range(_AVERAGED):
+            for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing(*self.member(index, self._surfaces.quoted_cut_off()).pair)
                 found.append(1.0 if missing is None else 1 - float(missing.mean()))
         return float(np.mean(found)) if found else 1.0
 
 
-def points_of_member(study: Study) -> int:
+def count_points(study: Study) -> int:
     """How many points of a grid the bodies of a member have; where files are gone, as many as of a common scan."""
     surfaces: Any = study.surfaces
     if not study.is_measured:
         return math.prod(surfaces.shape) if study.is_areal else int(surfaces.points)
     with contextlib.suppress(ValueError, OSError):
-        return int(np.prod(about(study).attributes["shape"]))
-    return POINTS_OF_SCAN[study.is_areal]
+        return int(np.prod(body_attributes(study).attributes["shape"]))
+    return TYPICAL_SCAN_POINTS[study.is_areal]
 
 
 def first_pair(study: Study) -> Any:
     """Return both bodies of the first member in the first cell; a `ValueError` if files are gone."""
     cell = {name: float(values[0]) for name, values in study.surfaces.cells().items()}
-    return bodies_of(study).member(0, cell["cut_off"]).pair if study.is_measured else pair_of(study, 0, **cell)
+    return load_bodies(study).member(0, cell["cut_off"]).pair if study.is_measured else pair_of(study, 0, **cell)
 
 
-def bodies_of(study: Study) -> Bodies:
+def load_bodies(study: Study) -> LoadedBodies:
     """The measured bodies of a study, which a process reads once, and again when a file has changed."""
     surfaces = study.surfaces
     assert isinstance(surfaces, Measured)
@@ -244,10 +248,10 @@ def bodies_of(study: Study) -> Bodies:
 
 
 @functools.lru_cache(maxsize=4)
-def _bodies(surfaces: Measured, seed: int, _: object) -> Bodies:
-    return Bodies(surfaces, seed)
+def _bodies(surfaces: Measured, seed: int, _: object) -> LoadedBodies:
+    return LoadedBodies(surfaces, seed)
 
 
-def about(study: Study) -> About:
+def body_attributes(study: Study) -> BodyAttributes:
     """What the bodies of a study say of a result: nothing, where they are generated."""
-    return bodies_of(study).about() if study.is_measured else About()
+    return load_bodies(study).attributes() if study.is_measured else BodyAttributes()

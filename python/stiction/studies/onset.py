@@ -16,10 +16,10 @@ from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, attributes_of
 from stiction.studies.contact_picture import MOST_PICTURED
 from stiction.studies.evaluation import OverMembers
-from stiction.studies.executors import sharing
+from stiction.studies.executors import share_threads
 from stiction.studies.member_solution import OneLoad
-from stiction.studies.members import bodies_of, points_of_member
-from stiction.studies.store import read_beside
+from stiction.studies.members import count_points, load_bodies
+from stiction.studies.store import read_companion
 from stiction.studies.study import Study
 from stiction.surfaces.surface import Surface
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray
 
     from stiction.mechanics.onset import Onset
-    from stiction.studies.store import Stored
+    from stiction.studies.store import StoredResult
 
 FILE = "onset.nc"  # name of the file in the folder of a result
 TABLE = "onset.csv"  # the curve as a table: the backbone of a Masing model
@@ -61,11 +61,11 @@ def onset_of_result(
     surfaces: Any = study.surfaces
     first = surfaces.first_scanned
     first = first if first < study.ensemble.repetitions else 0
-    few = surfaces.is_areal and study.by_half_space
+    few = surfaces.is_areal and study.uses_half_space
     wanted = (FEW if few else MEMBERS) if members is None else members
     indices = range(first, min(first + wanted, study.ensemble.repetitions))
     of_member: Any = partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0, cut_off=surfaces.quoted_cut_off())
-    of_member = sharing(of_member, executor, len(indices), points_of_member(study))
+    of_member = share_threads(of_member, executor, len(indices), count_points(study))
     found = [each for each in executor.map(of_member, indices) if each]
     if not found:
         return None
@@ -77,7 +77,7 @@ def onset_of_member(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
     """The curve of one member as arrays by name, and what the member is; None where it has no answer."""
-    member = bodies_of(study).member(index, cut_off)
+    member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (POISSON_RATIO, POISSON_RATIO)
     try:
         pressed = OneLoad.of(study, member.pair, load)
@@ -147,12 +147,12 @@ def _models(onset: xarray.Dataset) -> dict[str, float]:
 # ---- Beside a result -------------------------------------------------------------------------------------------------
 
 
-def onset_beside(result: Stored) -> xarray.Dataset | None:
+def load_onset(result: StoredResult) -> xarray.Dataset | None:
     """The onset beside a stored result, of its first load, mu0 and tau0; a `StoreError` if it is damaged."""
     if not result.study.is_measured:
         return None
     friction = result.study.friction
-    onset = read_beside(Path(result.path) / FILE, ("fraction", "statistic", *_NUMBERS[:-1], *_CURVES))
+    onset = read_companion(Path(result.path) / FILE, ("fraction", "statistic", *_NUMBERS[:-1], *_CURVES))
     if onset is None or _NUMBERS[-1] not in onset or onset["fraction"].values.tolist() != list(FRACTIONS):
         return None
     of = [float(onset.attrs[name]) for name in ("load_mN", "mu0", "tau0_GPa")]

@@ -30,10 +30,10 @@ from stiction.studies.contact_tables import ladder
 from stiction.studies.elasticity import Elasticity, elasticity_of
 from stiction.studies.input_uncertainty import KINDS, UNCERTAIN_TEXT, UncertainInput, parse_study_input
 from stiction.studies.interfaces import Interface, interface, interfaces, median_strength
-from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, About, Body, MeasuredFile
-from stiction.studies.members import about
+from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, Body, BodyAttributes, MeasuredFile
+from stiction.studies.members import body_attributes
 from stiction.studies.pair_options import (
-    CHECKED,
+    CHECK_ORDER,
     MECHANICS,
     OPTIONS,
     READING,
@@ -51,13 +51,19 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
 
-OFFSETS = 64  # positions of one pair of profiles by default: some seconds of computing, and enough for an interval
-LIGHTER = 4  # loads below those asked for of bodies that adhere, over two decades, on which their coefficient rises
-NO_LOAD = 1e-3  # load of bodies that are not loaded over the attraction of one point, which holds them at least
-LAW = "hertz-sphere"  # contact law of asperities by default
-HARDNESS = 2.84  # hardness over yield strength, of the law of Jackson and Green at small contact radii
+DEFAULT_OFFSETS = (
+    64  # positions of one pair of profiles by default: some seconds of computing, and enough for an interval
+)
+NUM_LIGHTER_LOADS = (
+    4  # loads below those asked for of bodies that adhere, over two decades, on which their coefficient rises
+)
+PRELOAD_FRACTION = (
+    1e-3  # load of bodies that are not loaded over the attraction of one point, which holds them at least
+)
+DEFAULT_LAW = "hertz-sphere"  # contact law of asperities by default
+HARDNESS_TO_YIELD_RATIO = 2.84  # hardness over yield strength, of the law of Jackson and Green at small contact radii
 
-OF_A_GAP = (
+GAP_REMARK = (
     "A gap does not say how its faces lean: contacts were taken to slide on half of its slopes. Closure, stiffness and "
     "area do not depend on that."
 )
@@ -75,7 +81,7 @@ class Pair:
             raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{more}")
         if options.mu0 is None and options.interface is None:
             raise ArgumentError("give {mu0}, or the {interface} that has it")
-        for name in CHECKED:
+        for name in CHECK_ORDER:
             if (value := options.given(name)) is None:
                 continue
             for each in OPTIONS[name].applies:
@@ -84,7 +90,7 @@ class Pair:
                     raise ArgumentError(f"{{{name}}} {each.message}, got {{{name}}}{{shown}}", shown=shown)
 
     @classmethod
-    def of(cls, **values: object) -> Pair:
+    def from_values(cls, **values: object) -> Pair:
         """Return a pair by options that are not checked yet, named as the fields of `PairOptions`."""
         return cls(read_options(values))
 
@@ -109,7 +115,7 @@ class Pair:
         for index, side in enumerate(SIDES):
             given = self.options.given(side) if self.options.gap is None else self.options.gap
             name = side if self.options.gap is None else "gap"
-            first, *others = (self._file(side, index, scan) for scan in _scans_of(name, given))
+            first, *others = (self._file(side, index, scan) for scan in _list_scans(name, given))
             parts.append(first.model_copy(update={"others": tuple(others) or None}))
         return parts[0], parts[1]
 
@@ -135,7 +141,7 @@ class Pair:
             return MeasuredFile.holding(body, side).model_copy(update=own)
         table = own | {"file": str(body)}
         for name in READING:
-            if (value := self._of_body(name, index)) in (None, ""):
+            if (value := self._select_value(name, index)) in (None, ""):
                 continue
             text = value if isinstance(value, str) else exact_text(value, "um") if name == "spacing" else str(value)
             table[name] = split_list(name, text)
@@ -147,7 +153,7 @@ class Pair:
                 raise
             raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=why) from None
 
-    def _of_body(self, name: str, index: int) -> Any:
+    def _select_value(self, name: str, index: int) -> Any:
         """Return the value of an option for one of both bodies: that of both, or the first or second of two."""
         given = self.options.given(name)
         values = given if isinstance(given, list) else [given]
@@ -166,10 +172,10 @@ class Pair:
 
     def _from_array(self, side: str, index: int, heights: Any) -> Body:
         """Return an array as a body; its spacing and unit are for both bodies, or for one after the other."""
-        spacing: Any = self._of_body("spacing", index)
-        unit: Any = self._of_body("unit", index) or "um"
+        spacing: Any = self._select_value("spacing", index)
+        unit: Any = self._select_value("unit", index) or "um"
         try:
-            return as_body(side, heights, spacing=_parts(spacing), unit=_parts(unit))  # type: ignore[no-any-return]
+            return as_body(side, heights, spacing=_split_commas(spacing), unit=_split_commas(unit))  # type: ignore[no-any-return]
         except ValueError as error:
             raise ArgumentError(f"{{{side}}}{{why}}", why=str(error).removeprefix(side)) from None
 
@@ -203,7 +209,7 @@ class Pair:
     # ---- What is pressed, and how ------------------------------------------------------------------------------------
 
     @property
-    def has_holes(self) -> bool:
+    def has_missing(self) -> bool:
         """Whether points of one are masked."""
         return any(getattr(body, "missing", None) is not None for body in self.bodies)
 
@@ -215,15 +221,17 @@ class Pair:
         return "areas" if self.are_maps and self.options.lines is None else "lines"
 
     @property
-    def by(self) -> tuple[Mechanics, ...]:
+    def contact_models(self) -> tuple[Mechanics, ...]:
         """The mechanics, of which the first is that of the answer."""
-        usual: Mechanics = "half-space" if self.press != "lines" or self.has_holes or self._yields else "asperities"
+        usual: Mechanics = (
+            "half-space" if self.press != "lines" or self.has_missing or self._uses_plastic_lines else "asperities"
+        )
         if self.options.check:
             return usual, MECHANICS[1 - MECHANICS.index(usual)]
         return (self.options.mechanics or usual,)
 
     @property
-    def _yields(self) -> bool:
+    def _uses_plastic_lines(self) -> bool:
         """Whether two profiles are of materials with a hardness, and nothing asks for a law of asperities."""
         of_asperities = (self.options.law, self.options.yield_strength, self.options.detection, self.options.curvature)
         if not self.are_profiles or any(each is not None for each in of_asperities):
@@ -233,7 +241,7 @@ class Pair:
     @property
     def contact_law(self) -> str:
         """Name of the contact law of asperities."""
-        return self.options.law or ("hertz-cylinder" if self.options.lay == "grooves" else LAW)
+        return self.options.law or ("hertz-cylinder" if self.options.lay == "grooves" else DEFAULT_LAW)
 
     @property
     def has_surrogates(self) -> bool:
@@ -243,11 +251,11 @@ class Pair:
     @cached_property
     def elasticity(self) -> Elasticity:
         """What both bodies are made of, at the middle of what is known."""
-        modulus, young, poisson = (self._middle(name) for name in ("effective_modulus", "young", "poisson"))
+        modulus, young, poisson = (self._nominal_value(name) for name in ("effective_modulus", "young", "poisson"))
         return elasticity_of(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
 
     @cached_property
-    def known(self) -> dict[str, list[UncertainInput]]:
+    def uncertain_inputs(self) -> dict[str, list[UncertainInput]]:
         """What is known of inputs that were given as ranges or with an uncertainty, by their names."""
         found: dict[str, list[UncertainInput]] = {}
         for name in KINDS:
@@ -279,28 +287,30 @@ class Pair:
         except ValueError as error:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
-    def _middle(self, name: str) -> Any:
+    def _nominal_value(self, name: str) -> Any:
         """An argument as it was given, or the middle of what is known, in four digits."""
         if name in ("mu0", "tau0") and self.strength is not None:
             return median_strength(self.strength)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
             return 0.0
-        if name not in self.known:
+        if name not in self.uncertain_inputs:
             return self.options.given(name)
-        middle = [float(f"{each.value:.4g}") for each in self.known[name]]
+        middle = [float(f"{each.value:.4g}") for each in self.uncertain_inputs[name]]
         return middle if len(middle) > 1 else middle[0]
 
     @property
-    def _known_table(self) -> dict[str, Any]:
+    def _uncertainty_table(self) -> dict[str, Any]:
         """What a study says of what is known; moduli with Poisson's ratios, of either of which it is the range."""
-        names = set(self.known) | {name for name in ("hardness", "creep") if self.options.given(name) is not None}
+        names = set(self.uncertain_inputs) | {
+            name for name in ("hardness", "creep") if self.options.given(name) is not None
+        }
         if names & {"young", "poisson"} and self.options.young is not None and self.options.poisson is not None:
             names |= {"young", "poisson"}
         table: dict[str, Any] = {}
         for name in sorted(names):
-            own = self.known.get(name) or self._read(name)
+            own = self.uncertain_inputs.get(name) or self._read(name)
             table[name] = [each.text for each in own] if name in ("young", "poisson") else own[0].text
-        if self.by[0] == "half-space" and (growth := self._growth) is not None and not growth.is_exact:
+        if self.contact_models[0] == "half-space" and (growth := self._growth) is not None and not growth.is_exact:
             table["junction_growth"] = growth.text
         if self.strength is not None:
             name = str(self.options.interface)
@@ -314,26 +324,26 @@ class Pair:
     @cached_property
     def loads(self) -> list[Quantity]:
         """The loads that are asked for, mN, in rising order; of pressures those on the nominal area."""
-        area = self._nominal_area if any(per_area for _, per_area in self._asked_loads) else 1.0
+        area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         strip = 1.0 if self.options.width is None else THICKNESS / self._width
         # A product has a last digit that nobody asked for.
         forces = {
             float(load) if (factor := area if per_area else strip) == 1 else float(f"{load * factor:.12g}")
-            for load, per_area in self._asked_loads
+            for load, per_area in self._given_loads
         }
         if 0.0 in forces:  # every pull-off force is more than the attraction of one point
-            forces = {force or float(f"{NO_LOAD * self._attraction_of_a_point:.3g}") for force in forces}
+            forces = {force or float(f"{PRELOAD_FRACTION * self._cell_attraction:.3g}") for force in forces}
         return [quantity(exact_text(force, "mN"), "force") for force in sorted(forces)]
 
     @property
-    def _asks_for_no_load(self) -> bool:
-        return not all(load > 0 for load, _ in self._asked_loads)
+    def _has_zero_load(self) -> bool:
+        return not all(load > 0 for load, _ in self._given_loads)
 
     @property
-    def _attraction_of_a_point(self) -> float:
+    def _cell_attraction(self) -> float:
         """Attraction w/ρ over one cell of the grid, mN."""
-        points = int(np.prod(self._about.attributes["shape"]))
-        steps = np.atleast_1d(np.asarray(self._about.attributes["spacing_um"], float))
+        points = int(np.prod(self._body_attributes.attributes["shape"]))
+        steps = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work, asked = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
         least = resolved_range(work, float(steps.max()), self.elasticity.effective_modulus)
         return work / max(asked or ADHESION_RANGE, least) * self._nominal_area / points
@@ -344,12 +354,12 @@ class Pair:
         width = self._quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
-        if all(per_area for _, per_area in self._asked_loads):
+        if all(per_area for _, per_area in self._given_loads):
             raise ArgumentError("{width} is for a load that is a force, got {load} {got}", got=repr(self.options.load))
         return float(width)
 
     @cached_property
-    def _asked_loads(self) -> list[tuple[Quantity, bool]]:
+    def _given_loads(self) -> list[tuple[Quantity, bool]]:
         """Loads as they were given, mN or GPa of the slider's area, and whether they are that."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
@@ -366,14 +376,14 @@ class Pair:
     @cached_property
     def studies(self) -> list[Study]:
         """The study of the answer and, with a check, that by the other mechanics."""
-        contacts = [self._contact(mechanics) for mechanics in self.by]
-        loads = [exact_text(load, "mN") for load in self._ladder(contacts).tolist()]
+        contacts = [self._contact(mechanics) for mechanics in self.contact_models]
+        loads = [exact_text(load, "mN") for load in self._load_steps(contacts).tolist()]
         return [self._study(contact | {"load": loads}) for contact in contacts]
 
     @property
-    def first_study(self) -> Study | None:
+    def preview_study(self) -> Study | None:
         """The study of an answer within a second, by asperities; None where they are the answer, or of lines."""
-        if self.press == "lines" or self.by[0] == "asperities" or self.has_holes:
+        if self.press == "lines" or self.contact_models[0] == "asperities" or self.has_missing:
             return None
         return self._study(self._contact("asperities") | {"load": self.loads})
 
@@ -387,22 +397,22 @@ class Pair:
             remarks.append(f"{known.source}; the hardness is that of --hardness")
         remarks += [known.renamed] if known.renamed else []
         if self.options.gap is not None:
-            remarks.append(OF_A_GAP)
+            remarks.append(GAP_REMARK)
         return remarks
 
     def _study(self, contact: dict[str, Any]) -> Study:
-        strengths = reject_negative("tau0", self._quantities("tau0", self._middle("tau0")), self.options.tau0)
-        coefficients = parse_coefficients("mu0", self._middle("mu0"))
-        friction = {"mu0": sorted(set(coefficients)), "tau0": _rising(strengths), "load": self.loads}
+        strengths = reject_negative("tau0", self._quantities("tau0", self._nominal_value("tau0")), self.options.tau0)
+        coefficients = parse_coefficients("mu0", self._nominal_value("mu0"))
+        friction = {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths), "load": self.loads}
         if self.options.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
                 raise ArgumentError("{wait} needs {hardness}: bodies that do not yield do not creep into each other")
-            friction["wait"] = _rising(self._quantities("wait", self.options.wait))
+            friction["wait"] = _sort_unique(self._quantities("wait", self.options.wait))
         data = {
             "surfaces": self._surfaces(), "contact": contact, "friction": friction, "ensemble": self._ensemble(),
-            "known": self._known_table,
+            "known": self._uncertainty_table,
         }  # fmt: skip
-        return _study_of(data).with_known_files()
+        return _validate_study(data).with_checksums()
 
     def _surfaces(self) -> dict[str, Any]:
         press, level = self.press, self.options.level
@@ -410,15 +420,15 @@ class Pair:
         if self.options.cutoff == "none":
             table["vouched"] = True
         elif self.options.cutoff is None:
-            table |= self._both_readings
+            table |= self._filter_settings
         else:
-            table["cut_off"] = _rising(self._quantities("cutoff", self.options.cutoff))
+            table["cut_off"] = _sort_unique(self._quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
             level = "mean"  # the faces stay as they were measured
         if level is not None:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
-            table |= {"rotate": float(self.options.rotate or 0.0), "surrogates": self._number_of_surrogates(0)}
+            table |= {"rotate": float(self.options.rotate or 0.0), "surrogates": self._num_surrogates(0)}
             table |= {} if self.options.gap is None else {"gap": True}
         if (positions := self._listed_positions) is not None:
             table["positions"] = positions
@@ -436,13 +446,13 @@ class Pair:
         return table
 
     @cached_property
-    def _both_readings(self) -> dict[str, Any]:
+    def _filter_settings(self) -> dict[str, Any]:
         """Scans as measured and filtered, where waves that may not be the surface's have much of the slope.
 
         Each scan is filtered at its own cutoff, or not at all. Filtered scans come first, and are quoted, if all of
         these waves are noise floors.
         """
-        limits = [[_limit_of(scan) for scan in file.scans] for file in self.files]
+        limits = [[_find_limit(scan) for scan in file.scans] for file in self.files]
         doubtful = [each for limits_of_part in limits for each in limits_of_part if each is not None]
         sides = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
         longest = max((limit.cut_off for limit in doubtful), default=0.0)
@@ -467,11 +477,11 @@ class Pair:
             lines, offsets = self._positions()
             repetitions = lines * offsets
         elif self.press == "surrogates":
-            repetitions = self._number_of_surrogates(SURROGATES)
+            repetitions = self._num_surrogates(SURROGATES)
         else:
             shifts = 1 if self.options.gap is not None else self.options.shifts or SHIFTS
             listed = self._listed_positions
-            repetitions = (shifts if listed is None else len(listed)) + self._number_of_surrogates(0)
+            repetitions = (shifts if listed is None else len(listed)) + self._num_surrogates(0)
         # Each pair of scans has equally many members.
         pairs = 1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
         if self._listed_positions is not None:
@@ -498,7 +508,7 @@ class Pair:
         lines, offsets = self.options.lines or DEFAULT_LINES, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             listed = self._listed_positions
-            return 1, len(listed) if listed is not None else OFFSETS if offsets is None else offsets
+            return 1, len(listed) if listed is not None else DEFAULT_OFFSETS if offsets is None else offsets
         if not self.has_surrogates:
             axis = 1 if self.options.along == "y" else 0
             lines = min(lines, *(scan.heights.shape[axis] for scan in self.bodies if isinstance(scan, Surface)))
@@ -508,7 +518,7 @@ class Pair:
             raise ArgumentError(f"{{offsets}} {offsets} needs a {{travel}} LENGTH, for which the slider is shortened")
         return lines, offsets or 1
 
-    def _number_of_surrogates(self, default: int) -> int:
+    def _num_surrogates(self, default: int) -> int:
         text = "none" if self.options.surrogates is None else str(self.options.surrogates)
         if text == "none":
             return default
@@ -592,7 +602,7 @@ class Pair:
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
         self._read("hardness")  # whose errors name scales of hardness as well
-        hardness = self._quantity("hardness", self._middle("hardness"))
+        hardness = self._quantity("hardness", self._nominal_value("hardness"))
         if not hardness > 0:
             raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.options.hardness))
         return hardness
@@ -607,17 +617,17 @@ class Pair:
         if ratio is None:
             raise ArgumentError("{law} jackson-green needs {poisson}, of the softer body")
         if strength is None:
-            strength = exact_text(float(self._hardness or 0.0) / HARDNESS, "GPa")
+            strength = exact_text(float(self._hardness or 0.0) / HARDNESS_TO_YIELD_RATIO, "GPa")
         else:
             strength = self._quantity("yield_strength", strength)
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
-    def _ladder(self, contacts: list[dict[str, Any]]) -> Floats:
+    def _load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
         """The loads that members are pressed to, by all mechanics the same, mN."""
         most = None
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
-            if any(per_area and load >= hardness for load, per_area in self._asked_loads):
+            if any(per_area and load >= hardness for load, per_area in self._given_loads):
                 raise ArgumentError("{load} must be below the hardness, {hardest:.4g} GPa", hardest=float(hardness))
             most = float(hardness) * self._nominal_area
             if not self.loads[-1] < most:
@@ -628,41 +638,41 @@ class Pair:
                     area=self._nominal_area, most=most,
                 )  # fmt: skip
         loads = self.loads
-        unloaded = loads[:1] if self._asks_for_no_load else []  # nothing between it and the others is read off
+        unloaded = loads[:1] if self._has_zero_load else []  # nothing between it and the others is read off
         loaded = loads[len(unloaded) :] or loads
-        lighter = LIGHTER if self._adhesion.get("work_of_adhesion") else 1
+        lighter = NUM_LIGHTER_LOADS if self._adhesion.get("work_of_adhesion") else 1
         around = ladder(
-            loaded, press=self.press, mechanics="half-space" if "half-space" in self.by else "asperities", most=most,
-            lighter=0 if loaded == unloaded else lighter,
+            loaded, press=self.press, mechanics="half-space" if "half-space" in self.contact_models else "asperities",
+            most=most, lighter=0 if loaded == unloaded else lighter,
         )  # fmt: skip
         return np.union1d(around, np.array(unloaded, np.float64))
 
     @cached_property
-    def _about(self) -> About:
+    def _body_attributes(self) -> BodyAttributes:
         placeholder = {"mu0": [0.0], "load": ["1 mN"]}
         data = {"surfaces": self._surfaces(), "ensemble": self._ensemble(), "friction": placeholder}
-        return about(_study_of(data))
+        return body_attributes(_validate_study(data))
 
     @property
     def _nominal_area(self) -> float:
         """Area of each member, µm²."""
-        area = self._about.nominal_area
+        area = self._body_attributes.nominal_area
         assert area is not None, "measured bodies have one"
         return area
 
 
-def _study_of(data: dict[str, Any]) -> Study:
+def _validate_study(data: dict[str, Any]) -> Study:
     """Return a study of tables; a fault at a key that an option sets is an `ArgumentError` of the option."""
     try:
         return validated(Study, data, "pair")
     except StudyError as error:
         key, why = error.faults[0]
-        if (name := _option_of_key(key)) is None:
+        if (name := _find_option(key)) is None:
             raise
         raise ArgumentError(f"{{{name}}} {{why}}", why=why) from None
 
 
-def _option_of_key(key: str) -> str | None:
+def _find_option(key: str) -> str | None:
     """Return the option that sets a key of a study, "friction.mu0[0]", or None."""
     key = key.partition("[")[0]
     last = key.rpartition(".")[2]
@@ -674,22 +684,22 @@ def pair_study(upper: object = None, lower: object = None, **options: object) ->
 
     Raises a `ValueError` if it cannot be pressed.
     """
-    return study_of_options(read_options({"upper": upper, "lower": lower, **options}))
+    return study_from_options(read_options({"upper": upper, "lower": lower, **options}))
 
 
-def study_of_options(options: PairOptions) -> Study:
+def study_from_options(options: PairOptions) -> Study:
     """Return the study of two bodies, files or in memory; a `ValueError` if it cannot be pressed."""
     study = Pair(options).study
-    about(study)
+    body_attributes(study)
     return study
 
 
-def _parts(value: Any) -> Any:
+def _split_commas(value: Any) -> Any:
     """Return a text between commas as a list, and any other value unchanged."""
     return split_values(value) if isinstance(value, str) and "," in value else value
 
 
-def _scans_of(side: str, given: Any) -> list[Any]:
+def _list_scans(side: str, given: Any) -> list[Any]:
     """Scans of a part: elements of a list, files in a folder or between commas, or the one that is given."""
     if isinstance(given, (list, tuple)):
         found = list(given)
@@ -708,7 +718,7 @@ def _scans_of(side: str, given: Any) -> list[Any]:
     return found
 
 
-def _limit_of(scan: MeasuredFile) -> InstrumentLimit | None:
+def _find_limit(scan: MeasuredFile) -> InstrumentLimit | None:
     """Limit of a scan below which waves have much of the slope and may not be the surface's, or None."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
@@ -721,7 +731,7 @@ def _length(wavelength: float) -> Quantity:
     return quantity(exact_text(wavelength, "um"), "length")
 
 
-def _rising(values: list[Quantity]) -> list[Quantity]:
+def _sort_unique(values: list[Quantity]) -> list[Quantity]:
     """Quantities in rising order, each once; of equal ones the last."""
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]

@@ -74,7 +74,7 @@ def _read_count(value: object) -> int:
     return _read_whole_number(value, 1)
 
 
-def _read_number_from_0(value: object) -> int:
+def _read_non_negative(value: object) -> int:
     return _read_whole_number(value, 0)
 
 
@@ -121,7 +121,7 @@ Positions: TypeAlias = Annotated[
 ]  # fmt: skip
 """Positions along profiles, or positions (x, y) of maps, also as a flat list."""
 Count: TypeAlias = Annotated[int, PlainValidator(_read_count)]
-Seed: TypeAlias = Annotated[int, PlainValidator(_read_number_from_0)]
+Seed: TypeAlias = Annotated[int, PlainValidator(_read_non_negative)]
 Degrees: TypeAlias = Annotated[float, PlainValidator(_read_degrees)]
 SurrogateChoice: TypeAlias = Annotated[int | str, PlainValidator(_read_surrogates)]
 
@@ -155,7 +155,7 @@ class PairFacts(Protocol):
         """Whether a body is a spectrum of several scans."""
 
     @property
-    def has_holes(self) -> bool:
+    def has_missing(self) -> bool:
         """Whether a body has masked points."""
 
     @property
@@ -171,7 +171,7 @@ class PairFacts(Protocol):
         """How members are made: "areas", "lines" or "surrogates"."""
 
     @property
-    def by(self) -> tuple[Mechanics, ...]:
+    def contact_models(self) -> tuple[Mechanics, ...]:
         """Contact models, the first of which gives the result."""
 
     @property
@@ -223,19 +223,19 @@ def presses_profiles_as_lines(pair: PairFacts) -> bool:
 @condition("makes surfaces of a spectrum, which takes whole scans: points of one are masked")
 def makes_surrogates_of_whole_scans(pair: PairFacts) -> bool:
     """Return whether no surrogates are made of scans with masked points."""
-    return not (pair.has_holes and pair.has_surrogates)
+    return not (pair.has_missing and pair.has_surrogates)
 
 
 @condition("presses asperities, which take whole scans: points of one are masked")
 def presses_asperities_of_whole_scans(pair: PairFacts) -> bool:
     """Return whether asperities are not pressed on scans with masked points."""
-    return not pair.has_holes or "asperities" not in pair.by
+    return not pair.has_missing or "asperities" not in pair.contact_models
 
 
 @condition("takes whole scans: points of one are masked; {missing} interpolate fills them, and {crop} leaves them out")
 def has_whole_scans(pair: PairFacts) -> bool:
     """Return whether no points are masked."""
-    return not pair.has_holes
+    return not pair.has_missing
 
 
 @condition("is not for a spectrum, of which surfaces are made")
@@ -301,25 +301,25 @@ def presses_by_one_model(pair: PairFacts) -> bool:
 @condition("is for {mechanics} half-space")
 def presses_half_space(pair: PairFacts) -> bool:
     """Return whether the half-space is pressed, for the result or as a check."""
-    return "half-space" in pair.by
+    return "half-space" in pair.contact_models
 
 
 @condition("is for {mechanics} half-space")
 def has_result_by_half_space(pair: PairFacts) -> bool:
     """Return whether the result is that of the half-space."""
-    return pair.by[0] == "half-space"
+    return pair.contact_models[0] == "half-space"
 
 
 @condition("is for {mechanics} half-space alone")
 def presses_half_space_alone(pair: PairFacts) -> bool:
     """Return whether the half-space is pressed, and no asperities as a check."""
-    return pair.by == ("half-space",)
+    return pair.contact_models == ("half-space",)
 
 
 @condition("is for {mechanics} asperities")
 def presses_asperities(pair: PairFacts) -> bool:
     """Return whether asperities are pressed, for the result or as a check."""
-    return "asperities" in pair.by
+    return "asperities" in pair.contact_models
 
 
 @condition("must not be given beside {lay} grooves, which presses cylinders")
@@ -337,13 +337,13 @@ def has_law_with_yield(pair: PairFacts) -> bool:
 @condition("must not be given beside {hardness}, which says it")
 def has_no_hardness_for_asperities(pair: PairFacts) -> bool:
     """Return whether no hardness sets the yield strength of asperities."""
-    return pair.options.hardness is None or "half-space" in pair.by
+    return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
 @condition("is for {mechanics} half-space, and for {law} jackson-green")
 def has_plastic_contacts(pair: PairFacts) -> bool:
     """Return whether the contact model has a hardness."""
-    return "half-space" in pair.by or pair.contact_law == JacksonGreen.name
+    return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
 
 @condition("needs {creep}, the exponent of indentation creep")
@@ -733,12 +733,12 @@ GROUPS: tuple[type[Options], ...] = (
 """Groups in the order of the help."""
 
 
-def _option_of(field: FieldInfo) -> Option:
+def _declared_option(field: FieldInfo) -> Option:
     return next(item for item in field.metadata if isinstance(item, Option))
 
 
 OPTIONS: dict[str, Option] = {
-    name: _option_of(field) for group in GROUPS for name, field in group.model_fields.items()
+    name: _declared_option(field) for group in GROUPS for name, field in group.model_fields.items()
 }  # fmt: skip
 """Every option by the name of its field."""
 
@@ -751,7 +751,7 @@ def split_list(name: str, text: str) -> str | tuple[str, ...]:
     return tuple(split_values(text)) if OPTIONS[name].is_list and "," in text else text
 
 
-CHECKED: tuple[str, ...] = tuple(
+CHECK_ORDER: tuple[str, ...] = tuple(
     name
     for group in (SurfaceOptions, ContactOptions, EnsembleOptions, FrictionOptions, MaterialOptions)
     for name in group.model_fields
@@ -759,7 +759,7 @@ CHECKED: tuple[str, ...] = tuple(
 """Options in the order in which it is checked whether they apply: bodies and model before what depends on them."""
 
 
-def choices_of(name: str) -> tuple[str, ...]:
+def list_choices(name: str) -> tuple[str, ...]:
     """Return the values that an option may have, if these are a few words."""
     annotation = PairOptions.model_fields[name].annotation
     literal = next((each for each in get_args(annotation) if get_args(each)), annotation)
@@ -769,20 +769,20 @@ def choices_of(name: str) -> tuple[str, ...]:
 # ---- Names of options, as the caller writes them ---------------------------------------------------------------------
 
 
-_SET_BY = {"wavelength": "cutoff"}
+_OPTION_ALIASES = {"wavelength": "cutoff"}
 """Arguments of functions of surfaces that an option sets."""
 
 
 def name_on_command_line(name: str) -> str:
     """Return how a command line names an option: "--hardness"."""
-    name = _SET_BY.get(name, name)
+    name = _OPTION_ALIASES.get(name, name)
     option = OPTIONS.get(name)
     return option.flag if option and option.flag else f"--{name.replace('_', '-')}"
 
 
 def name_in_python(name: str) -> str:
     """Return how a call of `stiction.pair` names an option: "hardness"."""
-    name = _SET_BY.get(name, name)
+    name = _OPTION_ALIASES.get(name, name)
     option = OPTIONS.get(name)
     return option.argument if option and option.argument else name
 
@@ -797,7 +797,7 @@ def argument_errors() -> Iterator[None]:
         name, given = str(fault["loc"][0]) if fault["loc"] else "", fault["input"]
         match fault["type"]:
             case "literal_error":
-                allowed = choices_of(name)
+                allowed = list_choices(name)
                 near = difflib.get_close_matches(str(given), allowed, n=1)
                 hint = f"; did you mean {near[0]}?" if near else ""
                 why = f"must be {' or '.join(allowed)}, got {short_repr(given)}{hint}"

@@ -18,41 +18,43 @@ from stiction.studies.hardness import FILE as HARDNESS
 from stiction.studies.hardness import compute_areas_over_hardness, count_solutions, load_areas_over_hardness
 from stiction.studies.member_solution import cost_of_member, cost_of_solution
 from stiction.studies.onset import FILE as ONSET
-from stiction.studies.onset import TABLE, TABLE_MARK, backbone, onset_beside, onset_of_result
+from stiction.studies.onset import TABLE, TABLE_MARK, backbone, load_onset, onset_of_result
 from stiction.studies.resolution import FOLDER, resolution_study
 from stiction.studies.result import Result
-from stiction.studies.runner import fill, filled, prepared
-from stiction.studies.store import BLOCKS, SEAL, STUDY, Stored, StoreError, export, open_stored
-from stiction.studies.study import Study, computed_otherwise, differences, differences_text
+from stiction.studies.runner import complete_blocks, compute_missing, prepare_folder
+from stiction.studies.store import BLOCKS, SEAL, STUDY, StoredResult, StoreError, export, open_stored
+from stiction.studies.study import Study, differences, differences_text, member_differences
 
 Say = Callable[[str], Any]  # a function that tells a person a line
 
-LONG = 20.0  # seconds of computing from which on an estimate is printed beforehand, also where nobody watches
+MIN_ANNOUNCED_TIME = (
+    20.0  # seconds of computing from which on an estimate is printed beforehand, also where nobody watches
+)
 
-_BESIDE = {PICTURE: SEAL, HARDNESS: SEAL, ONSET: SEAL, TABLE: TABLE_MARK}
+_COMPANION_FILES = {PICTURE: SEAL, HARDNESS: SEAL, ONSET: SEAL, TABLE: TABLE_MARK}
 """Files that are kept beside the blocks of a measured pair, and the mark by which each is recognised."""
 
 
-def _nothing(_: str) -> None:
+def _ignore(_: str) -> None:
     """Tell nobody."""
 
 
 def complete(
     study: Study, folder: Path, executor: Executor, *, part: tuple[int, int] | None = None, replace: bool = False,
-    onset: int | None = None, progress: bool = False, said: Say = _nothing, say: Say = _nothing,
-    announce: Say = _nothing, answered: Callable[[Result], Any] = lambda _: None,
+    onset: int | None = None, progress: bool = False, said: Say = _ignore, say: Say = _ignore,
+    announce: Say = _ignore, answered: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
     """Compute what a folder lacks of a study, or of a part, and without a part of what is kept beside it.
 
     `replace` removes the result of another study, `onset` members have it computed (0 for none), `said`, `say` and
     `announce` tell what was done, is worth knowing and comes, and `answered` is given the result of the blocks.
     """
-    for name, mark in (_BESIDE if study.is_measured and part is None else {}).items():
+    for name, mark in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
         check_replaceable(folder / name, mark, StoreError)
     there = open_stored(folder) if (folder / STUDY).exists() else None
     if replace and there:
         remove_result(there)
-    stored, total = prepared(study, folder, part), study.ensemble.repetitions
+    stored, total = prepare_folder(study, folder, part), study.ensemble.repetitions
     before = stored.count
     other = differences(there.study, stored.study) if there and before else []
     if friction := [each for each in other if each[0].startswith("friction.")]:
@@ -60,18 +62,20 @@ def complete(
             f"figures are replaced\n{differences_text(friction)}")  # fmt: skip
     measured = stored.study.is_measured
     seconds = (total - before) * cost_of_member(stored.study)
-    ahead = said if not measured else say if seconds > LONG else announce
-    stored = filled(stored, part=part, executor=executor, progress=progress, say=ahead, late=say)
+    ahead = said if not measured else say if seconds > MIN_ANNOUNCED_TIME else announce
+    stored = complete_blocks(stored, part=part, executor=executor, progress=progress, say=ahead, update=say)
     if part is not None:
         said(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
         return Result(stored)
     result = Result(stored)
     if measured and load_areas_over_hardness(stored) is None and not is_unloaded(result):
         # A few members at other hardnesses and moduli, where these are ranges.
-        seconds = count_solutions(stored.study) * cost_of_solution(stored.study) if stored.study.by_half_space else 0.0
-        if seconds > LONG:
+        seconds = (
+            count_solutions(stored.study) * cost_of_solution(stored.study) if stored.study.uses_half_space else 0.0
+        )
+        if seconds > MIN_ANNOUNCED_TIME:
             say(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
-        _put_beside(stored, HARDNESS, lambda: compute_areas_over_hardness(stored.study, executor))
+        _write_companion(stored, HARDNESS, lambda: compute_areas_over_hardness(stored.study, executor))
     if before < total and (before or not measured):
         said(f"wrote {folder}" + (f" ({before} of its {total} repetitions were there already)" if before else ""))
     elif before == total:
@@ -79,21 +83,21 @@ def complete(
         said(f"{folder} holds this study already{by}")
     answered(result)
     if measured and (before < total or not (stored.path / PICTURE).exists()):
-        _put_beside(stored, PICTURE, lambda: contact_picture(result))
-    fill_beside(result, executor, onset, progress=progress, announce=announce, say=say)
+        _write_companion(stored, PICTURE, lambda: contact_picture(result))
+    compute_companions(result, executor, onset, progress=progress, announce=announce, say=say)
     return result
 
 
-def _put_beside(stored: Stored, name: str, make: Callable[[], Any]) -> None:
+def _write_companion(stored: StoredResult, name: str, make: Callable[[], Any]) -> None:
     """Write what is made of a result beside it, if there is anything, and the files of its bodies are still there."""
     with contextlib.suppress(ValueError):
         if (made := make()) is not None:
             export(made, stored.path / name, replace=True)
 
 
-def fill_beside(
-    result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False, announce: Say = _nothing,
-    say: Say = _nothing,
+def compute_companions(
+    result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False, announce: Say = _ignore,
+    say: Say = _ignore,
 ) -> None:  # fmt: skip
     """Compute what is kept beside the result of a measured pair, and not there yet: cut-offs, and the onset."""
     stored = result.stored
@@ -104,12 +108,14 @@ def fill_beside(
         if over is not None:
             folder = stored.path / FOLDER
             there = open_stored(folder) if (folder / STUDY).exists() else None
-            if there and computed_otherwise(there.study, over):
+            if there and member_differences(there.study, over):
                 remove_result(there)  # of another pair, or of other loads
             seconds = over.ensemble.repetitions * cost_of_member(over)
-            (say if seconds > LONG else announce)(f"over cut-offs: about {format_duration(seconds)} of one core")
-            fill(over, folder, executor=executor, progress=progress)
-        kept = onset_beside(stored)
+            (say if seconds > MIN_ANNOUNCED_TIME else announce)(
+                f"over cut-offs: about {format_duration(seconds)} of one core"
+            )
+            compute_missing(over, folder, executor=executor, progress=progress)
+        kept = load_onset(stored)
         if onset == 0 or (kept is not None and onset in (None, int(kept.attrs["members"]))):
             return
         announce("onset of sliding")
@@ -123,7 +129,7 @@ def fill_beside(
             partial.write_text(backbone(curve), encoding="utf-8")
 
 
-def remove_result(stored: Stored) -> None:
+def remove_result(stored: StoredResult) -> None:
     """Remove the study and the blocks of a result, and nothing else that lies in its folder."""
     for block in stored.blocks:
         (stored.path / BLOCKS / block.name).unlink(missing_ok=True)

@@ -77,7 +77,7 @@ def contact_status_of(point: xarray.Dataset, study: Study) -> str:
     if "contact_status" in point:
         return str(point["contact_status"].values)
     above = value_of(point, "contact_area_fraction") > 1
-    return (COMPLETE if study.by_half_space else ABOVE_NOMINAL) if above else STATUS_OK
+    return (COMPLETE if study.uses_half_space else ABOVE_NOMINAL) if above else STATUS_OK
 
 
 def pressure_of(point: xarray.Dataset) -> float:
@@ -99,7 +99,7 @@ def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
     """Return whether load over nominal area has a meaning, unlike for spheres on a strip of arbitrary thickness."""
     if "nominal_area" not in point.coords:
         return False
-    return study.is_areal or study.by_half_space or "cylinder" in law_of(study)
+    return study.is_areal or study.uses_half_space or "cylinder" in law_of(study)
 
 
 def law_of(study: Study) -> str:
@@ -139,7 +139,7 @@ def hardness_of(study: Study) -> float:
 def plastic_adhesion(point: xarray.Dataset, study: Study) -> float | None:
     """Return tau0/H', the adhesive part if all contacts yield; NaN for seizure, None without a hardness."""
     hardness = hardness_of(study)
-    if math.isnan(hardness) or not study.by_half_space:
+    if math.isnan(hardness) or not study.uses_half_space:
         return None
     mu0, tau0, growth = float(point["mu0"]), float(point["tau0"]), study.contact.junction_growth or 0.0
     return tau0 / float(hardness_under_shear(hardness, mu0, tau0, growth))

@@ -13,10 +13,10 @@ from stiction._checks import Floats
 from stiction._units import exact_text
 from stiction.mechanics import brackets
 from stiction.studies.evaluation import at_load
-from stiction.studies.members import about, bodies_of
+from stiction.studies.members import body_attributes, load_bodies
 from stiction.studies.result import Result
-from stiction.studies.store import STUDY, Stored, StoreError, open_stored
-from stiction.studies.study import Study, computed_otherwise
+from stiction.studies.store import STUDY, StoredResult, StoreError, open_stored
+from stiction.studies.study import Study, member_differences
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_roughness
 
@@ -36,10 +36,10 @@ def resolution_study(study: Study) -> Study | None:
 
     None of generated bodies, of asperities, of several cut-offs, and where the scans are too short for any.
     """
-    if not study.is_measured or not study.by_half_space:
+    if not study.is_measured or not study.uses_half_space:
         return None
     own = study.surfaces.cells()["cut_off"].tolist()
-    facts = about(study).attributes
+    facts = body_attributes(study).attributes
     step = max(float(np.max(facts[f"{side}_spacing_um"])) for side in ("upper", "lower"))
     side = min(float(np.min(facts[f"{side}_extent_um"])) for side in ("upper", "lower"))
     if len(own) > 1:
@@ -61,7 +61,7 @@ def resolution_study(study: Study) -> Study | None:
     return study.with_changes(changes)
 
 
-def resolution_at(result: Stored) -> xarray.Dataset | None:
+def resolution_at(result: StoredResult) -> xarray.Dataset | None:
     """What a result, or that in its folder, says over cut-offs at the loads of its study; None without one."""
     study = result.study
     if not study.is_measured:
@@ -77,7 +77,7 @@ def resolution_at(result: Stored) -> xarray.Dataset | None:
         wanted = resolution_study(study)
     except (StoreError, ValueError):
         return None
-    if not beside.finished.size or wanted is None or computed_otherwise(beside.study, wanted):
+    if not beside.finished.size or wanted is None or member_differences(beside.study, wanted):
         return None
     return at_load(
         Result(beside), loads, mu0=list(study.friction.mu0), tau0=[float(each) for each in study.friction.tau0]
@@ -129,14 +129,14 @@ def seen(study: Study) -> Seen | None:
 @functools.lru_cache(maxsize=4)
 def _seen(study: Study) -> Seen:
     surfaces: Any = study.surfaces
-    bodies = bodies_of(study)
+    bodies = load_bodies(study)
     wavelength = surfaces.quoted_cut_off()
     # Two maps themselves, where there are such members.
     first = surfaces.first_scanned
     index = first if first < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, wavelength).pair
     gap = replace(upper, heights=upper.heights - lower.heights, history=(), missing=None)
-    facts = bodies.about().attributes
+    facts = bodies.attributes().attributes
     steps = [*gap.spacings, *(float(np.max(facts[f"{each}_spacing_um"])) for each in ("upper", "lower"))]
     roughness = scale_dependent_roughness(gap)
     return Seen(

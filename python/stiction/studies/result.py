@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import check_bool, check_instance
 from stiction._repr import figure_html, preformatted_html, render_png
 from stiction._units import loads_to_core_units, to_core_units
-from stiction.studies.layout import piece_of
-from stiction.studies.store import Stored, export, open_stored
+from stiction.studies.layout import piece_length
+from stiction.studies.store import StoredResult, export, open_stored
 from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class Result:
 
     Parameters
     ----------
-    source : xarray.Dataset or Stored
+    source : xarray.Dataset or StoredResult
         Sums of all members in memory, or an open directory.
 
     Examples
@@ -47,31 +47,33 @@ class Result:
     ['amplitude', 'approach', 'fractal_dimension', 'repetition']
     """
 
-    def __init__(self, source: xarray.Dataset | Stored) -> None:
+    def __init__(self, source: xarray.Dataset | StoredResult) -> None:
         self.source = source
-        self._alongside: dict[Callable[[Stored], Any], Any] = {}
+        self._alongside: dict[Callable[[StoredResult], Any], Any] = {}
 
     @classmethod
-    def of(cls, result: Result | xarray.Dataset | Stored) -> Result:
+    def of(cls, result: Result | xarray.Dataset | StoredResult) -> Result:
         """Return a result unchanged, and wrap a dataset of member sums or an open directory."""
         import xarray
 
         if isinstance(result, Result):
             return result
-        check_instance("result", result, (xarray.Dataset, Stored), "a Result, or an xarray.Dataset of member sums")
+        check_instance(
+            "result", result, (xarray.Dataset, StoredResult), "a Result, or an xarray.Dataset of member sums"
+        )
         return cls(result)
 
     # ---- What was computed -------------------------------------------------------------------------------------------
 
     @property
-    def stored(self) -> Stored | None:
+    def stored(self) -> StoredResult | None:
         """The directory of the result; None in memory."""
-        return self.source if isinstance(self.source, Stored) else None
+        return self.source if isinstance(self.source, StoredResult) else None
 
     @cached_property
     def study(self) -> Study:
         """The study that was computed."""
-        return self.source.study if isinstance(self.source, Stored) else study_of(self.source)
+        return self.source.study if isinstance(self.source, StoredResult) else study_of(self.source)
 
     @property
     def path(self) -> Path | None:
@@ -81,7 +83,7 @@ class Result:
     @cached_property
     def dataset(self) -> xarray.Dataset:
         """Every sum of every member, in memory; a `StoreError` if that takes more than 2 GiB."""
-        return self.source.dataset() if isinstance(self.source, Stored) else self.source
+        return self.source.dataset() if isinstance(self.source, StoredResult) else self.source
 
     @cached_property
     def head(self) -> xarray.Dataset:
@@ -89,21 +91,21 @@ class Result:
 
         Raises a `StoreError` if no member is finished.
         """
-        if not isinstance(self.source, Stored):
+        if not isinstance(self.source, StoredResult):
             return self.source
         return next(self.source.pieces()) if self.source.count else self.source.dataset()  # which raises
 
     @cached_property
     def members(self) -> NDArray[np.intp]:
         """Numbers of the members that are finished."""
-        if isinstance(self.source, Stored):
+        if isinstance(self.source, StoredResult):
             return self.source.finished
         return np.asarray(self.source["repetition"].values, dtype=np.intp)
 
     @property
     def version(self) -> str:
         """Version of stiction that computed the result."""
-        if isinstance(self.source, Stored):
+        if isinstance(self.source, StoredResult):
             return self.source.version
         return str(self.source.attrs.get("stiction_version", "unknown"))
 
@@ -112,16 +114,16 @@ class Result:
 
         The study alone decides the pieces, so that sums over them have the same bits.
         """
-        if isinstance(self.source, Stored):
+        if isinstance(self.source, StoredResult):
             yield from self.source.pieces(names)
             return
         count = self.source.sizes["repetition"]
-        step = piece_of(sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count))
+        step = piece_length(sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count))
         some = self.source if names is None else self.source[list(names)]
         for first in range(0, count, step):
             yield some.isel(repetition=slice(first, first + step))
 
-    def alongside(self, read: Callable[[Stored], _Read | None]) -> _Read | None:
+    def alongside(self, read: Callable[[StoredResult], _Read | None]) -> _Read | None:
         """Return what a function reads from the directory of the result, and keep it; None in memory.
 
         A result that is still being completed may lack it now and have it later: None is not kept.
@@ -138,9 +140,9 @@ class Result:
     @property
     def onset(self) -> xarray.Dataset | None:
         """The onset of sliding of a measured pair at the first load, mu0 and tau0 of its study, if it is stored."""
-        from stiction.studies.onset import onset_beside
+        from stiction.studies.onset import load_onset
 
-        return self.alongside(onset_beside)
+        return self.alongside(load_onset)
 
     @property
     def over_cut_offs(self) -> xarray.Dataset | None:
@@ -152,9 +154,9 @@ class Result:
     @property
     def contact_picture(self) -> xarray.Dataset | None:
         """Heights, contacts and pressures of a typical member, if they are stored."""
-        from stiction.studies.contact_picture import picture_beside
+        from stiction.studies.contact_picture import load_contact_picture
 
-        return self.alongside(picture_beside)
+        return self.alongside(load_contact_picture)
 
     @cached_property
     def coming_and_going(self) -> xarray.Dataset | None:

@@ -17,7 +17,7 @@ from stiction._units import Quantity, exact_text, quantity, short_repr
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, HALF_SPACE_SUMS, ONSET, SUMS
 from stiction.studies.contact_tables import (
-    AROUND_AREAS,
+    AREAL_LOAD_FACTOR,
     Contact,
     MeasuredAreasContact,
     contact_case,
@@ -47,13 +47,13 @@ from stiction.studies.values import (
 if TYPE_CHECKING:
     import xarray
 
-LONGEST_FILE = 1_000_000  # largest number of bytes of a study file; a study is a page
-MOST_ANSWERS = 1000  # largest number of loads times mu0 times tau0 of measured surfaces
+MAX_STUDY_BYTES = 1_000_000  # largest number of bytes of a study file; a study is a page
+MAX_COMBINATIONS = 1000  # largest number of loads times mu0 times tau0 of measured surfaces
 
-_CASE_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
+_DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
 """Tables and their keys that say which case a table is of."""
 
-_FIRST = (
+_LEADING_KEYS = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "law", "detection", "curvature",
     "boundary", "hardness", "compliance_share",
 )  # fmt: skip
@@ -62,20 +62,20 @@ _FIRST = (
 _LIBRARY = resources.files("stiction.studies") / "library"
 SEED = 2016  # where random numbers start by default
 Difference = tuple[str, str, str]  # a dotted key, and what it is in either study, as TOML
-MOST_LISTED = 4  # differences that a message lists
+MAX_LISTED_DIFFERENCES = 4  # differences that a message lists
 
 Surfaces = Generated | Measured  # the table `[surfaces]` of a study
 SURFACES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # every case of the table
 
 
-def _by(key: str, *cases: type[Surfaces]) -> tuple[str, dict[str, type[Surfaces]]]:
+def _cases_by(key: str, *cases: type[Surfaces]) -> tuple[str, dict[str, type[Surfaces]]]:
     return key, {case.model_fields[key].default: case for case in cases}
 
 
 _CASES = {
-    "profile": _by("kind", Profiles),
-    "surface": _by("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
-    "measured": _by("press", *get_args(Measured)),
+    "profile": _cases_by("kind", Profiles),
+    "surface": _cases_by("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
+    "measured": _cases_by("press", *get_args(Measured)),
 }
 """By its key `kind` another key that says which case a table is of, and the cases, the first of them by default."""
 
@@ -161,7 +161,7 @@ class Ensemble(Table):
 FigureName = Literal["profiles", "length-scales", "friction", "area", "onset"]
 
 
-def _distinct(names: tuple[str, ...]) -> tuple[str, ...]:
+def _check_distinct(names: tuple[str, ...]) -> tuple[str, ...]:
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f"must name each figure once, but {name!r} is there {names.count(name)} times")
@@ -171,12 +171,14 @@ def _distinct(names: tuple[str, ...]) -> tuple[str, ...]:
 class Figures(Table):
     """What is drawn of the result of generated surfaces."""
 
-    draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_distinct)] = Field(
+    draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_check_distinct)] = Field(
         default=("friction", "area"), description="Which figures `run` and `plot` draw."
     )
 
 
-def _bracketed(surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]) -> dict[str, Any]:
+def _add_bracketing_loads(
+    surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]
+) -> dict[str, Any]:
     """Return the tables of a study of generated half-spaces with a load below and one above those asked for.
 
     Empty where no loads are asked for, where a curve is given beside them, or where a table is wrong.
@@ -187,14 +189,14 @@ def _bracketed(surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction
         return {}
     try:
         loads = [float(quantity(load, "force")) for load in asked]
-        upper = max(loads) * AROUND_AREAS
+        upper = max(loads) * AREAL_LOAD_FACTOR
         if contact.get("hardness") is not None:
             most = float(quantity(contact["hardness"], "pressure")) * _nominal_area(surfaces)
             # Above the largest load, also where this is too large itself, which is reported of the curve.
             upper = min(upper, max(loads) * max(math.sqrt(most / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):  # reported of the key that is wrong
         return {}
-    around = [exact_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / AROUND_AREAS, upper)]
+    around = [exact_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / AREAL_LOAD_FACTOR, upper)]
     return {"contact": {**contact, "load": [around[0], *asked, around[1]]}, "friction": {**friction, "load": [*asked]}}
 
 
@@ -204,7 +206,7 @@ def _nominal_area(surfaces: Mapping[str, Any]) -> float:
     return math.prod(found.extents()) if found.is_areal else float(found.extent) * THICKNESS
 
 
-def _empty() -> Any:
+def _empty_table() -> Any:
     """A table that says nothing, from which the case that goes with the surfaces is made."""
     return {}
 
@@ -225,15 +227,15 @@ class Study(Table):
     """
 
     surfaces: Surfaces = Profiles()
-    contact: Contact = Field(default_factory=_empty)
-    friction: Friction = Field(default_factory=_empty)
+    contact: Contact = Field(default_factory=_empty_table)
+    friction: Friction = Field(default_factory=_empty_table)
     ensemble: Ensemble = Ensemble()
     figures: Figures = Figures()
     known: UncertainInputsTable = UncertainInputsTable()
 
     @model_validator(mode="before")
     @classmethod
-    def _with_loads_around_those_asked_for(cls, given: Any) -> Any:
+    def _add_curve_loads(cls, given: Any) -> Any:
         """Press to loads around those that are asked for, so that each of them lies inside the curve of the study.
 
         Measured surfaces, and generated ones by the half-space, are asked for `friction.load`; of the latter a list as
@@ -244,7 +246,7 @@ class Study(Table):
         surfaces, contact, friction = (given.get(name, {}) for name in ("surfaces", "contact", "friction"))
         tables = all(isinstance(table, Mapping) for table in (surfaces, contact, friction))
         if tables and surfaces.get("kind") != "measured":
-            return {**given, **_bracketed(surfaces, contact, friction)}
+            return {**given, **_add_bracketing_loads(surfaces, contact, friction)}
         if not tables or "load" in contact or "load" not in friction:
             return given
         try:
@@ -269,7 +271,7 @@ class Study(Table):
 
     @field_validator("contact", "friction", mode="before")
     @classmethod
-    def _read_others(cls, value: object, info: ValidationInfo) -> Any:
+    def _read_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
         """The table that goes with the surfaces; where these are wrong, nothing is said of it."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
@@ -287,7 +289,7 @@ class Study(Table):
         return case.model_validate(value)
 
     @model_validator(mode="after")
-    def _goes_together(self) -> Study:
+    def _check_consistency(self) -> Study:
         draw, friction, steps = self.figures.draw, self.friction, self.contact.steps()
         if friction.load and not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
             raise ValueError(
@@ -306,8 +308,8 @@ class Study(Table):
             missing = "known.creep, by which it falls" if self.contact.hardness else "contact.hardness"
             raise ValueError(f"friction.wait: what waits is pressed into a hardness that falls: give {missing}")
         answers = len(friction.load) * len(friction.mu0) * len(friction.tau0)
-        if answers > MOST_ANSWERS:
-            raise ValueError(f"friction: loads times mu0 times tau0 must be at most {MOST_ANSWERS}, got {answers}")
+        if answers > MAX_COMBINATIONS:
+            raise ValueError(f"friction: loads times mu0 times tau0 must be at most {MAX_COMBINATIONS}, got {answers}")
         return self
 
     @property
@@ -326,7 +328,7 @@ class Study(Table):
         return self.surfaces.is_areal
 
     @property
-    def by_half_space(self) -> bool:
+    def uses_half_space(self) -> bool:
         """Whether its members are pressed as elastic half-spaces, and not at asperities."""
         return self.contact.mechanics == "half-space"
 
@@ -337,7 +339,7 @@ class Study(Table):
 
     def sums(self) -> tuple[str, ...]:
         """Names of what a result of the study has of each member at each approach or load."""
-        if self.by_half_space:
+        if self.uses_half_space:
             return HALF_SPACE_SUMS + (ADHESION if self.contact.adheres else ())
         approach = ("approach",) if self.step == "load" else ()
         onset = ONSET if self.contact.onset is not None else ()
@@ -347,7 +349,7 @@ class Study(Table):
         """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
         return self.contact.motions()
 
-    def with_known_files(self, folder: Path | None = None) -> Study:
+    def with_checksums(self, folder: Path | None = None) -> Study:
         """The study with absolute names and checksums of the files that it is made for; one of none is returned as is.
 
         Bodies in memory are written into the folder, if there is one. Raises a `ValueError` if a file cannot be read.
@@ -356,7 +358,7 @@ class Study(Table):
             return self
 
         def known(file: MeasuredFile, side: str) -> MeasuredFile:
-            return (file if folder is None else file.kept(folder, side)).located(Path.cwd()).known()
+            return (file if folder is None else file.kept(folder, side)).with_absolute_paths(Path.cwd()).known()
 
         return self.model_copy(update={"surfaces": self.surfaces.with_files(known)})
 
@@ -383,7 +385,7 @@ class Study(Table):
             If the file cannot be read, is not TOML, or has unknown keys, wrong units or impossible values.
         """
         try:
-            raw = read_content(Path(path), LONGEST_FILE)
+            raw = read_content(Path(path), MAX_STUDY_BYTES)
             study = study_from_text(raw.decode("utf-8"), str(path))
         except OSError as error:
             raise StudyError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
@@ -394,7 +396,7 @@ class Study(Table):
         if not isinstance(study.surfaces, Measured):
             return study
         folder = Path(path).absolute().parent
-        surfaces = study.surfaces.with_files(lambda file, _: file.located(folder))
+        surfaces = study.surfaces.with_files(lambda file, _: file.with_absolute_paths(folder))
         return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
@@ -410,7 +412,7 @@ class Study(Table):
         StudyError
             If a key is unknown or a value impossible.
         """
-        data = self._before(changes)
+        data = self._base_tables(changes)
         for key, value in changes.items():
             table: Any = data
             if not isinstance(key, str):
@@ -426,43 +428,43 @@ class Study(Table):
     def to_toml(self) -> str:
         """The whole study as TOML, with every key that it has; `Study.from_toml` reads it back equal."""
         tables = []
-        for name, table in self._written().items():
+        for name, table in self._to_tables().items():
             if not table:
                 continue
             lines = [f"{key} = {as_toml(value)}" for key, value in table.items()]
             tables.append("\n".join([f"[{name}]", *lines]) + "\n")
         return "\n".join(tables)
 
-    def _before(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    def _base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         """What changes are made to: all keys, carried over where the changes make a table another case."""
-        data = self._written()
-        given = {key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _CASE_KEYS}
+        data = self._to_tables()
+        given = {key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS}
         given = {key: value for key, value in given.items() if value is not None}
         try:
             surfaces = surfaces_case(given)
             contact = contact_case(surfaces, given)
         except PydanticCustomError:  # said of the key that is wrong
             return data
-        data["surfaces"] = _carried_over(self.surfaces, surfaces)
-        data["contact"] = _carried_over(self.contact, contact)
+        data["surfaces"] = _carry_over(self.surfaces, surfaces)
+        data["contact"] = _carry_over(self.contact, contact)
         if not issubclass(surfaces, get_args(Measured)):
             friction = friction_case(surfaces, contact.model_fields["mechanics"].default)
-            self._ask_again(data, changes, is_allowed="load" in friction.model_fields)
+            self._reset_loads(data, changes, is_allowed="load" in friction.model_fields)
         return data
 
-    def _ask_again(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
+    def _reset_loads(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
         """Remove from the tables of generated surfaces loads that changes make invalid, or that follow from others."""
         if "contact.load" in changes or not is_allowed:
             data["friction"].pop("load", None)
         elif len(asked := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(asked) + 2:
             data["contact"].pop("load")
 
-    def _written(self) -> dict[str, dict[str, Any]]:
+    def _to_tables(self) -> dict[str, dict[str, Any]]:
         names = [name for name in type(self).model_fields if name != "figures" or not self.is_measured]
         return {name: written_table(getattr(self, name)) for name in names}
 
 
-def _carried_over(table: Table, case: type[Table]) -> dict[str, Any]:
+def _carry_over(table: Table, case: type[Table]) -> dict[str, Any]:
     """Return the keys of another case of a table: what is not a default of its own case, and the defaults of others."""
     own = type(table)
     changed = {key for key, value in table if value != own.model_fields[key].default}
@@ -474,7 +476,7 @@ def _carried_over(table: Table, case: type[Table]) -> dict[str, Any]:
 def written_table(table: Table) -> dict[str, Any]:
     """Return the keys of a table that are given, what it is a table of first."""
     data = table.model_dump(exclude_none=True)
-    order = {key: index - len(_FIRST) for index, key in enumerate(_FIRST)}
+    order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(table, MeasuredAreasContact):
         order["direction"] = 1  # last, as results have it
     return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
@@ -538,7 +540,7 @@ def differences(one: Table, other: Table, prefix: str = "") -> list[Difference]:
     return found
 
 
-def computed_otherwise(one: Study, other: Study) -> list[Difference]:
+def member_differences(one: Study, other: Study) -> list[Difference]:
     """What makes the members of two studies differ: not friction and figures, nor where measured files lie."""
     return [
         each
@@ -550,9 +552,12 @@ def computed_otherwise(one: Study, other: Study) -> list[Difference]:
 
 def differences_text(differ: list[Difference]) -> str:
     """Differences for a message, a line for each of the first few."""
-    lines = [f"{key} = {short_repr(there)} there, {short_repr(here)} here" for key, there, here in differ[:MOST_LISTED]]
-    if len(differ) > MOST_LISTED:
-        lines.append(f"... and {len(differ) - MOST_LISTED} more")
+    lines = [
+        f"{key} = {short_repr(there)} there, {short_repr(here)} here"
+        for key, there, here in differ[:MAX_LISTED_DIFFERENCES]
+    ]
+    if len(differ) > MAX_LISTED_DIFFERENCES:
+        lines.append(f"... and {len(differ) - MAX_LISTED_DIFFERENCES} more")
     return "\n".join(lines)
 
 

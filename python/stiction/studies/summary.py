@@ -394,7 +394,7 @@ def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[f
     The upper one is that of the interval, and of the load that finer waves move between the contacts of all members.
     """
     hardness = study.contact.hardness
-    measured = study.is_measured and study.by_half_space and not study.contact.adheres
+    measured = study.is_measured and study.uses_half_space and not study.contact.adheres
     if hardness is None or not measured or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
     mu0, adhesion = float(point["mu0"]), plastic_adhesion(point, study)

@@ -14,7 +14,7 @@ from stiction._errors import ArgumentError
 from stiction.mechanics.half_space import Tilt
 from stiction.mechanics.model import Curvature, Detection
 from stiction.studies.interfaces import Interface, write_interface
-from stiction.studies.pair import study_of_options
+from stiction.studies.pair import study_from_options
 from stiction.studies.pair_options import (
     Count,
     Degrees,
@@ -243,7 +243,7 @@ def pair(
     >>> result.verdict in ("Quote it", "Quote with care", "Do not quote")
     True
     """
-    from stiction.studies.executors import given_or_threads
+    from stiction.studies.executors import executor_or_threads
     from stiction.studies.pipeline import complete
 
     for name, body in (("first", first), ("second", second)):
@@ -314,8 +314,8 @@ def pair(
             folder.mkdir(parents=True, exist_ok=True)
             write_interface(interface, folder / "interface.csv")
             options = options.model_copy(update={"interface": folder / "interface.csv"})
-        study = study_of_options(options)
-        with given_or_threads(executor) as workers:
+        study = study_from_options(options)
+        with executor_or_threads(executor) as workers:
             return complete(study, folder, workers, replace=replace, onset=onset, progress=progress)
     except ArgumentError as error:
         raise ValueError(error.with_names(name_in_python)) from None

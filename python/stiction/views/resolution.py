@@ -175,7 +175,7 @@ def resolution_record(at: xarray.Dataset, study: Study, over: xarray.Dataset | N
             "fraction_of_mean_square_slope_in_shortest_octave": finite(scan.fraction_below(2 * scan.shortest)),
             "hurst_exponent": None if scan.estimate is None else finite(scan.estimate.value),
         }  # fmt: skip
-        if study.by_half_space and study.contact.hardness is None:
+        if study.uses_half_space and study.contact.hardness is None:
             unfiltered = at.isel(cut_off=[0]) if "cut_off" in at.dims else at
             record["yielding"] = [
                 estimate for point in points(unfiltered) for estimate in yield_records(point, study, scan)
@@ -205,7 +205,7 @@ def resolution_limits(at: xarray.Dataset, study: Study) -> dict[str, Any]:
         hardness = hardness_of(study)
         return table | {"area_fraction": load / hardness / area}
     fraction = value_of(at.isel(cut_off=0), "contact_area_fraction")
-    if scan is None or not fraction > 0 or not study.by_half_space:
+    if scan is None or not fraction > 0 or not study.uses_half_space:
         return table
     waves, gradients, fractions = scan.finer(fraction, value_of(at.isel(cut_off=0), "contact_count"))
     steepness = gradients[:, :1]

@@ -186,11 +186,11 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
         return ()
     surfaces, contact, parts = study.surfaces, study.contact, []
     if surfaces.press == "lines":
-        is_plane = study.by_half_space or "cylinder" in law_of(study)
+        is_plane = study.uses_half_space or "cylinder" in law_of(study)
         parts.append(f"{'parallel grooves across the scans' if is_plane else 'contacts of spheres'} on {STRIP}")
     elif surfaces.press == "surrogates":
         parts.append("isotropic surfaces")
-    parts += [] if study.by_half_space else ["contacts that do not interact"]
+    parts += [] if study.uses_half_space else ["contacts that do not interact"]
     parts += [] if contact.hardness is not None or "jackson" in law_of(study) else ["elastic contact"]
     parts += ["no adhesion"] if contact.work_of_adhesion is None else []
     return tuple(parts)
@@ -202,7 +202,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
     if not study.is_measured:
         return ()
     parts = [] if study.known.interface is not None else ["μ0 and τ0 as given"]
-    if study.by_half_space:
+    if study.uses_half_space:
         parts.append("contact of half-spaces" if study.contact.hardness is None else "contact of yielding half-spaces")
     parts += list_assumptions(study)
     cut_off = float(values["cut_off"]) if "cut_off" in values.coords else 0.0

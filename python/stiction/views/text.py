@@ -524,7 +524,7 @@ def resolution_text(at: xarray.Dataset, study: Study, over: xarray.Dataset | Non
         parts.append(
             format_table(cut_off_rows(first, study)) + "\n" + wrap_text(cut_off_note(first, study), indent="  ")
         )
-    capped = is_capped(study) or not study.by_half_space
+    capped = is_capped(study) or not study.uses_half_space
     if scan is not None and not capped and (rows := yield_rows(next(points(at)), study, scan)):
         parts.append(wrap_text(ELASTIC) + "\n" + format_table(rows))
     return "\n\n".join(parts)

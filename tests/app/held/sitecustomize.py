@@ -8,7 +8,7 @@ hold = Path(os.environ.get("STICTION_TEST_HOLD", "/nowhere"))
 if hold.exists():
     from stiction.studies import runner
 
-    sums, first = runner.member_sums, runner.first_result
+    sums, first = runner.member_sums, runner.preview_result
 
     def member_sums(study, member):
         """Return the sums of a member when the file no longer blocks it."""
@@ -16,7 +16,7 @@ if hold.exists():
             time.sleep(0.02)
         return sums(study, member)
 
-    def first_result(study):
+    def preview_result(study):
         """Return the first result, which no file blocks."""
         runner.member_sums = sums
         try:
@@ -24,4 +24,4 @@ if hold.exists():
         finally:
             runner.member_sums = member_sums
 
-    runner.member_sums, runner.first_result = member_sums, first_result
+    runner.member_sums, runner.preview_result = member_sums, preview_result

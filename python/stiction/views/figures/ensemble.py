@@ -26,7 +26,7 @@ from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.assessment import HALF
 from stiction.studies.evaluation import reached_loads
 from stiction.studies.maps import area_map, friction_map, means
-from stiction.studies.members import pair_of, phases_of, unscaled_profile
+from stiction.studies.members import generate_phases, pair_of, unscaled_profile
 from stiction.studies.study import Study, study_of
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.views.style import (
@@ -108,8 +108,8 @@ def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
     rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
     angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.degrees()[0])
     lines = []
-    if study.is_areal or study.by_half_space or rule != "opposing":
-        mechanics = "half-space, " if study.by_half_space else ""
+    if study.is_areal or study.uses_half_space or rule != "opposing":
+        mechanics = "half-space, " if study.uses_half_space else ""
         lines.append(f"{mechanics}sliding: {rule}, along {direction_text(angle)}")
     finished, total = dataset.sizes["repetition"], study.ensemble.repetitions
     if finished < total:
@@ -161,7 +161,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     maps, curves = maps.isel(load=slice(-1)), maps.isel(load=-1)
     amplitudes = dataset["amplitude"].values
     lines = heading_lines(dataset, study)
-    handles = _legend_handles(maps, asperities=not study.by_half_space)
+    handles = _legend_handles(maps, asperities=not study.uses_half_space)
     above, below = 15.0 + HEADING_HEIGHT * len(lines), 16.0 + (3.0 if len(handles) > MAX_LEGEND_COLUMNS else 0.0)
     height = 42.0 if amplitudes.size == 1 else 34.0
     figure, total, axes_at = create_axes_rows(amplitudes.size, height, above, below, between=4.0)
@@ -380,7 +380,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     amplitudes = areas["amplitude"].values
     lines = heading_lines(dataset, study)
     height = 50.0 if amplitudes.size == 1 else 38.0
-    exact = study.by_half_space
+    exact = study.uses_half_space
     figure, total, axes_at = create_axes_rows(
         amplitudes.size, height, 4.0 + HEADING_HEIGHT * len(lines), 15.0, between=4.0
     )
@@ -480,7 +480,7 @@ def length_scales_figure(study: Study) -> Figure:
         scaled = study.with_changes({"surfaces.length_scale": exact_quantity(scale, "um")})
         profile = unscaled_profile(scaled, 0, "lower", dimension)
         surface = weierstrass_mandelbrot_surface(
-            phases_of(study, 0, "lower"), dimension, shape=(pixels, pixels), extent=extent, length_scale=scale,
+            generate_phases(study, 0, "lower"), dimension, shape=(pixels, pixels), extent=extent, length_scale=scale,
             gamma=bodies.gamma, convention=bodies.convention, band_limit="nyquist",
         )  # fmt: skip
         top, bottom = axes[:, column]

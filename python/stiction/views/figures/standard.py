@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from stiction.studies.evaluation import member_values
 from stiction.studies.height_scale import Scaled, at_height_scale
-from stiction.studies.members import bodies_of
+from stiction.studies.members import load_bodies
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
@@ -167,7 +167,7 @@ def _of_measured(
     if picture is not None and study.is_areal:
         direction = float(np.atleast_1d(points["direction"].values)[0])
         yield "contacts", partial(contacts_figure, picture, direction=direction, hardness=hardness, title=title)
-    elif not (study.is_areal or study.by_half_space):
+    elif not (study.is_areal or study.uses_half_space):
         yield from _of_profiles(result, study, uncut.isel(mu0=0, tau0=0).sel(load=first, method="nearest"), first)
 
 
@@ -207,7 +207,7 @@ def _of_profiles(
     carrying = np.flatnonzero(np.isfinite(dataset["approach"].values) & (dataset["contact_count"].values > 0))
     if not carrying.size:
         return
-    member = bodies_of(study).member(int(dataset["repetition"][carrying[0]]), wavelength)
+    member = load_bodies(study).member(int(dataset["repetition"][carrying[0]]), wavelength)
     upper, lower = member.pair
     assert isinstance(upper, Profile) and isinstance(lower, Profile)  # noqa: PT018
     yield "contact", partial(

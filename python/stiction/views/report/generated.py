@@ -310,7 +310,7 @@ def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats
     if not (touching := (counts > 0).any(axis=(0, 1))).any():
         return ""
     panels = []
-    if not (study.is_areal or study.by_half_space):
+    if not (study.is_areal or study.uses_half_space):
         steps = head["approach"].values[touching]
         panels.append(profiles_panel(study, float(steps[steps.size // 2])))
     if set(ONSET) & set(study.sums()):
@@ -338,8 +338,8 @@ def _head(study: Study) -> list[str]:
     surfaces: Any = study.surfaces
     contact: Any = study.contact
     lengths = surfaces.extents() if study.is_areal else (float(surfaces.extent),)
-    how = "the elastic half-space" if study.by_half_space else "asperities"
-    law = "" if study.by_half_space else f", law {contact.model(rules[0]).law}"
+    how = "the elastic half-space" if study.uses_half_space else "asperities"
+    law = "" if study.uses_half_space else f", law {contact.model(rules[0]).law}"
     return [
         f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
         f"pressed by {how}{law}; E* = {with_unit(float(contact.effective_modulus), 'GPa')}; contacts with friction: "
@@ -352,5 +352,5 @@ def _pairs(study: Study, facts: dict[str, Any]) -> str:
     number = counted(facts["repetitions"], "pair of surfaces", "pairs of surfaces")
     where = f"{'each of ' if dimensions > 1 else ''}{counted(dimensions, 'fractal dimension')}"
     where += f" and {counted(amplitudes, 'amplitude')}" if amplitudes > 1 else ""
-    how = counted(steps, "load") if study.by_half_space else counted(steps, "approach", "approaches")
+    how = counted(steps, "load") if study.uses_half_space else counted(steps, "approach", "approaches")
     return f"{number} at {where}, pressed together at {how}"

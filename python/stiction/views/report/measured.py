@@ -232,7 +232,7 @@ def _held(result: Result, study: Study) -> list[str]:
 def _head(study: Study, facts: dict[str, Any]) -> list[str]:
     surfaces: Any = study.surfaces
     hardness = study.contact.hardness
-    how = "the elastic half-space" if study.by_half_space else "asperities"
+    how = "the elastic half-space" if study.uses_half_space else "asperities"
     limited = "" if hardness is None else f", hardness {with_unit(hardness, 'GPa')}"
     if study.contact.junction_growth:
         limited += f", junction growth α = {study.known.junction_growth or format(study.contact.junction_growth, 'g')}"

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from stiction._number_format import percent, with_unit
 from stiction.studies.contact_tables import Asperities
-from stiction.studies.members import pairs_of
+from stiction.studies.members import generate_pairs
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.views.figures.contact import contact_figure, contact_map_figure, find_opposing_contacts
@@ -33,7 +33,7 @@ def profiles_panel(study: Study, approach: float) -> str:
     cells, contact = study.surfaces.cells(), study.contact
     dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])
     middle = dimensions[dimensions.size // 2 :][:1]
-    upper, lower = next(iter(pairs_of(study, 0, middle, amplitude)))
+    upper, lower = next(iter(generate_pairs(study, 0, middle, amplitude)))
     assert isinstance(contact, Asperities)
     more: dict[str, Any] = {"mu0": study.friction.mu0[0], "tau0": float(study.friction.tau0[0])}
     more |= {"title": f"$D$ = {middle[0]:.3g}, amplitude {with_unit(amplitude, 'um')}", "model": contact.model()}
