@@ -20,10 +20,10 @@ def test_largest_square_is_in_disc_and_loading_is_first(tmp_path):
     heights = np.add.outer(np.arange(64.0), np.arange(64.0))
     np.savez(tmp_path / "a.npz", gap_um=heights, spacing_um=spacing)
     (tmp_path / "a-closure.csv").write_text("Number,Disp,sigmaZ\n[-],[mm],[MPa]\n1,0,1\n2,0.1,3\n3,0.02,1\n")
-    square, disc = (SCRIPT["gap_of"](tmp_path, "a", square=square) for square in (True, False))
+    square, disc = (SCRIPT["load_gap"](tmp_path, "a", square=square) for square in (True, False))
     assert np.hypot(*square.extent) <= SCRIPT["DIAMETER"] < np.hypot(*square.extent) + 3 * spacing
     assert (~disc.missing).sum() * spacing**2 == pytest.approx(np.pi / 4 * SCRIPT["DIAMETER"] ** 2, rel=0.02)
-    (load, stress), (back, falling) = SCRIPT["measured"](tmp_path, "a")
+    (load, stress), (back, falling) = SCRIPT["load_test"](tmp_path, "a")
     assert SCRIPT["secant"](load, stress, (1.0, 3.0)) == pytest.approx(20)
     assert [*back, *falling] == [0.1, 0.02, 3, 1]
 
@@ -31,10 +31,10 @@ def test_largest_square_is_in_disc_and_loading_is_first(tmp_path):
 @pytest.mark.parametrize("hurst", [0.5, 0.9])
 def test_added_wavelengths_continue_the_spectrum(hurst):
     gap = self_affine_surface(1, hurst_exponent=hurst, rms=20.0, shape=(256, 256), spacing=250.0)
-    result, density = SCRIPT["spectrum_of"](gap)
+    result, density = SCRIPT["estimate_spectrum"](gap)
     assert result == pytest.approx(hurst, abs=EXPONENT)
-    wave, created = 1 / 800.0, SCRIPT["waves"]((256, 256), 250.0, density, 10e3, 1)
-    again = SCRIPT["spectrum_of"](Surface(created, spacing=250.0))[1]
+    wave, created = 1 / 800.0, SCRIPT["random_waves"]((256, 256), 250.0, density, 10e3, 1)
+    again = SCRIPT["estimate_spectrum"](Surface(created, spacing=250.0))[1]
     assert again(wave) == pytest.approx(density(wave), rel=0.3)
 
 
@@ -42,8 +42,8 @@ def test_added_wavelengths_continue_the_spectrum(hurst):
 @pytest.mark.parametrize("name", list(FOUND))
 def test_fixed_settings_reproduce_documented_numbers(name):
     folder, steps = Path(DATA), np.array([1.0, 2.0, 5.0, 10.0])
-    closure, _ = SCRIPT["computed"](SCRIPT["gap_of"](folder, name), steps)
-    (load, stress), _ = SCRIPT["measured"](folder, name)
+    closure, _ = SCRIPT["compute_closure"](SCRIPT["load_gap"](folder, name), steps)
+    (load, stress), _ = SCRIPT["load_test"](folder, name)
     for of, (closures, at) in zip(FOUND[name], ((closure, steps), (load, stress)), strict=True):
         result = [SCRIPT["secant"](closures, at, between) for between in (SCRIPT["LOW"], SCRIPT["HIGH"])]
         assert result == pytest.approx(of, abs=1)

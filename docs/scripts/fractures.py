@@ -64,7 +64,7 @@ def secant(closure, stress, between):
 
 
 def estimate_spectrum(gap):
-    """Return wavenumbers (1/µm), Fourier coefficients, Hurst exponent and spectral density of a gap."""
+    """Return the Hurst exponent of a gap, and its spectral density as a function of the wavenumber (1/µm)."""
     heights = levelled(gap, "plane").heights * np.hanning(gap.heights.shape[0])[:, None]
     heights = heights * np.hanning(gap.heights.shape[1])
     wave = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, gap.spacing[0]) for n in gap.heights.shape), indexing="ij"))
