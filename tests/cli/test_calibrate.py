@@ -67,9 +67,9 @@ def test_calibrate_separates_parameters_with_two_finishes_only(pressed):
     values = {item["name"]: item for item in record["values"]}
     assert values["mu0"]["lower"] < MU0 < values["mu0"]["upper"]
     assert values["tau0"]["lower"] < 0.3 < values["tau0"]["upper"]
-    one = check_stiction("calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=pressed)
-    assert "Only μ0 + τ0 A/F is measured" in one.stdout
-    assert "a smooth ball below yield" in one.stdout
+    single = check_stiction("calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=pressed)
+    assert "Only μ0 + τ0 A/F is determined" in single.stdout
+    assert "a smooth ball below yield" in single.stdout
 
 
 def test_calibrate_warns_about_ball_beyond_yield(tmp_path):

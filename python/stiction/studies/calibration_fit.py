@@ -1,11 +1,11 @@
 """Joint distribution of mu0 and tau0 from friction tests, by adaptive importance sampling over nuisances.
 
-Nuisances are what the tests share and nobody knows exactly: the gain of the force cell, the true areas of the
-surfaces, hardness, junction growth, creep and moduli that are ranges, the spread between runs, and the size of the
-errors where it is not given. Given all of them the tests are linear in mu0 and tau0, but for junction growth, by which
-the true area depends on both. Their density is computed on a grid that follows it.
-The integral of that density, the evidence, weighs the nuisances. Their proposal, Student's t distribution, starts at
-the best fit and is adapted to the evidence (Cappé et al. 2008, Statistics and Computing 18, 447-459).
+Nuisances are uncertain quantities that the tests share: the gain of the force cell, the true areas of the surfaces,
+ranges of hardness, junction growth, creep and moduli, the spread between runs, and the size of the errors if it is not
+given. For fixed nuisances the tests are linear in mu0 and tau0, except with junction growth, where the true area
+depends on both. The density of mu0 and tau0 is computed on a grid that covers its support. The integral of the
+density, the evidence, is the weight of the nuisances. Their proposal distribution, Student's t, starts at the best fit
+and is adapted to the evidence (Cappé et al. 2008, Statistics and Computing 18, 447-459).
 """
 
 from __future__ import annotations
@@ -24,47 +24,47 @@ from stiction.studies.calibration_growth import best_coefficients, range_of_stre
 from stiction.studies.input_uncertainty import UncertainInput, parse_input, sobol_points
 from stiction.studies.interfaces import UNLIKELY, Fit, FrictionTest, ShearStrength, depends_on_growth, evaluate_friction
 
-MIN_VARIATION = 0.1  # standard deviation over mean of A/F among tests below which mu0 and tau0 are not separated
-ROUND_POINTS, MAX_POINTS = 256, 8192  # nuisance points of a round of adaptation, and of the result at most
-FINAL_POINTS = 256, 1024  # nuisance points of the result: the first, doubled for each nuisance, at most the second
-MAX_SCORE = 5.0  # largest normal score of a nuisance; what is beyond has no weight
+MIN_VARIATION = 0.1  # of A/F among tests (standard deviation over mean): mu0 and tau0 are not separated below it
+ROUND_POINTS, MAX_POINTS = 256, 8192  # nuisance points per round of adaptation; maximum for the result
+FINAL_POINTS = 256, 1024  # nuisance points of the result: the first number, doubled for each nuisance, up to the second
+MAX_SCORE = 5.0  # largest normal score of a nuisance; larger scores have no weight
 MAX_ROUNDS = 8  # rounds of adaptation
-MIN_SAMPLE_FRACTION = 0.4  # effective sample size over points at which the proposal is good enough
-MIN_EFFECTIVE = 300.0  # effective sample size of nuisances, below which the result takes more points
-STRENGTHS, COEFFICIENTS = 41, 31  # cells of tau0, and of mu0 in each of these
-NUM_DRAWS = 4000  # pairs of mu0 and tau0 that represent their joint distribution
+MIN_SAMPLE_FRACTION = 0.4  # effective sample size over points at which adaptation ends
+MIN_EFFECTIVE = 300.0  # effective sample size of nuisances; the result uses more points below it
+STRENGTHS, COEFFICIENTS = 41, 31  # cells of tau0, and cells of mu0 for each of them
+NUM_SAMPLES = 4000  # pairs of mu0 and tau0 that represent their joint distribution
 DEPTH = 34.0  # decrease of -2 ln(density) at which the grid ends: 5.8 standard deviations
 PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal, Student's t
 OUTLIER_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
-RUN_SPREAD = 0.10  # median of the prior relative standard deviation between runs, half a Cauchy distribution
+RUN_SPREAD = 0.10  # median of the half-Cauchy prior of the relative standard deviation between runs
 
-MAX_GRID_POINTS = 256  # nuisance points whose cells are computed together where contacts grow
+MAX_GRID_POINTS = 256  # nuisance points whose cells are computed together with junction growth
 GAIN, SPREAD = "gain", "spread between runs"  # names of nuisances
 
 
 @dataclass(frozen=True)
 class _Best:
-    """The most likely mu0, tau0 and nuisances of a problem, and how well the tests fit there."""
+    """Best fit of a problem: mu0, tau0, nuisances and residuals."""
 
     mu0: float
     tau0: float  # GPa
     scores: Floats  # (nuisances,)
-    residuals: Floats  # (slid tests,) over the errors
-    slope: Floats  # Jacobian of the weighted residuals and then of the scores, by what is free and by the scores
+    residuals: Floats  # (tests with sliding,), divided by the errors
+    slope: Floats  # Jacobian of the weighted residuals and the scores by the free strengths and the scores
     robust: Floats  # (tests,) square roots of weights, smaller for outliers
-    scale: float  # by which errors were multiplied before, where none were given
+    scale: float  # factor of the errors, if no errors are given
 
 
 @dataclass(frozen=True)
 class _Cells:
-    """Ranges of tau0 for every nuisance point, and those of mu0 around the best value at each tau0."""
+    """Ranges of tau0 for every nuisance point, and ranges of mu0 around the best value at each tau0."""
 
-    triangle: Floats  # (points, 2, 3) upper rows of the triangular factor by which the cells were chosen
+    triangle: Floats  # (points, 2, 3) upper rows of the triangular factor that defines the cells
     depth: float
     low: Floats  # (points,) ends of tau0, GPa
     high: Floats
-    best: Floats | None = None  # (points, tau0) mu0 where contacts grow; else that of the triangle
-    below: Any = None  # (points, tau0) ranges of mu0 below and above it
+    best: Floats | None = None  # (points, tau0) best mu0 with junction growth; otherwise from the triangle
+    below: Any = None  # (points, tau0) ranges of mu0 below and above the best value
     above: Any = None
 
 
@@ -77,7 +77,7 @@ class _Grid:
 
 
 class CalibrationProblem:
-    """Equations rub mu0 + stick tau0 = right of all tests, their errors and their nuisances.
+    """Equations of all tests, rub mu0 + stick tau0 = right, with errors and nuisances.
 
     Parameters
     ----------
@@ -86,9 +86,9 @@ class CalibrationProblem:
     common : float
         Relative standard uncertainty of the gain, which all tests share.
     known : (float or None, float or None)
-        mu0 and tau0 (GPa) where they are known.
+        Fixed values of mu0 and tau0 (GPa); None if unknown.
     outliers : bool
-        Whether errors follow Student's t distribution instead of the normal one.
+        Whether errors have Student's t distribution instead of the normal one.
     """
 
     def __init__(
@@ -110,16 +110,18 @@ class CalibrationProblem:
         self.has_errors = tests[0].uncertainty is not None
         if self.has_errors:
             self.error = np.array([test.uncertainty for test in tests], float)
-        else:  # all have one relative error, whose size is a nuisance
+        else:  # equal relative errors of unknown size
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
         scatters: dict[Hashable, float] = {}
-        for found in self._friction:
-            if found.scatter > 0:
-                scatters[found.surfaces] = max(scatters.get(found.surfaces, 0.0), found.scatter)
+        for equation in self._friction:
+            if equation.scatter > 0:
+                scatters[equation.surfaces] = max(scatters.get(equation.surfaces, 0.0), equation.scatter)
         self._scatters = scatters
-        self.grows = any(found.yields is not None and found.yields.growth is not None for found in self._friction)
-        inputs = [name for found in self._friction if found.yields for name in found.yields.names]
-        self._members = _runs_of(tests)
+        self.grows = any(
+            equation.yields is not None and equation.yields.growth is not None for equation in self._friction
+        )
+        inputs = [name for equation in self._friction if equation.yields for name in equation.yields.names]
+        self._members = _run_members(tests)
         self.nuisances: list[Hashable] = [
             *([GAIN] if common > 0 else []), *scatters, *dict.fromkeys(inputs),
             *([SPREAD] if len(self._members) else []),
@@ -128,17 +130,17 @@ class CalibrationProblem:
         middle = self._columns(np.zeros((1, len(self.nuisances))))
         self.ratio = middle[1][0] / middle[0][0]
         """A/F at the middle of all nuisances, 1/GPa; of contacts that grow, at the measured coefficient."""
-        self._offsets, self._offset_sizes = self._offsets_of_runs(middle)
+        self._offsets, self._offset_sizes = self._run_offsets(middle)
 
     # ---- Equations --------------------------------------------------------------------------------------------------
 
     def _columns(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Return rub, stick and right, (points, tests) each, at scores (points, nuisances).
+        """Return the columns rub, stick and right (points, tests) at scores (points, nuisances).
 
-        Where contacts grow, stick is (points, tests, ...) at mu0 and tau0 (GPa), (points, ...) each. Without these it
-        is that of contacts which slide with the measured coefficient.
+        With mu0 and tau0 (GPa), of shape (points, ...), stick is (points, tests, ...) and includes junction growth.
+        Otherwise contacts are assumed to slide with the measured coefficient.
         """
         from scipy.special import ndtr
 
@@ -146,36 +148,36 @@ class CalibrationProblem:
         at = dict(zip(self.nuisances, np.clip(scores, -MAX_SCORE, MAX_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in cells)
         probability = {name: ndtr(values).reshape(shape) for name, values in at.items()}
-        areas: dict[Hashable, Floats] = {}  # of tests at one load on the same surfaces
+        areas: dict[Hashable, Floats] = {}  # by load and surfaces
 
         def area(test: int) -> Floats:
-            found, factor = self._friction[test], np.ones(shape)
-            if found.yields is not None:
+            equation, factor = self._friction[test], np.ones(shape)
+            if equation.yields is not None:
                 is_measured = mu0 is None or tau0 is None
-                key = id(found), self.measured[test] if is_measured and found.yields.growth is not None else None
+                key = id(equation), self.measured[test] if is_measured and equation.yields.growth is not None else None
                 if key not in areas:
                     sheared = (self.measured[test], None) if mu0 is None or tau0 is None else (mu0, tau0)
-                    areas[key] = found.yields.area(probability, ShearStrength(self.sliding, *sheared))
+                    areas[key] = equation.yields.area(probability, ShearStrength(self.sliding, *sheared))
                 factor = factor * areas[key]
-            if found.scatter > 0:
-                factor = factor * np.exp(self._scatters[found.surfaces] * at[found.surfaces]).reshape(shape)
+            if equation.scatter > 0:
+                factor = factor * np.exp(self._scatters[equation.surfaces] * at[equation.surfaces]).reshape(shape)
             return np.broadcast_to(factor, (len(scores), *cells))
 
-        def of_all(name: str) -> Floats:
-            return np.array([getattr(found, name) for found in self._friction])
+        def column(name: str) -> Floats:
+            return np.array([getattr(equation, name) for equation in self._friction])
 
         gain = np.exp(self.common * at[GAIN])[:, np.newaxis] if GAIN in at else np.ones((len(scores), 1))
-        # The measured coefficient is the gain times the true one, and its error is that of the measured one.
-        rub = gain * of_all("rub") - self.measured * of_all("rub_normal")
-        stick = gain * of_all("stick") - self.measured * of_all("stick_normal")
-        right = self.measured - gain * of_all("elastic")
+        # The measured coefficient is the gain times the true one; errors refer to the measured coefficient.
+        rub = gain * column("rub") - self.measured * column("rub_normal")
+        stick = gain * column("stick") - self.measured * column("stick_normal")
+        right = self.measured - gain * column("elastic")
         factors = np.stack([area(test) for test in range(len(self._friction))], axis=1)
         return rub, stick.reshape(*stick.shape, *(1 for _ in cells)) * factors, right
 
-    def _offsets_of_runs(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Unit vectors (runs, tests) and sizes (runs,) of relative offsets of the runs, over errors.
+    def _run_offsets(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
+        """Return unit vectors (runs, tests) and sizes (runs,) of the relative offsets of runs, over errors.
 
-        They are relative to the fitted coefficients: those relative to measured ones would pull the fit to low values.
+        Offsets are relative to the fitted coefficients, because offsets relative to measured ones bias the fit low.
         """
         self._run_errors = np.zeros(len(self.slid))
         if not len(self._members):
@@ -183,7 +185,7 @@ class CalibrationProblem:
         rub, stick, right = (each[0] for each in middle)
         mu0, tau0 = _nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
         shifts = self._members * (rub * mu0 + stick * tau0) / self.error
-        self._run_errors = (shifts * self.error).sum(axis=0)  # of held tests, per unit of the spread
+        self._run_errors = (shifts * self.error).sum(axis=0)  # per unit of the spread, used for tests without sliding
         shifts = np.where(self.slid, shifts, 0.0)
         sizes = np.linalg.norm(shifts, axis=1)
         there = sizes > 0
@@ -195,16 +197,16 @@ class CalibrationProblem:
 
     @property
     def pivot(self) -> float:
-        """A/F of the tests, 1/GPa, each with its weight."""
+        """Weighted mean of A/F of the tests, 1/GPa."""
         return float(np.average(self.ratio, weights=self._weight))
 
     @property
     def variation(self) -> float:
-        """Standard deviation over mean of A/F."""
+        """Weighted standard deviation of A/F over its mean."""
         return float(np.sqrt(np.average((self.ratio - self.pivot) ** 2, weights=self._weight)) / self.pivot)
 
     def _spread(self, scores: Floats) -> Floats:
-        """(points,) relative standard deviations between runs."""
+        """Return relative standard deviations between runs, (points,)."""
         from scipy.special import ndtr
 
         if SPREAD not in self.nuisances:
@@ -213,12 +215,12 @@ class CalibrationProblem:
         return np.asarray(RUN_SPREAD * np.tan(0.5 * math.pi * part))
 
     def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """(points, slid tests, 3) independent equations over their errors, and logarithms of their norms."""
+        """Return independent equations (points, slid tests, 3) over errors, and logarithms of their norms."""
         rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
         return self._independent(rows, scale, spread)
 
     def _independent(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return rows (points, slid tests, k) over their errors without what runs share, and logarithms of norms."""
+        """Return rows (points, slid tests, k) over errors, decorrelated within runs, and logarithms of norms."""
         norm = -np.count_nonzero(self.slid) * np.log(scale)
         if len(self._offsets):
             unit = self._offsets[:, self.slid]
@@ -231,28 +233,28 @@ class CalibrationProblem:
     def _residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return residuals (points, slid tests, ...) over their errors with junction growth, and the columns.
+        """Return residuals (points, slid tests, ...) over errors with junction growth, and the columns.
 
-        mu0 and tau0 (GPa) are (points, ...). Residuals are infinite where interfaces seize.
+        mu0 and tau0 (GPa) have the shape (points, ...). Residuals of seizing interfaces are infinite.
         """
         columns = self._columns(scores, mu0, tau0)
         cells = tuple(1 for _ in mu0.shape[1:])
         rub, right = (each.reshape(*each.shape, *cells) for each in (columns[0], columns[2]))
         with np.errstate(invalid="ignore"):
-            found = right - rub * mu0[:, np.newaxis] - columns[1] * tau0[:, np.newaxis]
-            found = found[:, self.slid] / self.error[self.slid].reshape(-1, *cells)
-            found = found / scale.reshape(-1, 1, *cells)
-            rows = self._independent(found.reshape(*found.shape[:2], -1), scale, spread)[0]
+            misfit = right - rub * mu0[:, np.newaxis] - columns[1] * tau0[:, np.newaxis]
+            misfit = misfit[:, self.slid] / self.error[self.slid].reshape(-1, *cells)
+            misfit = misfit / scale.reshape(-1, 1, *cells)
+            rows = self._independent(misfit.reshape(*misfit.shape[:2], -1), scale, spread)[0]
         rows = np.where(np.isfinite(rows), rows, np.inf)
-        return rows.reshape(found.shape), columns
+        return rows.reshape(misfit.shape), columns
 
     # ---- Best fit ---------------------------------------------------------------------------------------------------
 
     @cached_property
     def best(self) -> _Best:
-        """The most likely mu0, tau0 and nuisances.
+        """Best fit of mu0, tau0 and nuisances.
 
-        Offsets of runs are free here, so that residuals are those within runs. Outliers have smaller weights.
+        Offsets of runs are free, so that residuals are within runs. Outliers have smaller weights.
         """
         from scipy.optimize import least_squares
 
@@ -260,13 +262,13 @@ class CalibrationProblem:
         moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD]
         robust, scale = np.ones(len(self.slid)), 1.0
 
-        def scores_of(moves: Floats) -> Floats:
+        def to_scores(moves: Floats) -> Floats:
             scores = np.zeros((len(moves), len(self.nuisances)))
             scores[:, moved] = moves
             return scores
 
         def equations(moves: Floats) -> Floats:
-            columns = self._columns(scores_of(moves))
+            columns = self._columns(to_scores(moves))
             rows = self._rows(columns, np.full(len(moves), scale), np.full(len(moves), 1e6 * scale))[0]
             return np.asarray(rows * robust[self.slid, np.newaxis])
 
@@ -282,8 +284,8 @@ class CalibrationProblem:
             """Return residuals (points, slid tests) with junction growth."""
             mu0, tau0 = np.transpose([values(x) for x in points])
             scales = np.full(len(points), scale)
-            found, _ = self._residuals(scores_of(points[:, len(free) :]), scales, 1e6 * scales, mu0, tau0)
-            return np.asarray(found * robust[self.slid])
+            misfit, _ = self._residuals(to_scores(points[:, len(free) :]), scales, 1e6 * scales, mu0, tau0)
+            return np.asarray(misfit * robust[self.slid])
 
         def residuals(x: Floats) -> Floats:
             if self.grows:
@@ -313,26 +315,26 @@ class CalibrationProblem:
                 x[: len(free)] /= 2  # the interface seizes
             if x.size:
                 x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
-            found = residuals(x)[: len(at_middle)] / robust[self.slid]
-            slope = jacobian(x) if x.size else np.zeros((len(found), 0))
+            misfit = residuals(x)[: len(at_middle)] / robust[self.slid]
+            slope = jacobian(x) if x.size else np.zeros((len(misfit), 0))
             if not self.has_errors:
-                middle = np.median(np.abs(found)) / 0.6745 if self.outliers else np.sqrt((found**2).mean())
-                scale, found = scale * max(float(middle), 1e-9), found / max(float(middle), 1e-9)
+                middle = np.median(np.abs(misfit)) / 0.6745 if self.outliers else np.sqrt((misfit**2).mean())
+                scale, misfit = scale * max(float(middle), 1e-9), misfit / max(float(middle), 1e-9)
             if self.outliers:
-                robust[self.slid] = np.sqrt((OUTLIER_FREEDOM + 1) / (OUTLIER_FREEDOM + found**2))
+                robust[self.slid] = np.sqrt((OUTLIER_FREEDOM + 1) / (OUTLIER_FREEDOM + misfit**2))
         scores = np.zeros(len(self.nuisances))
         scores[moved] = x[len(free) :]
         mu0, tau0 = values(x)
-        return _Best(float(mu0), float(tau0), scores, found, slope, robust, scale)
+        return _Best(float(mu0), float(tau0), scores, misfit, slope, robust, scale)
 
     def fit(self) -> Fit:
-        """The joint distribution of mu0 and tau0, and how well the tests fit."""
+        """Return the joint distribution of mu0 and tau0, and the quality of the fit."""
         from scipy.stats import chi2, linregress
 
         best = self.best
         chi_squared = float((best.residuals**2).sum() + (best.scores**2).sum())
         slid = int(self.slid.sum())
-        # Where A/F is the same in all tests, one combination is fitted.
+        # If A/F is equal in all tests, only one combination is fitted.
         fitted = min(sum(value is None for value in self.known), 1 if self.variation < MIN_VARIATION else 2)
         freedom = max(0, slid - fitted - max(0, len(self._offsets) - 1))
         probability = float(chi2.sf(chi_squared, freedom)) if self.has_errors and freedom else math.nan
@@ -340,25 +342,22 @@ class CalibrationProblem:
         scale = best.scale * math.sqrt(chi_squared / freedom) if is_scaled else 1.0
         loads = np.log(self.load[self.slid])
         trend = float(linregress(loads, best.residuals).pvalue) if slid > 2 and np.ptp(loads) > 0 else math.nan
-        mu0, tau0, scores = self._draws(max(scale, 1e-9), freedom if is_scaled else None)
+        mu0, tau0, scores = self._sample(max(scale, 1e-9), freedom if is_scaled else None)
         named = {name: scores[:, place] for place, name in enumerate(self.nuisances) if name not in (GAIN, SPREAD)}
         return Fit(
             self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend, mu0, tau0,
-            self._hardness(named), self._growth(named), self._ratio_of(scores, mu0, tau0), named,
+            self._hardness(named), self._growth(named), self._mean_ratio(scores, mu0, tau0), named,
         )  # fmt: skip
 
-    def _ratio_of(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """(draws,) A/F of the tests (1/GPa) that slid, each with its weight, at scores (draws, nuisances)."""
+    def _mean_ratio(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
+        """Return the weighted A/F (1/GPa) of the tests with sliding, (samples,), at scores (samples, nuisances)."""
         rub, stick, _ = self._columns(scores, mu0, tau0)
         ratio = stick[:, self.slid] / rub[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
 
     @cached_property
     def growth(self) -> UncertainInput | None:
-        """α of junction growth of the tests, 0 of tests without it that depend on it; None where tests differ in it.
-
-        None also where no test depends on α.
-        """
+        """Junction growth α of the tests; None if tests differ, or if no test depends on α."""
         grown = [each.yields.growth for each in self._friction if each.yields and each.yields.growth]
         if grown:
             return grown[0] if len({each.text for each in grown}) == 1 else None
@@ -366,41 +365,41 @@ class CalibrationProblem:
         return parse_input("junction_growth", 0.0) if any(depend) else None
 
     def _growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """(draws,) α of junction growth of the tests; NaN where there is none, or another in other tests."""
+        """Return α of the tests, (samples,); NaN if tests differ, or if none depends on it."""
         from scipy.special import ndtr
 
         if self.growth is None or self.growth.is_exact:
-            return np.full(NUM_DRAWS, math.nan if self.growth is None else self.growth.value)
+            return np.full(NUM_SAMPLES, math.nan if self.growth is None else self.growth.value)
         keys = [each.yields.key("junction_growth") for each in self._friction if each.yields and each.yields.growth]
         return np.asarray(self.growth.quantile(ndtr(scores[keys[0]])))
 
     @cached_property
     def shared_hardness(self) -> Any:
-        """The range of hardness that all tests have, as it is known; None where there is none."""
+        """Range of hardness that all tests share; None without a common hardness."""
         first = self._friction[0].yields
         yields = [each.yields for each in self._friction]
         names = {each.key("hardness") if each and "hardness" in each.known else "" for each in yields}
         return first.known["hardness"] if first is not None and len(names) == 1 and all(names) else None
 
     def _hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """(draws,) hardness (GPa) that all tests have; NaN where there is none, or another in other tests."""
+        """Return the common hardness (GPa) of all tests, (samples,); NaN without one."""
         from scipy.special import ndtr
 
         first = self._friction[0]
         if self.shared_hardness is not None and first.yields is not None:
             return np.asarray(self.shared_hardness.quantile(ndtr(scores[first.yields.key("hardness")])))
         ones = {each.hardness for each in self._friction}
-        return np.full(NUM_DRAWS, first.hardness if len(ones) == 1 else math.nan)
+        return np.full(NUM_SAMPLES, first.hardness if len(ones) == 1 else math.nan)
 
     # ---- Density of mu0 and tau0 given the nuisances ----------------------------------------------------------------
 
     def _grid(self, points: Floats) -> _Grid:
-        """Grid of mu0 and tau0 at points (points, nuisances and the logarithm of the scale)."""
+        """Return the grid of mu0 and tau0 at points (points, nuisances and the logarithm of the scale)."""
         from scipy.special import log_ndtr
 
         if self.grows and len(points) > MAX_GRID_POINTS:
             parts = np.array_split(points, math.ceil(len(points) / MAX_GRID_POINTS))
-            return _joined([self._grid(each) for each in parts])
+            return _concatenate([self._grid(each) for each in parts])
         scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
         columns, spread = self._columns(scores), self._spread(scores)
         rows, norm = self._rows(columns, scale, spread)
@@ -427,8 +426,8 @@ class CalibrationProblem:
         rub, stick, right = columns[0], columns[1][..., np.newaxis, np.newaxis], columns[2]
         residuals: Iterable[Floats]
         if self.grows:
-            found, (rub, stick, right) = self._residuals(scores, scale, spread, mu0, np.broadcast_to(tau0, mu0.shape))
-            residuals = np.moveaxis(found, 1, 0)
+            misfit, (rub, stick, right) = self._residuals(scores, scale, spread, mu0, np.broadcast_to(tau0, mu0.shape))
+            residuals = np.moveaxis(misfit, 1, 0)
         else:
             each_row = np.moveaxis(rows, 1, 0)[..., np.newaxis, np.newaxis]
             residuals = (row[:, 2] - row[:, 1] * tau0 - row[:, 0] * mu0 for row in each_row)
@@ -444,7 +443,7 @@ class CalibrationProblem:
                 error = np.hypot(error, spread * self._run_errors[test])
             rubbing, lacking = (each[:, test, np.newaxis, np.newaxis] for each in (rub, right))
             log += log_ndtr((rubbing * mu0 + stick[:, test] * tau0 - lacking) / error[:, np.newaxis, np.newaxis])
-        # All values of mu0 and of tau0 A/F are as likely beforehand, whatever the areas, their growth and the gain.
+        # The prior is uniform in mu0 and in tau0 A/F, for any areas, junction growth and gain.
         best = log.reshape(len(points), -1).argmax(axis=1) if self.grows else np.zeros(len(points), int)
         sticking = stick.reshape(*stick.shape[:2], -1)[np.arange(len(points)), :, best]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -454,7 +453,7 @@ class CalibrationProblem:
             )  # fmt: skip
         if self.known[1] is None:
             volume = volume + np.log((cells.high - cells.low) / count)
-        volume = np.where(np.isfinite(volume), volume, 0.0)  # where every interface seizes
+        volume = np.where(np.isfinite(volume), volume, 0.0)  # if all interfaces seize
         width = np.log(step) if self.known[0] is None else np.zeros(step.shape)
         log += (norm + volume)[:, np.newaxis, np.newaxis] + width[..., np.newaxis]
         return _Grid(cells, np.where(np.isfinite(log), log, -np.inf))
@@ -466,15 +465,15 @@ class CalibrationProblem:
     def _around_growth(
         self, cells: _Cells, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _Cells:
-        """Return cells that follow the most likely mu0 of contacts that grow.
+        """Return cells around the best mu0 with junction growth.
 
-        The columns are those at the measured coefficients.
+        The columns are for the measured coefficients.
         """
         robust = self.best.robust[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
 
         def residuals(mu0: Floats, tau0: Floats) -> Floats:
-            found, _ = self._residuals(scores, scale, spread, mu0, tau0)
-            return np.asarray(found * robust.reshape(-1, *(1 for _ in mu0.shape[1:])))
+            misfit, _ = self._residuals(scores, scale, spread, mu0, tau0)
+            return np.asarray(misfit * robust.reshape(-1, *(1 for _ in mu0.shape[1:])))
 
         def best_at(tau0: Floats) -> tuple[Floats, Floats, Floats]:
             if self.known[0] is not None:
@@ -485,7 +484,7 @@ class CalibrationProblem:
             return best_coefficients(residuals, start, tau0)
 
         if self.known[1] is None:
-            # With mu0 = 0 and the area at the measured coefficient every test has a largest tau0.
+            # With mu0 = 0 and the area at the measured coefficient, each test limits tau0.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = 2 * (math.sqrt(cells.depth) + math.sqrt(robust.size)) * error[:, self.slid] / robust
             with np.errstate(divide="ignore"):
@@ -496,12 +495,12 @@ class CalibrationProblem:
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         best, slope, _ = best_at(tau0)
         above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # A coefficient rises more slowly with mu0 below the best one, at the least as without growth.
+        # Below the best mu0 the coefficient increases more slowly with mu0, at least as fast as without growth.
         below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
         return replace(cells, best=best, below=below, above=above)
 
     def _coefficients(self, cells: _Cells, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
-        """Start and step of the cells of mu0 at each tau0, by numbers of points and rows: at least 0."""
+        """Return start and step of the cells of mu0 >= 0 at each tau0, for indices of points and rows."""
         if self.known[0] is not None:
             return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
         if cells.best is None:
@@ -521,36 +520,36 @@ class CalibrationProblem:
 
     # ---- Nuisances --------------------------------------------------------------------------------------------------
 
-    def _draws(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
-        """(draws,) of mu0 and tau0 (GPa), and (draws, nuisances) scores.
+    def _sample(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
+        """Return samples of mu0 and tau0 (GPa), and scores (samples, nuisances).
 
-        With degrees of freedom, errors are known up to a factor.
+        If `freedom` is given, errors are known up to a factor.
         """
         count = len(self.nuisances)
         active = [*range(count), *([count] if freedom is not None else [])]
         mean, covariance = self._first_proposal(scale, freedom)
-        points, grid, log_weight = self._weighted(mean, covariance, active, ROUND_POINTS if active else 1)
+        points, grid, log_weight = self._weigh(mean, covariance, active, ROUND_POINTS if active else 1)
         for seed in range(1, MAX_ROUNDS if active else 0):
             if _effective(log_weight) > MIN_SAMPLE_FRACTION * ROUND_POINTS:
                 break
-            power = 1.0  # tempered weights, where a few points have them all
+            power = 1.0  # weights are tempered if a few points dominate
             while power > 1e-3 and _effective(power * log_weight) < 0.15 * ROUND_POINTS:
                 power *= 0.7
             weight = np.exp(power * (log_weight - log_weight.max()))
             mean = np.average(points[:, active], axis=0, weights=weight)
             covariance = np.cov(points[:, active].T, aweights=weight, ddof=0).reshape(len(active), -1)
             covariance = covariance + 1e-6 * np.eye(len(active))
-            points, grid, log_weight = self._weighted(mean, covariance, active, ROUND_POINTS, seed)
+            points, grid, log_weight = self._weigh(mean, covariance, active, ROUND_POINTS, seed)
         size = min(FINAL_POINTS[0] << len(active), FINAL_POINTS[1])
         while active:
-            points, grid, log_weight = self._weighted(mean, covariance, active, size, MAX_ROUNDS)
+            points, grid, log_weight = self._weigh(mean, covariance, active, size, MAX_ROUNDS)
             if _effective(log_weight) > min(MIN_EFFECTIVE, MIN_SAMPLE_FRACTION * size) or size >= MAX_POINTS:
                 break
             size *= 2
-        return self._resampled(points, grid, log_weight)
+        return self._resample(points, grid, log_weight)
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
-        """Mean and covariance of nuisances, and of the logarithm of the scale, around the best fit."""
+        """Return mean and covariance of nuisances and of the logarithm of the scale, around the best fit."""
         moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)
@@ -564,10 +563,10 @@ class CalibrationProblem:
             mean[-1], covariance[-1, -1] = math.log(scale), 1.0 / freedom
         return mean, covariance
 
-    def _weighted(
+    def _weigh(
         self, mean: Floats, covariance: Floats, active: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _Grid, Floats]:
-        """Points of the proposal, their grids, and logarithms of their weights."""
+        """Return points of the proposal, their grids, and logarithms of their weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -585,30 +584,30 @@ class CalibrationProblem:
         log = log + evidence - 0.5 * (points[:, : len(self.nuisances)] ** 2).sum(axis=1)
         return points, grid, np.where(np.isfinite(log), log, -np.inf)
 
-    def _resampled(self, points: Floats, grid: _Grid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
-        """Draws from the cells of all nuisance points."""
+    def _resample(self, points: Floats, grid: _Grid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return samples from the cells of all nuisance points."""
         random = np.random.default_rng(0)
         inside = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
             excess = log_weight - np.logaddexp.reduce(inside, axis=1)
-        excess = np.where(np.isfinite(log_weight), excess, 0.0)  # where every interface seizes
+        excess = np.where(np.isfinite(log_weight), excess, 0.0)  # if all interfaces seize
         log = inside + excess[:, np.newaxis]
         total = np.cumsum(np.exp(log - log.max()))
-        # Systematic: each nuisance point has its share of the draws, and so have the cells within.
-        wanted = (np.arange(NUM_DRAWS) + random.random()) / NUM_DRAWS * total[-1]
+        # Systematic resampling: nuisance points and their cells are represented in proportion to their weights.
+        wanted = (np.arange(NUM_SAMPLES) + random.random()) / NUM_SAMPLES * total[-1]
         place = np.minimum(np.searchsorted(total, wanted), total.size - 1)
         place = random.permutation(place)
         point, row, column = np.unravel_index(place, grid.log_probability.shape)
         low, high = grid.cells.low[point], grid.cells.high[point]
-        tau0 = low + (high - low) * (row + random.random(NUM_DRAWS)) / grid.log_probability.shape[1]
+        tau0 = low + (high - low) * (row + random.random(NUM_SAMPLES)) / grid.log_probability.shape[1]
         start, step = self._coefficients(grid.cells, point, row, tau0)
-        mu0 = start + step * (column + random.random(NUM_DRAWS))
+        mu0 = start + step * (column + random.random(NUM_SAMPLES))
         return mu0, tau0, points[point, : len(self.nuisances)]
 
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def advice(self) -> tuple[tuple[str, float, float], ...]:
-        """What would tell mu0 and tau0 apart, with the standard errors that are expected."""
+        """Return further tests that would separate mu0 and tau0, with the expected standard errors."""
         mu0, tau0 = self.best.mu0, self.best.tau0
         at = self.best.scores[np.newaxis], np.array([mu0]), np.array([tau0])
         rub, stick, _ = (each[0] for each in self._columns(*at))
@@ -620,26 +619,26 @@ class CalibrationProblem:
             ("as many tests on a second finish, elastic, three times as rough", np.full(count, ratio / 3)),
             ("as many tests with the same film on a body twice as hard", np.full(count, ratio / 2)),
         )
-        found = []
+        plans_with_errors = []
         for words, more in plans:
             ratios = np.concatenate([np.full(count, ratio), more])
             errors = relative * np.maximum(mu0 + tau0 * ratios, 1e-12)
             matrix = np.stack([1 / errors, ratios / errors], axis=1)
             covariance = np.linalg.inv(matrix.T @ matrix)
-            found.append((words, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))
-        return tuple(found)
+            plans_with_errors.append((words, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))
+        return tuple(plans_with_errors)
 
 
-def _joined(grids: Sequence[_Grid]) -> _Grid:
-    """Return one grid of several, point after point."""
+def _concatenate(grids: Sequence[_Grid]) -> _Grid:
+    """Concatenate grids along the points."""
     cells = [grid.cells for grid in grids]
     names = ("triangle", "low", "high", *(("best", "below", "above") if cells[0].best is not None else ()))
     joined: dict[str, Any] = {name: np.concatenate([getattr(each, name) for each in cells]) for name in names}
     return _Grid(replace(cells[0], **joined), np.concatenate([grid.log_probability for grid in grids]))
 
 
-def _runs_of(tests: Sequence[FrictionTest]) -> Floats:
-    """(runs, tests) 1 where a test belongs to a run; no rows unless two runs are named, one of them with two tests."""
+def _run_members(tests: Sequence[FrictionTest]) -> Floats:
+    """Return indicators (runs, tests) of runs; no rows unless there are two runs, one of them with two tests."""
     runs = [test.run for test in tests]
     names = [run for run in dict.fromkeys(runs) if run is not None]
     if len(names) < 2 or all(runs.count(name) < 2 for name in names):
@@ -648,7 +647,7 @@ def _runs_of(tests: Sequence[FrictionTest]) -> Floats:
 
 
 def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) -> tuple[float, float]:
-    """Most likely mu0 and tau0 (GPa), at least 0, of equations (tests, 3) with weights."""
+    """Return the best mu0 and tau0 (GPa), at least 0, of weighted equations (tests, 3)."""
     from scipy.optimize import lsq_linear
 
     free = [value is None for value in known]
@@ -663,7 +662,7 @@ def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) ->
 
 
 def _triangle(rows: Floats) -> Floats:
-    """(points, 3, 3) triangular factors of equations (points, tests, 3), with positive diagonals of mu0 and tau0."""
+    """Return triangular factors (points, 3, 3) of equations (points, tests, 3), with positive diagonals."""
     if rows.shape[1] < 3:
         rows = np.concatenate([rows, np.zeros((len(rows), 3 - rows.shape[1], 3))], axis=1)
     factor: Floats = np.asarray(np.linalg.qr(rows, mode="r"))
@@ -675,14 +674,14 @@ def _triangle(rows: Floats) -> Floats:
 
 
 def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Ends of tau0 where -2 ln(density), at the best mu0 of at least 0, is within a depth of its least value."""
+    """Return the range of tau0 in which -2 ln(density) at the best mu0 >= 0 is within `depth` of its minimum."""
     one, both = triangle[:, 0], triangle[:, 1]
-    curvature = both[:, 1] ** 2 + one[:, 1] ** 2  # where mu0 is 0
+    curvature = both[:, 1] ** 2 + one[:, 1] ** 2  # for mu0 = 0
     centre, at_bound = both[:, 2] / both[:, 1], (both[:, 1] * both[:, 2] + one[:, 1] * one[:, 2]) / curvature
     corner = one[:, 2] / np.where(one[:, 1] == 0, 1e-300, one[:, 1])
 
     def of(tau0: Floats) -> Floats:
-        mu0 = one[:, 2] - one[:, 1] * tau0  # over a positive number
+        mu0 = one[:, 2] - one[:, 1] * tau0  # times a positive factor
         return np.asarray((both[:, 2] - both[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
     least = np.min([of(np.maximum(each, 0.0)) for each in (centre, at_bound, corner, np.zeros(len(centre)))], axis=0)
@@ -698,7 +697,7 @@ def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
 
 
 def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """The same at a known mu0."""
+    """Return the range of tau0 as `_range` does, for a fixed mu0."""
     one, both = triangle[:, 0], triangle[:, 1]
     curvature = both[:, 1] ** 2 + one[:, 1] ** 2
     centre = (both[:, 1] * both[:, 2] + one[:, 1] * (one[:, 2] - one[:, 0] * mu0)) / curvature
@@ -708,6 +707,6 @@ def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Float
 
 
 def _effective(log_weight: Floats) -> float:
-    """Effective sample size of weights."""
+    """Return the effective sample size of weights."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())
