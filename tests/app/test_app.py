@@ -17,7 +17,7 @@ pytest.importorskip("selenium", reason="selenium is not installed")
 from app.served import PATIENCE, served, until, write_maps
 from stiction import Profile, Study, Surface, run, write_profile, write_surface
 from stiction._number_format import with_unit
-from stiction.app.run import ALONE, is_left
+from stiction.app.run import MAX_WINDOW_ABSENCE, is_abandoned
 from stiction.app.server import OPTIONS
 from stiction.cli import result_output
 from support.command import call_stiction, check_stiction
@@ -515,16 +515,16 @@ def test_app_has_no_accessibility_violations(fresh, maps):
 
 
 def test_server_waits_longer_for_the_first_window():
-    window = SimpleNamespace(asked=100.0, has_window=True)
-    assert not is_left(window, 100.0 + ALONE)
-    assert is_left(window, 100.5 + ALONE)
-    assert not is_left(SimpleNamespace(asked=100.0, has_window=False), 100.5 + ALONE)
+    window = SimpleNamespace(last_request_time=100.0, has_window=True)
+    assert not is_abandoned(window, 100.0 + MAX_WINDOW_ABSENCE)
+    assert is_abandoned(window, 100.5 + MAX_WINDOW_ABSENCE)
+    assert not is_abandoned(SimpleNamespace(last_request_time=100.0, has_window=False), 100.5 + MAX_WINDOW_ABSENCE)
 
 
 def test_server_ends_after_its_last_window_is_closed(tmp_path, tmp_path_factory):
     """Here it asks whether anybody is there once somebody was, and that is the last that it hears."""
-    code = "from stiction.app import run; from stiction.cli.application import print_message; run.ALONE = 1.5; "
-    code += "run.run(print_message=print_message)"
+    code = "from stiction.app import run; from stiction.cli.application import print_message; "
+    code += "run.MAX_WINDOW_ABSENCE = 1.5; run.run(print_message=print_message)"
     with served(tmp_path, code=code) as server, browser.browser(tmp_path_factory.mktemp("profile")) as driver:
         driver.get(server.address)
         driver.get("about:blank")

@@ -17,7 +17,7 @@ FIELDS: dict[str, FormField] = {
 """Fields by the name of their option, without dashes."""
 
 READING = tuple(flag for flag, field in FIELDS.items() if field.place == "scan")
-"""Reading options, which the page has once for each scan."""
+"""Reading options. The form has these options for each scan."""
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
@@ -39,7 +39,7 @@ def _field_html(flag: str, field: FormField) -> str:
 
 
 def numbers_json() -> str:
-    """Return JSON that tells the page how to complete entries: units of bare numbers, and options with commas."""
+    """Return the JSON by which the page completes entries: units of plain numbers, and options with commas."""
     units = {flag: f" {field.unit}" for flag, field in FIELDS.items() if field.unit}
     return json.dumps({"units": units, "texts": [flag for flag, field in FIELDS.items() if field.has_commas]})
 

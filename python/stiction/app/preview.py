@@ -1,4 +1,4 @@
-"""`python -m stiction.app.preview FILE READING`: print the content of a scan as JSON with a small image.
+"""Command `python -m stiction.app.preview FILE READING`: prints the content of a scan as JSON with a small image.
 
 READING is JSON: options of `read_measurement` by name, with text values.
 """
@@ -24,7 +24,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import check_roughness, rms_gradient, roughness_parameters
 
 MAX_DRAWN_POINTS = 160  # maximum number of rows, columns or points of an image
-COLOURS = ("#7a8490", "#8a63c7")  # of the lower and upper line, visible on light and dark backgrounds
+COLOURS = ("#7a8490", "#8a63c7")  # colours of the lower and upper line, visible on light and dark backgrounds
 
 
 def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
@@ -52,10 +52,10 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
     if isinstance(levelled_body, Profile):
         kind, image = (
             "svg+xml",
-            svg(levelled_body.heights[:: -(-len(levelled_body) // (3 * MAX_DRAWN_POINTS))]).encode(),
+            draw_svg(levelled_body.heights[:: -(-len(levelled_body) // (3 * MAX_DRAWN_POINTS))]).encode(),
         )
     else:
-        kind, image = "png", png(levelled_body.heights, levelled_body.extent)
+        kind, image = "png", render_png(levelled_body.heights, levelled_body.extent)
     return {
         "holds": "profile" if is_profile else "surface", names[0]: height, names[1]: slope,
         "words": f"{size}, {points} points; {names[0]} {with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
@@ -65,23 +65,25 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def svg(*lines: Floats) -> str:
+def draw_svg(*lines: Floats) -> str:
     """Draw lines in one frame as SVG."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
     for line, colour in zip(lines, COLOURS, strict=False):
         x, y = np.linspace(0, 300, len(line)), 95 - 90 * (line - low) / ((high - low) or 1.0)
-        points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+        points = " ".join(f"{px:.1f},{py:.1f}" for px, py in zip(x, y, strict=True))
         elements += f'<polyline fill="none" stroke="{colour}" points="{points}"/>'
     return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 100">{elements}</svg>'
 
 
-def png(heights: Floats, extent: tuple[float, float]) -> bytes:
+def render_png(heights: Floats, extent: tuple[float, float]) -> bytes:
     """Render a height map as a PNG with square pixels; the first row is at the bottom."""
     from matplotlib.image import imsave
 
-    sizes = [max(2, round(MAX_DRAWN_POINTS * item / max(extent))) for item in extent]
-    rows, columns = (np.linspace(0, n - 1, m).round().astype(int) for n, m in zip(heights.shape, sizes, strict=True))
+    sizes = [max(2, round(MAX_DRAWN_POINTS * length / max(extent))) for length in extent]
+    rows, columns = (
+        np.linspace(0, count - 1, size).round().astype(int) for count, size in zip(heights.shape, sizes, strict=True)
+    )
     file = io.BytesIO()
     imsave(file, heights[np.ix_(rows, columns)], cmap=HEIGHT_MAP, origin="lower")
     return file.getvalue()

@@ -1,4 +1,4 @@
-"""Worker process that reads a result for the server: prints its values and writes the files to save."""
+"""Worker process that reads a result for the server, prints its values and writes the files to save."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from stiction.app.jobs import FAULTS, without_paths
+from stiction.app.jobs import REPORTED_ERRORS, remove_paths
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import OPTIONS, name_on_command_line
 from stiction.studies.result import Result, open_result
@@ -24,32 +24,33 @@ def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Stu
     values: dict[str, list[str]] = {}
     for flag, text in options:
         values.setdefault(fields[f"--{flag}"], []).append(text)
-    chosen = {name: texts if OPTIONS[name].is_repeatable else texts[0] for name, texts in values.items()}
-    return Pair.from_values(upper=files[0], lower=files[1], **chosen).preview_study
+    arguments = {name: texts if OPTIONS[name].is_repeatable else texts[0] for name, texts in values.items()}
+    return Pair.from_values(upper=files[0], lower=files[1], **arguments).preview_study
 
 
 def main() -> None:
     """Print the values of a result and its number of members, and write its report and files.
 
-    The argument is JSON: `folder` of the result, or `first` with the scans and options of a preview; `name`; the
-    `command` of a final result (empty for an intermediate result); `files`, the directory to write; and the private
-    directory `root`.
+    The argument is JSON: `folder` of the result, or `preview` with the scans and options of a `pair` command; `name`;
+    the `command` of a final result (empty for an intermediate result); `files`, the directory to write; and the
+    private directory `root`.
     """
     request = json.loads(sys.argv[1])
     try:
-        if "first" in request:
-            study = load_preview_study([Path(each) for each in request["first"][0]], request["first"][1])
+        if "preview" in request:
+            files, options = request["preview"]
+            study = load_preview_study([Path(file) for file in files], options)
             result = None if study is None else preview_result(study)
         else:
             result = open_result(request["folder"])
         print(json.dumps(None if result is None else _write_files(result, request)))
-    except FAULTS as error:
+    except REPORTED_ERRORS as error:
         sys.exit(f"stiction: {error or 'not enough memory for this result'}")
 
 
 def _write_files(result: Result, request: dict[str, Any]) -> dict[str, Any]:
     command = request["command"]
-    answer = point_record(result.summary().first)
+    record = point_record(result.summary().first)
     texts = {"page.html": report_page(result, name=request["name"])}
     if result.path is not None and command:
         texts |= {
@@ -60,8 +61,8 @@ def _write_files(result: Result, request: dict[str, Any]) -> dict[str, Any]:
     files = Path(request["files"])
     files.mkdir(parents=True)
     for name, text in texts.items():
-        (files / name).write_text(without_paths(text, request["root"]), "utf-8", "replace")
-    return {"answer": answer, "finished": int(result.members.size), "total": result.study.ensemble.repetitions}
+        (files / name).write_text(remove_paths(text, request["root"]), "utf-8", "replace")
+    return {"answer": record, "finished": int(result.members.size), "total": result.study.ensemble.repetitions}
 
 
 if __name__ == "__main__":

@@ -19,12 +19,12 @@ from stiction.app.server import Server
 
 PREFIX = "stiction-app-"
 
-ALONE = 90.0
+MAX_WINDOW_ABSENCE = 90.0
 """Seconds without a request after which the server exits; browsers limit hidden windows to one per minute."""
 
 MAX_WAIT_FIRST_WINDOW = 600.0  # seconds that the server waits for the first window
 
-MAX_IDLE = 20.0  # seconds that a connection may take to send the head of its request
+MAX_IDLE = 20.0  # seconds within which a connection must send the head of its request
 MAX_IDLE_CONNECTIONS = 64
 """Maximum number of connections without a complete request head; the oldest one is closed."""
 
@@ -90,15 +90,15 @@ async def _serve(
         loop.add_signal_handler(number, end)
     # uvicorn's handlers would raise the signal again, and the directory would not be removed.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
-    server.asked = loop.time()
+    server.last_request_time = loop.time()
     task = asyncio.create_task(http_server.serve(sockets=[listener]))
     await asyncio.to_thread(webbrowser.open, address)
     while not task.done():
         await asyncio.wait([task], timeout=0.5)
-        if not keep and is_left(server, loop.time()):
+        if not keep and is_abandoned(server, loop.time()):
             end()
 
 
-def is_left(server: Server, now: float) -> bool:
+def is_abandoned(server: Server, now: float) -> bool:
     """Return whether all windows are closed, or no window was opened in time."""
-    return now - server.asked > (ALONE if server.has_window else MAX_WAIT_FIRST_WINDOW)
+    return now - server.last_request_time > (MAX_WINDOW_ABSENCE if server.has_window else MAX_WAIT_FIRST_WINDOW)

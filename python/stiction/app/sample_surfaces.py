@@ -1,4 +1,4 @@
-"""Generated surfaces: the two sample surfaces, and the profiles described by the sliders."""
+"""Generated surfaces: two sample surfaces, and the profiles defined by the sliders."""
 
 from __future__ import annotations
 
@@ -7,28 +7,28 @@ from typing import Any
 
 import numpy as np
 
-from stiction.app.preview import MAX_DRAWN_POINTS, svg
+from stiction.app.preview import MAX_DRAWN_POINTS, draw_svg
 from stiction.studies.members import generate_pairs
 from stiction.studies.study import Study
 from stiction.surfaces.measured.writing import write_surface
 from stiction.surfaces.self_affine import self_affine_surface
 
 
-def surfaces(folder: Path) -> list[Path]:
+def write_samples(folder: Path) -> list[Path]:
     """Write an upper and a lower ground surface of 26 µm with an rms height of 50 nm (Sq)."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"{side}.csv" for side in ("upper", "lower")]
     for path in paths:
         if not path.exists():
-            face = self_affine_surface(
+            surface = self_affine_surface(
                 12, hurst_exponent=0.8, rms=0.05, shape=(128, 128), spacing=0.2, longest_wavelength=6.0,
                 shortest_wavelength=1.0, side=path.stem,  # type: ignore[arg-type]
             )  # fmt: skip
-            write_surface(face, path)
+            write_surface(surface, path)
     return paths
 
 
-def profiles(changes: Any) -> str:
+def draw_profiles(changes: Any) -> str:
     """Draw the first pair of `quick` with these changes around its first contact, as SVG."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
@@ -37,4 +37,4 @@ def profiles(changes: Any) -> str:
     width = min(len(lower), round(4 * surfaces.longest() / lower.spacing))
     start = max(0, min(contact_index - width // 2, len(lower) - width))
     window = slice(start, start + width, max(1, width // (3 * MAX_DRAWN_POINTS)))
-    return svg(lower.heights[window], upper.heights[window] - gap[contact_index])
+    return draw_svg(lower.heights[window], upper.heights[window] - gap[contact_index])

@@ -27,7 +27,7 @@ from stiction._files import replaced_file
 from stiction._units import short_repr
 from stiction.app import sample_surfaces
 from stiction.app.form import FIELDS, READING, fields_html, numbers_json
-from stiction.app.jobs import Job, Jobs, RefusedError, without_paths
+from stiction.app.jobs import Job, Jobs, RejectedError, remove_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
 
@@ -66,15 +66,15 @@ FOREIGN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.\n", 
 
 
 class Server:
-    """ASGI application of the page. Scans and results are in `root`, existing results in `here`.
+    """ASGI application of the page. Scans and results are in `root`, existing results in `working_directory`.
 
     The server accepts requests from `origin` only. The first request needs `token`, all others two secrets: a cookie,
-    which a browser also sends to other ports of this computer, and a key, which only the page has. `asked` is the time
-    of the last request of a window by the clock of the event loop.
+    which a browser also sends to other ports of this computer, and a key, which only the page has. `last_request_time`
+    is the time of the last request of a window, by the clock of the event loop.
     """
 
-    def __init__(self, root: Path, here: Path, port: int, *, has_demo: bool = False) -> None:
-        self.root, self.here, self.has_demo = root, here, has_demo
+    def __init__(self, root: Path, working_directory: Path, port: int, *, has_demo: bool = False) -> None:
+        self.root, self.working_directory, self.has_demo = root, working_directory, has_demo
         self.host = f"127.0.0.1:{port}"
         self.origin = f"http://{self.host}"
         self.token: str | None = secrets.token_urlsafe(24)
@@ -83,31 +83,32 @@ class Server:
         self.jobs = Jobs(root)
         self.scans: dict[str, Path] = {}
         self.points: dict[str, int] = {}
-        self.arriving = 0
-        self.asked, self.has_window = 0.0, False
+        self.num_arriving_bytes = 0
+        self.last_request_time, self.has_window = 0.0, False
         self._requests: set[asyncio.Task[Any]] = set()
         self._has_ended = False
         routes: list[tuple[str, str, Any]] = [
-            ("GET", "/", self.page), ("GET", "/app.{kind:str}", self.part),
-            ("PUT", "/scans", self.take), ("GET", "/scans/{scan}", self.look), ("POST", "/demo", self.demo),
-            ("GET", "/scans/{scan}/{name}", self.scan), ("GET", "/jobs", self.list_jobs), ("POST", "/jobs", self.ask),
-            ("POST", "/jobs/{job:int}/stop", self.stop), ("GET", "/jobs/{job:int}/at", self.at),
-            ("GET", "/jobs/{job:int}/{what}", self.share), ("GET", "/results", self.results),
-            ("GET", "/profiles", self.profiles), ("POST", "/menu", self.menu),
+            ("GET", "/", self.get_page), ("GET", "/app.{kind:str}", self.get_asset),
+            ("PUT", "/scans", self.store_scan), ("GET", "/scans/{scan}", self.preview_scan),
+            ("POST", "/demo", self.add_samples), ("GET", "/scans/{scan}/{name}", self.get_scan),
+            ("GET", "/jobs", self.list_jobs), ("POST", "/jobs", self.add_job),
+            ("POST", "/jobs/{job:int}/stop", self.stop_job), ("GET", "/jobs/{job:int}/at", self.evaluate_result),
+            ("GET", "/jobs/{job:int}/{name}", self.get_file), ("GET", "/results", self.list_results),
+            ("GET", "/profiles", self.draw_profiles), ("POST", "/menu", self.add_menu_entry),
         ]  # fmt: skip
         self._app = Starlette(
             routes=[Route(path, handler, methods=[method]) for method, path, handler in routes],
-            exception_handlers=dict.fromkeys(REQUEST_ERRORS, _refusal),
-            lifespan=self._life,
+            exception_handlers=dict.fromkeys(REQUEST_ERRORS, _error_response),
+            lifespan=self._lifespan,
         )  # fmt: skip
 
     @asynccontextmanager
-    async def _life(self, _: Starlette) -> AsyncIterator[None]:
+    async def _lifespan(self, _: Starlette) -> AsyncIterator[None]:
         yield
         await self.jobs.end()
 
     def end(self) -> None:
-        """Answer all pending and later requests with the message that the server has ended."""
+        """Respond to all pending and later requests with the message that the server has ended."""
         self._has_ended = True
         for task in self._requests:
             task.cancel()
@@ -115,9 +116,9 @@ class Server:
     # ---- Access control ---------------------------------------------------------------------------------------------
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
-        """Answer a request of our own page and reject all others."""
+        """Respond to a request of the page, and reject all other requests."""
 
-        async def sent(message: Any) -> None:
+        async def send_with_headers(message: Any) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
                 for name, value in HEADERS.items():
@@ -127,30 +128,30 @@ class Server:
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
         if self._has_ended:
-            return await ENDED_RESPONSE(scope, receive, sent)
+            return await ENDED_RESPONSE(scope, receive, send_with_headers)
         task: Any = asyncio.current_task()
         self._requests.add(task)
         try:
             async with asyncio.timeout(MAX_REQUEST_TIME):
-                await (self._refused(Request(scope)) or self._app)(scope, receive, sent)
+                await (self._rejection(Request(scope)) or self._app)(scope, receive, send_with_headers)
         except TimeoutError:
             pass
         except asyncio.CancelledError:
             with suppress(RuntimeError):  # the response has already started
-                await ENDED_RESPONSE(scope, receive, sent)
+                await ENDED_RESPONSE(scope, receive, send_with_headers)
         finally:
             self._requests.discard(task)
 
-    def _refused(self, request: Request) -> Response | None:
+    def _rejection(self, request: Request) -> Response | None:
         headers = request.headers
         if headers.getlist("host") != [self.host]:
             return PlainTextResponse(f"This server accepts requests for {self.origin} only.\n", 421)
         origin = headers.getlist("origin")
-        if any(each != self.origin for each in origin) or (request.method != "GET" and not origin):
+        if any(item != self.origin for item in origin) or (request.method != "GET" and not origin):
             return FOREIGN_RESPONSE
         token = request.query_params.get("token", "")
         if request.url.path == "/" and request.method == "GET" and token:
-            if self.token is not None and _same(token, self.token):
+            if self.token is not None and _are_equal(token, self.token):
                 self.token = None
                 response = RedirectResponse(f"/#{self._key}", 303)
                 response.set_cookie(self._cookie, self._secret, httponly=True, samesite="strict", path="/")
@@ -158,8 +159,8 @@ class Server:
         elif headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
             return FOREIGN_RESPONSE
         key = headers.get(KEY_HEADER) or request.query_params.get("key", "")
-        is_known = request.url.path in PUBLIC_PATHS or _same(key, self._key)
-        if not (_same(request.cookies.get(self._cookie, ""), self._secret) and is_known):
+        has_access = request.url.path in PUBLIC_PATHS or _are_equal(key, self._key)
+        if not (_are_equal(request.cookies.get(self._cookie, ""), self._secret) and has_access):
             return PlainTextResponse(
                 "Open the address that `stiction app` has printed. It works in one browser.\n", 403
             )
@@ -167,49 +168,51 @@ class Server:
 
     # ---- Pages ------------------------------------------------------------------------------------------------------
 
-    async def page(self, _: Request) -> Response:
+    async def get_page(self, _: Request) -> Response:
         """Return the page."""
-        words = "".join(
-            f'<option value="{each.name}" data-young="{float(each.young_modulus):.4g}" '
-            f'data-poisson="{float(each.poisson_ratio):.3g}">{each.name}</option>'
-            for each in sorted(materials(), key=lambda each: each.name)
+        entries = "".join(
+            f'<option value="{material.name}" data-young="{float(material.young_modulus):.4g}" '
+            f'data-poisson="{float(material.poisson_ratio):.3g}">{material.name}</option>'
+            for material in sorted(materials(), key=lambda material: material.name)
         )
         demo, menu = "demo" if self.has_demo else "", "" if sys.platform == "linux" else "hidden"
-        text = Template(_file("app.html")).substitute(
-            materials=words, demo=demo, menu=menu, most=MAX_SCAN_BYTES, reading=fields_html("scan"),
+        text = Template(_read_file("app.html")).substitute(
+            materials=entries, demo=demo, menu=menu, max_bytes=MAX_SCAN_BYTES, reading=fields_html("scan"),
             more=fields_html("more"), numbers=numbers_json(),
         )  # fmt: skip
         return Response(text, media_type="text/html")
 
-    async def part(self, request: Request) -> Response:
+    async def get_asset(self, request: Request) -> Response:
         """Return the script, or the style sheets of the report and the app."""
         kind = request.path_params["kind"]
         if kind == "js":
-            return Response(_file("app.js"), media_type="text/javascript")
+            return Response(_read_file("app.js"), media_type="text/javascript")
         if kind != "css":
-            _missing()
-        return Response(_file("page.css", "stiction.views.report") + _file("app.css"), media_type="text/css")
+            _raise_not_found()
+        return Response(_read_file("page.css", "stiction.views.report") + _read_file("app.css"), media_type="text/css")
 
-    async def menu(self, _: Request) -> Response:
+    async def add_menu_entry(self, _: Request) -> Response:
         """Add the app to the applications menu of the desktop, so that it starts without a terminal."""
-        if re.search(r'["`$\\%\n]', f"{sys.executable}{self.here}"):
-            raise RefusedError(f"{sys.executable}: this path cannot be used in a menu entry")
+        if re.search(r'["`$\\%\n]', f"{sys.executable}{self.working_directory}"):
+            raise RejectedError(f"{sys.executable}: this path cannot be used in a menu entry")
         data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
         data.mkdir(parents=True, exist_ok=True)
         with replaced_file(data / "stiction.desktop", b"Name=stiction\n", ValueError) as partial:
             partial.write_text(
                 "[Desktop Entry]\nType=Application\nName=stiction\nComment=Static friction of two surfaces\n"
-                f'Exec="{sys.executable}" -P -m stiction app\nPath={self.here}\nCategories=Science;\n',
+                f'Exec="{sys.executable}" -P -m stiction app\nPath={self.working_directory}\nCategories=Science;\n',
                 "utf-8",
             )
         return JSONResponse({"file": str(data / "stiction.desktop")})
 
     # ---- Scans ------------------------------------------------------------------------------------------------------
 
-    async def take(self, request: Request) -> Response:
+    async def store_scan(self, request: Request) -> Response:
         """Store an uploaded scan under the last part of its name, without special characters."""
-        kept = sum(path.stat().st_size for path in self.scans.values())
-        length = _length(request, min(MAX_SCAN_BYTES, MAX_TOTAL_BYTES - kept - self.arriving))
+        num_stored_bytes = sum(path.stat().st_size for path in self.scans.values())
+        length = _body_length(
+            request, min(MAX_SCAN_BYTES, MAX_TOTAL_BYTES - num_stored_bytes - self.num_arriving_bytes)
+        )
         name = re.sub(r"[^\w.() -]", "_", re.split(r"[/\\]", request.query_params.get("name", ""))[-1]).strip(". ")
         stem, dot, ending = name.rpartition(".")
         name = (
@@ -219,7 +222,7 @@ class Server:
         )
         partial = self.root / f"{secrets.token_hex(4)}.partial"
         digest = hashlib.sha256(name.encode())
-        self.arriving += length
+        self.num_arriving_bytes += length
         try:
             with partial.open("wb") as file:
                 async for chunk in request.stream():
@@ -234,53 +237,53 @@ class Server:
             with suppress(RuntimeError):  # the request is complete
                 async for _ in request.stream():  # otherwise the browser would not receive the error
                     pass
-            raise RefusedError(f"the scan cannot be stored: {error.strerror}") from None
+            raise RejectedError(f"the scan cannot be stored: {error.strerror}") from None
         finally:
-            self.arriving -= length
+            self.num_arriving_bytes -= length
             partial.unlink(missing_ok=True)
         return JSONResponse({"scan": scan})
 
-    async def demo(self, _: Request) -> Response:
-        """Return two sample surfaces as if they had been uploaded."""
-        found = await asyncio.to_thread(sample_surfaces.surfaces, self.root / "files" / "demo")
-        self.scans |= {path.stem: path for path in found}
-        return JSONResponse([{"scan": path.stem, "name": path.name} for path in found])
+    async def add_samples(self, _: Request) -> Response:
+        """Store two sample surfaces like uploaded scans."""
+        paths = await asyncio.to_thread(sample_surfaces.write_samples, self.root / "files" / "demo")
+        self.scans |= {path.stem: path for path in paths}
+        return JSONResponse([{"scan": path.stem, "name": path.name} for path in paths])
 
-    def _scan(self, number: object) -> Path:
-        if number not in self.scans:
+    def _find_scan(self, identifier: object) -> Path:
+        if identifier not in self.scans:
             raise HTTPException(404, "this scan is no longer available; drop it again")
-        return self.scans[str(number)]
+        return self.scans[str(identifier)]
 
-    async def scan(self, request: Request) -> Response:
+    async def get_scan(self, request: Request) -> Response:
         """Return a scan as a file."""
-        path = self._scan(request.path_params["scan"])
+        path = self._find_scan(request.path_params["scan"])
         return FileResponse(path, filename=path.name)
 
-    async def look(self, request: Request) -> Response:
+    async def preview_scan(self, request: Request) -> Response:
         """Return the preview of a scan."""
         scan, query = request.path_params["scan"], request.query_params
         reading = json.dumps({name: query.get(name, "")[:80] for name in READING})
-        said = await self.jobs.said(["stiction.app.preview", str(self._scan(scan)), reading])
-        self.points[scan] = json.loads(said).get("points", 0)
-        return Response(said, media_type="application/json")
+        output = await self.jobs.run_reader(["stiction.app.preview", str(self._find_scan(scan)), reading])
+        self.points[scan] = json.loads(output).get("points", 0)
+        return Response(output, media_type="application/json")
 
     # ---- Jobs -------------------------------------------------------------------------------------------------------
 
     async def list_jobs(self, _: Request) -> Response:
         """Return the progress of all jobs."""
-        self.asked, self.has_window = asyncio.get_running_loop().time(), True
+        self.last_request_time, self.has_window = asyncio.get_running_loop().time(), True
         jobs = json.dumps([job.public() for job in self.jobs.all.values()])
-        return Response(without_paths(jobs, self.root), media_type="application/json")
+        return Response(remove_paths(jobs, self.root), media_type="application/json")
 
-    async def ask(self, request: Request) -> Response:
+    async def add_job(self, request: Request) -> Response:
         """Add a command to the queue: `pair` for two scans, `run` for generated surfaces, or an existing result."""
-        _length(request, MAX_REQUEST_BYTES)
-        if not isinstance(asked := await request.json(), dict):
+        _body_length(request, MAX_REQUEST_BYTES)
+        if not isinstance(body := await request.json(), dict):
             raise HTTPException(400)
-        command, options = asked.get("command"), asked.get("options")
+        command, options = body.get("command"), body.get("options")
         if command == "open":
-            name = asked.get("name", "")
-            folder = self._folders().get(name) or _missing("this result no longer exists")
+            name = body.get("name", "")
+            folder = self._find_results().get(name) or _raise_not_found("this result no longer exists")
             return JSONResponse({"job": self.jobs.add(name, ["info", name], folder=folder).number})
         if command not in OPTIONS or not isinstance(options, list):
             raise HTTPException(400)
@@ -289,58 +292,67 @@ class Server:
                 raise HTTPException(400)
             if name == "set" and not CHANGES.fullmatch(value):
                 raise HTTPException(400, f"the page cannot set {short_repr(value)}")
-        chosen = [f"--{name}={value}" for name, value in options]
+        arguments = [f"--{name}={value}" for name, value in options]
         if command == "run":
-            return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *chosen]).number})
-        scans = [asked.get(side) for side in ("upper", "lower")]
-        files = [self._scan(scan) for scan in scans]
+            return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *arguments]).number})
+        scans = [body.get(side) for side in ("upper", "lower")]
+        files = [self._find_scan(scan) for scan in scans]
         is_small = all(0 < self.points.get(str(scan), 0) <= MAX_PREVIEW_POINTS for scan in scans)
-        first = ([str(file) for file in files], options) if is_small else None
+        preview = ([str(file) for file in files], options) if is_small else None
         title = " on ".join(file.name for file in files)
-        return JSONResponse({"job": self.jobs.add(title, ["pair", *map(str, files), *chosen], first=first).number})
+        return JSONResponse(
+            {"job": self.jobs.add(title, ["pair", *map(str, files), *arguments], preview=preview).number}
+        )
 
-    def _job(self, request: Request) -> Job:
-        return self.jobs.all.get(request.path_params["job"]) or _missing()
+    def _find_job(self, request: Request) -> Job:
+        return self.jobs.all.get(request.path_params["job"]) or _raise_not_found()
 
-    async def stop(self, request: Request) -> Response:
+    async def stop_job(self, request: Request) -> Response:
         """Stop a job and keep its finished part."""
-        self._job(request).stop()
+        self._find_job(request).stop()
         return JSONResponse({})
 
-    async def at(self, request: Request) -> Response:
+    async def evaluate_result(self, request: Request) -> Response:
         """Return the values of a result for other mu0 and tau0."""
-        job, query = self._job(request), request.query_params
+        job, query = self._find_job(request), request.query_params
         numbers = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
-        said = await self.jobs.at(job, numbers, float(query["d"]) if "d" in query else None)
-        return Response(said, media_type="application/json")
+        output = await self.jobs.evaluate(job, numbers, float(query["d"]) if "d" in query else None)
+        return Response(output, media_type="application/json")
 
-    async def share(self, request: Request) -> Response:
+    async def get_file(self, request: Request) -> Response:
         """Return the report, JSON, CSV or study file of a job."""
-        folder, what = self._job(request).files or _missing(), request.path_params["what"]
-        if what not in [each.name for each in folder.iterdir()]:
-            _missing()
-        name = what if "save" in request.query_params else None
-        return FileResponse(folder / what, filename=name, headers={"content-security-policy": REPORT_POLICY})
+        folder, name = self._find_job(request).files or _raise_not_found(), request.path_params["name"]
+        if name not in [path.name for path in folder.iterdir()]:
+            _raise_not_found()
+        saved_name = name if "save" in request.query_params else None
+        return FileResponse(folder / name, filename=saved_name, headers={"content-security-policy": REPORT_POLICY})
 
     # ---- Existing results and generated surfaces -------------------------------------------------------------
 
-    def _folders(self) -> dict[str, Path]:
-        found = [each.parent for each in self.here.glob("*/study.toml") if (each.parent / "blocks").is_dir()]
-        return {os.fsencode(each.name).decode("utf-8", "replace"): each for each in sorted(found)[:MAX_LISTED_RESULTS]}
+    def _find_results(self) -> dict[str, Path]:
+        folders = [
+            path.parent for path in self.working_directory.glob("*/study.toml") if (path.parent / "blocks").is_dir()
+        ]
+        return {
+            os.fsencode(folder.name).decode("utf-8", "replace"): folder
+            for folder in sorted(folders)[:MAX_LISTED_RESULTS]
+        }
 
-    async def results(self, _: Request) -> Response:
+    async def list_results(self, _: Request) -> Response:
         """Return the results in the current directory with their progress."""
-        return JSONResponse(await asyncio.to_thread(lambda: [_listed(*each) for each in self._folders().items()]))
+        return JSONResponse(
+            await asyncio.to_thread(lambda: [_describe_result(*item) for item in self._find_results().items()])
+        )
 
-    async def profiles(self, request: Request) -> Response:
+    async def draw_profiles(self, request: Request) -> Response:
         """Return an image of two generated profiles around their first contact."""
         changes = dict(json.loads(request.query_params.get("set", "")))
         if not all(CHANGES.fullmatch(f"{key}=") for key in changes):
             raise HTTPException(400)
-        return Response(await asyncio.to_thread(sample_surfaces.profiles, changes), media_type="image/svg+xml")
+        return Response(await asyncio.to_thread(sample_surfaces.draw_profiles, changes), media_type="image/svg+xml")
 
 
-def _listed(name: str, folder: Path) -> dict[str, Any]:
+def _describe_result(name: str, folder: Path) -> dict[str, Any]:
     try:
         stored = open_stored(folder)
     except ValueError as error:
@@ -351,31 +363,31 @@ def _listed(name: str, folder: Path) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _file(name: str, package: str = "stiction.app") -> str:
+def _read_file(name: str, package: str = "stiction.app") -> str:
     return (resources.files(package) / name).read_text("utf-8")
 
 
-def _same(one: str, other: str) -> bool:
-    return secrets.compare_digest(one.encode(), other.encode())
+def _are_equal(first: str, second: str) -> bool:
+    return secrets.compare_digest(first.encode(), second.encode())
 
 
-def _missing(why: str | None = None) -> Any:
-    raise HTTPException(404, why)
+def _raise_not_found(reason: str | None = None) -> Any:
+    raise HTTPException(404, reason)
 
 
-async def _refusal(_: Request, refused: Exception) -> Response:
-    words = str(refused)
-    if isinstance(refused, OSError):
-        words = f"{Path(refused.filename or '').name or 'this'} cannot be written: {refused.strerror}"
-    return PlainTextResponse(words.encode("utf-8", "replace"), 400)
+async def _error_response(_: Request, error: Exception) -> Response:
+    message = str(error)
+    if isinstance(error, OSError):
+        message = f"{Path(error.filename or '').name or 'this'} cannot be written: {error.strerror}"
+    return PlainTextResponse(message.encode("utf-8", "replace"), 400)
 
 
-def _length(request: Request, most: int) -> int:
+def _body_length(request: Request, max_length: int) -> int:
     """Return the length of a request body; raise HTTPException if it is too long or unknown."""
     length = request.headers.get("content-length", "")
     if "transfer-encoding" in request.headers or not length.isdecimal():
         raise HTTPException(411)
-    if int(length) > most:
+    if int(length) > max_length:
         raise HTTPException(
             413,
             f"the limit is {MAX_SCAN_BYTES / 1e6:.0f} MB for a scan and {MAX_TOTAL_BYTES / 1e6:.0f} MB for all scans",
