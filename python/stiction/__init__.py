@@ -62,7 +62,7 @@ _PUBLIC_NAMES = {
     "stiction.views.calibration": "calibration_figure",
     "stiction.views.pair": "pair",
 }
-"""Public names, as the stub has them, by the module that defines them, which is imported at their first use."""
+"""Public names by module, as in the stub. A module is imported at the first use of one of its names."""
 
 _MODULES = {name: module for module, names in _PUBLIC_NAMES.items() for name in names.split()}
 
@@ -70,7 +70,7 @@ __all__ = sorted(_MODULES)
 
 
 def __getattr__(name: str) -> object:
-    from importlib import import_module  # here: a command begins by importing this module, and uses no name
+    from importlib import import_module  # imported here, because a command imports this module without using its names
 
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

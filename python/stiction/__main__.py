@@ -1,4 +1,4 @@
-"""`python -m stiction`."""
+"""Entry point of `python -m stiction`."""
 
 from stiction.cli import main
 

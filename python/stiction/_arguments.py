@@ -19,8 +19,8 @@ def split_values(value: Any) -> list[Any]:
     """Split a comma-separated string or a nested list into its values; any other value is returned in a list."""
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
-    several = isinstance(value, (list, tuple, range, np.ndarray)) and np.ndim(value) == 1
-    return [item for element in value for item in split_values(element)] if several else [value]
+    is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and np.ndim(value) == 1
+    return [item for element in value for item in split_values(element)] if is_sequence else [value]
 
 
 def _split_required(name: str, value: Any) -> list[Any]:
@@ -45,7 +45,7 @@ def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
 
 
 _DECIMAL_COMMA = re.compile(r"(?<![\d.])\d+,\d+(?![\d.])")
-"""A comma between two integers, which may be a decimal comma: "0,2", but not "0, 2" or "0.2,0.3"."""
+"""Comma between two integers, which may be a decimal comma: "0,2", but not "0, 2" or "0.2,0.3"."""
 
 
 def reject_decimal_commas(name: str, value: Any) -> None:
@@ -60,7 +60,7 @@ def reject_decimal_commas(name: str, value: Any) -> None:
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Return one or several numbers from numbers or strings; with `integers`, the comma in "0,90" is a separator."""
+    """Parse one or several numbers or strings. With `integers`, the comma in "0,90" separates two numbers."""
     if not integers:
         reject_decimal_commas(name, value)
     try:

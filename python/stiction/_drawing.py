@@ -172,7 +172,9 @@ def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
     if materials[0].ndim == 0:
         return []
     pairs = zip(materials[0].ravel().tolist(), materials[1].ravel().tolist(), strict=True)
-    return [[f"μ0 = {rub:g}" + (f", τ0 = {1000 * stick:g} MPa" if stick else "") for rub, stick in pairs]]
+    return [
+        [f"μ0 = {friction:g}" + (f", τ0 = {1000 * strength:g} MPa" if strength else "") for friction, strength in pairs]
+    ]
 
 
 def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[float, ...]) -> Axes:
@@ -181,8 +183,8 @@ def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[flo
         return _draw_line_contact(ax, pressure, heights, spacing[-1])
     box = map_extent(pressure.shape, spacing)
     ax.imshow(heights, extent=box, origin="lower", cmap="gray")
-    pressed = np.where(pressure > 0, pressure, np.nan)
-    image = ax.imshow(pressed, extent=box, origin="lower", cmap=PRESSURE_MAP, vmin=0, interpolation="nearest")
+    positive_pressure = np.where(pressure > 0, pressure, np.nan)
+    image = ax.imshow(positive_pressure, extent=box, origin="lower", cmap=PRESSURE_MAP, vmin=0, interpolation="nearest")
     add_colour_bar(ax, image, "pressure (GPa)")
     ax.set(xticks=[], yticks=[])
     add_scale_bar(ax, box)
@@ -207,15 +209,15 @@ def draw_onset(
 ) -> Axes:
     """Draw the tangential load over the displacement, or over the slipped area if the displacement is unknown."""
     has_displacement = bool(np.isfinite(displacement).all())
-    along = displacement if has_displacement else slipped_area
-    text = "slipped fraction of the area"
+    abscissa = displacement if has_displacement else slipped_area
+    axis_label = "slipped fraction of the area"
     if has_displacement:
-        along, unit = to_readable_unit(along)
-        text = f"displacement ({unit})"
+        abscissa, unit = to_readable_unit(abscissa)
+        axis_label = f"displacement ({unit})"
         elastic = sliding_load / stiffness * (1000 if unit == "nm" else 1)
         ax.plot([0, elastic], [0, sliding_load], color="0.6", linewidth=0.8, label="all sticks")
-    ax.plot(np.concatenate([[0.0], along]), np.concatenate([[0.0], load]), marker="o", markersize=3)
+    ax.plot(np.concatenate([[0.0], abscissa]), np.concatenate([[0.0], load]), marker="o", markersize=3)
     ax.axhline(sliding_load, color="0.3", linewidth=0.8, linestyle="--", label="slides")
-    ax.set(xlabel=text, ylabel="tangential load (mN)")
+    ax.set(xlabel=axis_label, ylabel="tangential load (mN)")
     ax.legend(frameon=False, fontsize="small", loc="lower right")
     return ax

@@ -125,7 +125,7 @@ def _has_mark(path: Path, mark: bytes) -> bool:
 
 
 class NotReadableError(Exception):
-    """A file that is not of the expected kind."""
+    """Error for a file that is not of the expected kind."""
 
 
 def read_content(path: Path, max_bytes: int, start: bytes = b"") -> bytes:

@@ -1,12 +1,12 @@
-"""Numbers as text: by as many digits as their interval carries, and in the unit in which they have the fewest zeros."""
+"""Formatting of numbers with significant digits from their interval, in the unit with the fewest zeros."""
 
 from __future__ import annotations
 
 import math
 
-MOST_DIGITS = 4  # most significant digits of a value: nothing here is known better, however narrow its interval
-NO_END = "\N{INFINITY}"  # upper end of an interval that has none
-HUGE = 100.0  # ratio of the upper end of an interval to its value, from which on that end is printed by one digit
+MAX_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is narrower
+NO_END = "\N{INFINITY}"  # text for the upper end of an unbounded interval
+MAX_END_RATIO = 100.0  # ratio of upper end to value above which the end is printed with one digit
 
 _PREFIXES = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
@@ -14,14 +14,14 @@ _PREFIXES = {
     "um": ((1e6, 1e6, "m"), (1e3, 1e3, "mm"), (1.0, 1.0, "µm"), (0.0, 1e-3, "nm")),
     "pJ": ((1e3, 1e3, "nJ"), (1.0, 1.0, "pJ"), (0.0, 1e-3, "fJ")),
 }
-"""Smallest value that is written with a prefix, its factor to core units, and its name, for each unit."""
+"""Minimum value, factor to core units and name of each prefixed unit, by core unit."""
 
 
 def with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -> str:
-    """A value and its interval, by so many digits of half the width in all three: "0.157 [0.102, 0.216]".
+    """Format a value and its interval, rounded to `digits` digits of the half-width: "0.157 [0.102, 0.216]".
 
-    A value has at least two digits and at most four. One that is missing is "none", one without an interval says so,
-    and there is no interval where its ends are one number in four digits.
+    The value has two to four significant digits. The text is "none" for a missing value, ends with "no interval" for a
+    missing interval, and has no interval if both ends are equal to four digits.
     """
     if math.isnan(mean):
         return "none"
@@ -33,23 +33,23 @@ def with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -
     decimals = _decimals(mean, lower, upper, digits)
     ends = [_in_decimals(end, decimals) for end in (lower, upper)]
     if ends[0] == ends[1]:
-        return significant(mean, MOST_DIGITS)
-    if upper > HUGE * abs(mean) > 0:
+        return significant(mean, MAX_DIGITS)
+    if upper > MAX_END_RATIO * abs(mean) > 0:
         ends[1] = significant(upper, 1)
     return f"{_in_decimals(mean, decimals)} [{ends[0]}, {ends[1]}]"
 
 
 def quoted(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """A number to quote, by one digit of half the width of its interval; by two digits where there is none."""
+    """Format a number to quote, rounded to one digit of the half-width of its interval, or to two digits without one."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
-        return _in_decimals(mean, _decimals(mean, math.nan, math.nan, 2) - MOST_DIGITS + 2)
+        return _in_decimals(mean, _decimals(mean, math.nan, math.nan, 2) - MAX_DIGITS + 2)
     return with_interval(mean, lower, upper, digits=1)
 
 
 def from_to(low: float, high: float) -> str:
-    """Two ends by one digit of half of what is between them, and at least two."""
+    """Format both ends of a range, rounded to one digit of its half-width and at least two significant digits."""
     if math.isinf(high):
         return f"{significant(low)} to {NO_END}"
     decimals = _decimals(max(abs(low), abs(high)), low, high, 1)
@@ -58,7 +58,7 @@ def from_to(low: float, high: float) -> str:
 
 
 def significant(value: float, digits: int = 2) -> str:
-    """A number by so many significant digits, without zeros at its end or an exponent from 1e-6 to a million."""
+    """Format a number to significant digits without trailing zeros, and without an exponent from 1e-6 to 1e6."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
@@ -69,54 +69,53 @@ def significant(value: float, digits: int = 2) -> str:
 
 
 def _decimals(mean: float, lower: float, upper: float, digits: int) -> int:
-    """Decimals that show so many digits of half the width of an interval, and two to four of its value."""
+    """Return the decimals that give `digits` digits of the half-width and two to four digits of the value."""
     size = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
-        return size + MOST_DIGITS - 1
+        return size + MAX_DIGITS - 1
     width = digits - 1 - math.floor(math.log10((upper - lower) / 2))
     if not mean:
         return width
-    least, most = size + 1, size + MOST_DIGITS - 1
-    return min(max(width, least), most)
+    return min(max(width, size + 1), size + MAX_DIGITS - 1)
 
 
 def with_unit(value: float, unit: str) -> str:
-    """A length (um), pressure (GPa), force (mN) or energy (pJ) by three digits, by the prefix of the fewest zeros."""
+    """Format a length (um), pressure (GPa), force (mN) or energy (pJ) to three digits with a suitable prefix."""
     if math.isnan(value):
         return "none"
     factor, name = prefix(value, unit)
-    shown = f"{value / factor:.3g}"
-    return f"{float(shown):g} {name}" if "e" in shown else f"{shown} {name}"
+    text = f"{value / factor:.3g}"
+    return f"{float(text):g} {name}" if "e" in text else f"{text} {name}"
 
 
 def prefix(value: float, unit: str) -> tuple[float, str]:
-    """Factor and name of the unit in which a value has the fewest zeros."""
+    """Return factor and name of the unit in which a value has the fewest zeros."""
     if value == 0:
         return 1.0, unit.replace("um", "µm")
-    # As it is shown, by three digits: 0.99996 mN is 1 mN.
-    shown = float(f"{abs(value):.3g}")
-    return next((factor, name) for least, factor, name in _PREFIXES[unit] if shown >= least)
+    # Rounded to the printed digits, so that 0.99996 mN is printed as 1 mN.
+    rounded = float(f"{abs(value):.3g}")
+    return next((factor, name) for minimum, factor, name in _PREFIXES[unit] if rounded >= minimum)
 
 
-SMALLEST_PERCENT = 0.001  # percentage below which no digit is printed
+MIN_PERCENT = 0.001  # percentage below which only this limit is printed
 
 
 def duration(seconds: float) -> str:
-    """A time in the largest unit of which it has one or more, as in "1.5 h"."""
-    factor, unit = next((each for each in _TIMES if seconds >= each[0]), _TIMES[-1])
+    """Format a time in the largest unit that gives at least 1: "1.5 h"."""
+    factor, unit = next((item for item in _TIME_UNITS if seconds >= item[0]), _TIME_UNITS[-1])
     return f"{seconds / factor:.3g} {unit}"
 
 
-_TIMES = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, "ms"))
+_TIME_UNITS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, "ms"))
 
 
 def percent(fraction: float) -> str:
-    """A fraction as percent, by two digits where it is small: "0.42 %", "37 %"."""
+    """Format a fraction as a percentage, with two digits below 1 %: "0.42 %", "37 %"."""
     if math.isnan(fraction):
         return "none"
     value = 100 * fraction
-    if 0 < abs(value) < SMALLEST_PERCENT:
-        return f"less than {SMALLEST_PERCENT:g} %"
+    if 0 < abs(value) < MIN_PERCENT:
+        return f"less than {MIN_PERCENT:g} %"
     return f"{value:.2g} %" if abs(value) < 1 else f"{value:.3g} %" if abs(value) < 10 else f"{value:.0f} %"
 
 
@@ -126,5 +125,5 @@ def _in_decimals(value: float, digits: int) -> str:
 
 
 def finite(value: float) -> float | None:
-    """A number of JSON, which has none that are not finite."""
+    """Return a number for JSON: None for NaN and infinity."""
     return float(value) if math.isfinite(value) else None

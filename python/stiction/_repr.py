@@ -27,7 +27,7 @@ _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")
 
 
 class TextRepr:
-    """Mixin: text representation with each number, and the shape and range of each array."""
+    """Mixin for a text representation with each number, and the shape and range of each array."""
 
     def __repr__(self) -> str:
         """Return one line per quantity, with its unit."""
@@ -37,14 +37,14 @@ class TextRepr:
 
 
 class PlotRepr(TextRepr):
-    """Mixin: text and plot in a notebook. The class has a method ``plot(ax=None)``."""
+    """Mixin for text and a plot in a notebook. The class must have a method ``plot(ax=None)``."""
 
     def _repr_html_(self) -> str:
         return f"<div>{preformatted_html(repr(self))}{plot_html(self.plot)}</div>"  # type: ignore[attr-defined]
 
 
 class TableRepr(TextRepr):
-    """Mixin: table of values with units in a notebook."""
+    """Mixin for a table of values with units in a notebook."""
 
     def _repr_html_(self) -> str:
         units = field_units(type(self))
@@ -91,10 +91,10 @@ def format_range(values: Any, unit: str = "") -> str:
     )
 
 
-def _format_fields(shown: Any) -> Iterator[tuple[str, str]]:
-    units = field_units(type(shown))
-    for name in [field.name for field in fields(shown) if not field.name.startswith("_")]:
-        value, unit = getattr(shown, name), units.get(name, "")
+def _format_fields(instance: Any) -> Iterator[tuple[str, str]]:
+    units = field_units(type(instance))
+    for name in [field.name for field in fields(instance) if not field.name.startswith("_")]:
+        value, unit = getattr(instance, name), units.get(name, "")
         if isinstance(value, np.ndarray):
             yield name, _format_array(value, unit)
         elif isinstance(value, (bool, str)):
@@ -148,8 +148,8 @@ def plot_html(draw: Callable[[Axes], object]) -> str:
 
 def figure_html(figure: Any) -> str:
     """Return a Matplotlib figure as an inline image with a text for screen readers."""
-    coded = base64.b64encode(render_png(figure)).decode("ascii")
-    return f'<img alt="picture" style="max-width:100%" src="data:image/png;base64,{coded}"/>'
+    encoded = base64.b64encode(render_png(figure)).decode("ascii")
+    return f'<img alt="picture" style="max-width:100%" src="data:image/png;base64,{encoded}"/>'
 
 
 def render_png(figure: Any) -> bytes:

@@ -1,4 +1,4 @@
-"""Formatting of text from outside for a terminal: printable characters, limited lengths."""
+"""Formatting of text from files and users for a terminal: printable characters and limited lengths."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Quantities with units: "number unit" in the interfaces, plain numbers in core units inside."""
+"""Quantities with units: conversion of strings such as "200 MPa" to numbers in core units."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MAGNITUDES = {
     "length": (1e-6, 1e6), "pressure": (1e-9, 1e4), "force": (1e-12, 1e12), "time": (1e-3, 1e10),
     "work of adhesion": (1e-9, 1),
 }  # fmt: skip
-"""Smallest and largest magnitude in core units; other values are taken for a wrong unit."""
+"""Minimum and maximum magnitude in core units. Values beyond these limits usually have a wrong unit."""
 
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9][0-9_]{0,20}\.?[0-9]{0,20}|\.[0-9]{1,20})(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*"
@@ -31,7 +31,7 @@ _QUANTITY = re.compile(
 
 
 _TOO_LONG = re.compile(r"\s*[+-]?(?:[0-9._]+(?:[eE][+-]?[0-9]+)?|inf|nan)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*")
-"""A number and a unit, where the number has more digits or a larger exponent than any valid quantity."""
+"""Number and unit, with more digits or a larger exponent than any valid quantity."""
 
 
 def unit_names(kind: str) -> tuple[str, ...]:

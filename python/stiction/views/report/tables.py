@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction._number_format import HUGE, MOST_DIGITS, prefix, quoted
+from stiction._number_format import MAX_DIGITS, MAX_END_RATIO, prefix, quoted
 
 FLOAT_BYTES = 4  # leading bytes of a double that a page keeps: 5e-7 of a number
 NO_INTERVAL = -128  # decimals of an upper end that is not printed, nor the lower one
@@ -83,11 +83,11 @@ def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.
         size = np.where(mean != 0, -np.floor(np.log10(np.abs(mean))), 0.0)
         end = np.where(np.isinf(upper), 2 * mean - lower, upper)
         width = -np.floor(np.log10((end - lower) / 2))
-        decimals = np.where(mean == 0, width, np.clip(width, size + 1, size + MOST_DIGITS - 1))
-        decimals = np.where(end > lower, decimals, size + MOST_DIGITS - 1)
+        decimals = np.where(mean == 0, width, np.clip(width, size + 1, size + MAX_DIGITS - 1))
+        decimals = np.where(end > lower, decimals, size + MAX_DIGITS - 1)
         missing = np.isnan(lower) | np.isnan(upper)
         decimals = np.where(missing, size + 1, decimals)
-        is_huge = np.isfinite(upper) & (upper > HUGE * np.abs(mean)) & (mean != 0)
+        is_huge = np.isfinite(upper) & (upper > MAX_END_RATIO * np.abs(mean)) & (mean != 0)
         of_upper = np.where(is_huge, -_exponent_of_digit(upper), decimals)
         scale = 10.0 ** np.clip(decimals, -MAX_DECIMALS, MAX_DECIMALS)
         near = ~missing & np.isfinite(upper) & (np.abs(np.round(lower * scale) - np.round(upper * scale)) < 1)
