@@ -40,7 +40,7 @@ def with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -
 
 
 def quoted(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """Format a number to quote, rounded to one digit of the half-width of its interval, or to two digits without one."""
+    """Format a number to quote, rounded to one digit of the half-width of its interval (two digits without one)."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):

@@ -28,7 +28,7 @@ def budget_figure(point: PointSummary, *, title: str = "") -> Figure:
     for contribution, colour, word in zip(
         point.parts or (point.value,), (LEANING, AREA, OPPOSING), words, strict=False
     ):
-        axes.barh(0, contribution, remaining=start, height=0.6, color=colour, label=word if point.parts else None)
+        axes.barh(0, contribution, left=start, height=0.6, color=colour, label=word if point.parts else None)
         start += contribution
     ends = [[point.value - point.lower], [point.upper - point.value]]
     axes.errorbar([point.value], [0], xerr=ends, color="black", capsize=3, linewidth=1.2)
