@@ -5,6 +5,7 @@ import pytest
 import xarray
 from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
 from stiction.studies.hardness import _between_loads
+from stiction.studies.interfaces import ShearStrength
 
 OF_PLASTIC = 5e-3
 """Relative difference of contacts that all yield from Tabor's closed form."""
@@ -153,3 +154,10 @@ def test_areas_between_solved_loads_follow_a_power_of_the_load():
     solved = xarray.Dataset({"contact_area": ("load", areas)}, {"load": loads})
     found = _between_loads(solved, np.array([0.1, 1.0, 2.0, 4.0]))["contact_area"].values
     assert found == pytest.approx([3.0, 3.0, 3.0 * 2**0.5, 6.0])
+
+
+@pytest.mark.parametrize("alpha", [0.0, 9.0, 27.0])
+def test_pressure_under_shear_of_a_coefficient_solves_the_yield_condition(alpha):
+    hardness, mu = np.array([0.5, 2.0]), np.array([0.2, 0.6])
+    pressure = ShearStrength("all", mu).under_shear(hardness, alpha)
+    assert pressure**2 + alpha * (mu * pressure) ** 2 == pytest.approx(hardness**2, rel=1e-12)
