@@ -163,9 +163,9 @@ def _unit_vector(angle: float) -> tuple[float, float]:
     return [(x, y), (-y, x), (-x, -y), (y, -x)][int(quarter) % 4]
 
 
-_DEFAULT = ContactModel()
-_PROFILE_DEFAULT = _DEFAULT.for_profiles()
-_SURFACE_DEFAULT = _DEFAULT.for_surfaces()
+_DEFAULT_MODEL = ContactModel()
+_PROFILE_DEFAULT = _DEFAULT_MODEL.for_profiles()
+_SURFACE_DEFAULT = _DEFAULT_MODEL.for_surfaces()
 
 
 class ContactKeywords(TypedDict, total=False):
@@ -184,7 +184,7 @@ class ContactKeywords(TypedDict, total=False):
 def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
     """Create the contact model from keyword arguments; missing parameters are those of the default."""
     changes: dict[str, Any] = dict(keywords)
-    model = changes.pop("model", default or _DEFAULT)
+    model = changes.pop("model", default or _DEFAULT_MODEL)
     if not isinstance(model, ContactModel):
         raise ValueError(f"model must be a ContactModel, got {type(model).__name__}")
     if not changes:

@@ -144,7 +144,7 @@ def resolution(
     """
     check_pair(upper, lower)
     effective_modulus = modulus_for(effective_modulus, upper, lower)
-    pair = _Pair(upper, lower, boundary)
+    pair = _SolvedPair(upper, lower, boundary)
     lengths = pair.cut_offs(cut_offs)
     if hardness is not None:
         hardness = number("hardness", hardness, unit="GPa", above=0)
@@ -236,7 +236,7 @@ def _strengths(mu0: Any, tau0: Any) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class _Pair:
+class _SolvedPair:
     upper: Profile | Surface
     lower: Profile | Surface
     boundary: Boundary
@@ -303,7 +303,7 @@ def _solve(upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], 
 
 
 def _cutoff_dataset(
-    pair: _Pair, lengths: list[float], loads: Floats, answers: list[dict[str, Floats]], modulus: float,
+    pair: _SolvedPair, lengths: list[float], loads: Floats, answers: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
     """Return areas, pressures and sums over cutoffs, NaN without a solution."""
@@ -354,8 +354,8 @@ def _attributes(unit: str, text: str) -> dict[str, str]:
 
 
 def _with_limits(
-    result: xr.Dataset, pair: _Pair, loads: Floats, elastic: dict[str, Floats], modulus: float, hardness: float | None,
-    parameters: tuple[float, float] | None,
+    result: xr.Dataset, pair: _SolvedPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
+    hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
     """Add the plastic limit, its wavelength, and the elastic extrapolation down to it."""
     gap = pair.gap(pair.upper, pair.lower)

@@ -10,7 +10,7 @@ from stiction._checks import Floats
 
 MIN_HARMONIC_DISTANCE = 10  # bins between harmonics that are needed to assess the spectrum between them
 _MIN_PERIODS = 2.5  # smallest bin of a first harmonic: a Hann window spreads a line over two bins on each side
-_MAX_HARMONICS = 8  # largest number of harmonics that are compared with the spectrum between them
+_MAX_COMPARED_HARMONICS = 8  # largest number of harmonics that are compared with the spectrum between them
 _MIN_SIGNIFICANT_HARMONICS = 2  # above the first; also at least a third of those compared
 _MAX_CANDIDATES = 6  # largest number of peaks that are tried as the first harmonic
 _MIN_LINE_RATIO = 10.0  # density of a harmonic over the density between harmonics: about one bin in 1000 by chance
@@ -40,7 +40,7 @@ def find_period(density: Floats) -> tuple[float, float]:
     for peak in peaks[order].tolist():
         first = peak + np.arange(-_STEPS_PER_BIN, _STEPS_PER_BIN + 1) / _STEPS_PER_BIN
         for step in (1, 2):
-            orders = np.arange(1, min(step * _MAX_HARMONICS, int(size / (peak + 1))) + 1, step)
+            orders = np.arange(1, min(step * _MAX_COMPARED_HARMONICS, int(size / (peak + 1))) + 1, step)
             level = _between(padded, peak * orders, step * peak)
             bins = np.rint(first[:, np.newaxis] * orders).astype(np.intp)
             ratio = padded[np.minimum(bins, size)] / level

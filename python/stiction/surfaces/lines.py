@@ -19,7 +19,7 @@ from stiction.surfaces.surface import Surface, as_body, reject_flat
 MAX_FITTED_LINES = 64  # lines to fit a Hurst exponent to: neighbouring lines are correlated, so more add little
 _BOTH: tuple[Along, Along] = ("x", "y")
 MAX_MISFIT = 1.5  # largest rms factor between a spectrum and its power law
-_MAX_BAND_RATIO = 1.5  # largest ratio between the ends of two bands that count as equal
+_MAX_EQUAL_BAND_RATIO = 1.5  # largest ratio between the ends of two bands that count as equal
 _MODEL_VARIANCE = 0.04  # model variance of the logarithm of a bin, which is added to its statistical variance
 _MIN_LINE_POINTS = 7  # points that a seven-point slope needs
 
@@ -196,7 +196,7 @@ def lines_along_both(
         return along_x, along_y
     if along_x.band is not None and along_y.band is not None:
         ends = np.array([along_x.band, along_y.band])
-        if (ends.max(axis=0) < _MAX_BAND_RATIO * ends.min(axis=0)).all():
+        if (ends.max(axis=0) < _MAX_EQUAL_BAND_RATIO * ends.min(axis=0)).all():
             if along_x.band != along_y.band:
                 shortest, longest = np.sqrt(ends.prod(axis=0)).tolist()
                 along_x, along_y = (line_roughness(surface, along, band=(shortest, longest)) for along in _BOTH)

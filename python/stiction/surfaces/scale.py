@@ -37,7 +37,7 @@ _MAX_FLAT_EXPONENT = 0.35  # largest exponent, and rms log density, of a flat sp
 _MAX_FLOOR_EXPONENT = 0.7  # largest exponent of a noise floor that includes some of the surface's spectrum
 _NOISE_WAVELENGTH_RATIO = 0.7  # wavelength over the limit below which the spectrum consists of noise only
 INSTRUMENT_REASONS = ("noise floor", "quantisation")  # reasons that always indicate the instrument
-_MIN_WAVELENGTH_RATIO = 1e-6  # shortest wavelength of the extrapolation over the shortest of the scan
+_MIN_EXTRAPOLATION_RATIO = 1e-6  # shortest wavelength of the extrapolation over the shortest of the scan
 _HALVINGS = 60
 
 Origin = Literal["instrument", "unknown"]
@@ -118,7 +118,7 @@ class ScaleDependentRoughness(TextRepr):
         a power law down to a millionth of the scan's shortest wavelength.
         """
         target = number("gradient", gradient, above=0)
-        finest = self.wavelength[-1] * (1.0 if estimate is None else _MIN_WAVELENGTH_RATIO)
+        finest = self.wavelength[-1] * (1.0 if estimate is None else _MIN_EXTRAPOLATION_RATIO)
         low, high = math.log(finest), math.log(self.wavelength[0])
 
         def value(place: float) -> float:

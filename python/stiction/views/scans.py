@@ -29,7 +29,7 @@ MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
 """Materials whose ratio of hardness to E*, in contact with themselves, is a line in the figure."""
 
 SCAN_COLOURS = (LEANING, AREA, OPPOSING, "#cc79a7", "#56b4e9", "#e69f00")  # colours of the scans
-MAX_NAME_LENGTH = 24  # maximum number of characters of a scan name in a figure
+MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name in a figure
 
 
 # ---- One spectrum ----------------------------------------------------------------------------------------------------
@@ -110,7 +110,7 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
 def _spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     lengths = 2 * math.pi / joined.wave_number
     for scan, (name, ratio) in enumerate(zip(joined.names, joined.ratio, strict=True)):
-        label = name if len(name) <= MAX_NAME_LENGTH else f"…{name[1 - MAX_NAME_LENGTH :]}"
+        label = name if len(name) <= MAX_LABEL_LENGTH else f"…{name[1 - MAX_LABEL_LENGTH :]}"
         axes.plot(
             lengths,
             ratio * joined.density,

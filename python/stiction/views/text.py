@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-MIN_WIDTH = 40  # characters; narrower terminals are treated as this wide
+MIN_TERMINAL_WIDTH = 40  # characters; narrower terminals are treated as this wide
 Rows = Sequence[Sequence[str]]
 
 
@@ -53,7 +53,7 @@ Rows = Sequence[Sequence[str]]
 
 def terminal_width() -> int:
     """Return the number of columns of the terminal."""
-    return max(MIN_WIDTH, shutil.get_terminal_size().columns)
+    return max(MIN_TERMINAL_WIDTH, shutil.get_terminal_size().columns)
 
 
 def wrap_text(text: str, width: int | None = None, *, indent: str = "", hang: str = "") -> str:
