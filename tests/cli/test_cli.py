@@ -40,7 +40,7 @@ def test_run_of_complete_result_only_draws(ran):
     where, _ = ran
     for again in (("quick", *TINY), ("quick/study.toml",), ("quick/study.toml", "--output", "quick")):
         completed = check_stiction("run", *again, cwd=where, without_figures=True)
-        assert "holds this study already" in completed.stdout
+        assert "already contains this study" in completed.stdout
     (where / "quick" / "area.png").unlink()
     check_stiction("plot", "quick", cwd=where, without_figures=True)
     assert (where / "quick" / "area.png").exists()
@@ -52,7 +52,7 @@ def test_run_adds_repetitions_and_reports_missing_ones(ran, tmp_path):
     completed = check_stiction(
         "run", "quick", *TINY, "--set", "ensemble.repetitions=5", cwd=tmp_path, without_figures=True
     )
-    assert "3 of its 5 repetitions were there already" in completed.stdout
+    assert "3 of 5 repetitions already existed" in completed.stdout
     assert_rejected(call_stiction("run", "quick", *TINY, cwd=tmp_path), "ensemble.repetitions")
     last = sorted((tmp_path / "quick" / "blocks").iterdir())[-1]
     last.unlink()

@@ -515,7 +515,7 @@ def test_pair_resumes_with_same_options_and_rejects_others(where, areas):
     again = ["pair", *MAPS, *MATERIAL, "--load", "10 MPa", "--mechanics", "asperities", "-o", "areas"]
     completed = check_stiction(*again, "--shifts", 4, "--json", cwd=where)
     assert json.loads(completed.stdout)
-    assert "3 of its 4 repetitions were there already" in completed.stderr
+    assert "3 of 4 repetitions already existed" in completed.stderr
     (where / "areas" / "picture.nc").unlink()
     check_stiction(*again, "--shifts", 4, cwd=where)
     assert (where / "areas" / "picture.nc").exists()
@@ -531,7 +531,7 @@ def test_pair_with_other_friction_uses_stored_positions(where):
     check_stiction(*command, "--tau0", "0 MPa", cwd=where)
     recorded = sorted((where / "friction" / "blocks").iterdir())
     completed = check_stiction(*command, "--tau0", "50 MPa", cwd=where)
-    assert "friction was asked for other friction; its 2 repetitions are kept" in completed.stderr
+    assert "friction has results for other friction; its 2 repetitions are kept" in completed.stderr
     assert "friction.tau0 = " in completed.stderr
     assert sorted((where / "friction" / "blocks").iterdir()) == recorded
 
@@ -651,7 +651,7 @@ def test_pair_reports_onset_of_sliding(beside):
     # The same again computes nothing, and says the same as text.
     (folder / "pair/onset.csv").unlink()
     completed = call_stiction("pair", *MAPS, *arguments, "--verbose", cwd=folder, without_figures=True)
-    assert "holds this study already" in completed.stdout
+    assert "already contains this study" in completed.stdout
     assert not (folder / "pair/onset.csv").exists()
     assert onset["sentence"][:12] in completed.stdout
     assert "mild steel on brass" in completed.stdout

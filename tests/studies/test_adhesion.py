@@ -207,7 +207,7 @@ def test_generated_surfaces_accept_adhesion(surfaces):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"work_of_adhesion": "50±10 mJ/m^2"}, "work_of_adhesion must be one value; press at both ends of a range"),
+        ({"work_of_adhesion": "50±10 mJ/m^2"}, "work_of_adhesion must be one value; compute both ends of a range"),
         ({"work_of_adhesion": "-1 mJ/m^2"}, "work_of_adhesion must be at least 0"),
         ({"adhesion_range": "1 nm"}, "adhesion_range is for work_of_adhesion"),
         (WORK | {"mechanics": "asperities"}, "work_of_adhesion is for mechanics half-space alone"),

@@ -176,7 +176,7 @@ def test_ended_worker_process_is_reported(tmp_path):
     for folder, kind in ((None, StudyError), (tmp_path, StoreError)):
         with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
             os.kill(pool.submit(os.getpid).result(), signal.SIGKILL)
-            with pytest.raises(kind, match=r"^a worker has ended before its time; perhaps"):
+            with pytest.raises(kind, match=r"^a worker process ended unexpectedly; the available memory"):
                 run(TINY, executor=pool, store=folder)
 
 

@@ -156,11 +156,11 @@ def test_pair_rejects_different_kinds_of_scans(tmp_path) -> None:
     arguments = {"mechanics": "asperities", "onset": 0, **QUICK}
     with pytest.raises(ValueError, match=r"surfaces.upper: the scans of a part must have the same points"):
         pair([scan(1, "upper"), scan(2, "upper", points=40)], scan(1, "lower"), **arguments)
-    with pytest.raises(ValueError, match=r"surfaces.upper: two scans of a part are the same"):
+    with pytest.raises(ValueError, match=r"surfaces.upper: two scans of a part are identical"):
         pair([scan(1, "upper"), scan(2, "upper"), scan(1, "upper")], scan(1, "lower"), **arguments)
     with pytest.raises(ValueError, match="second must have at least one scan"):
         pair(scan(1, "upper"), tmp_path, **arguments)
-    with pytest.raises(ValueError, match=r"surfaces.surrogates: of several scans"):
+    with pytest.raises(ValueError, match=r"surfaces.surrogates: must be 0 if a part has several scans"):
         pair([scan(1, "upper"), scan(2, "upper")], scan(1, "lower"), surrogates=4, **arguments)
 
 

@@ -80,7 +80,7 @@ class TestLibrary:
     def test_study_rejects_unknown_figure(self):
         with pytest.raises(StudyError, match=r"figures.draw"):
             Study().with_changes({"figures.draw": ["heights"]})
-        with pytest.raises(StudyError, match=r"figures.draw: must name each figure once"):
+        with pytest.raises(StudyError, match=r"figures.draw: must contain each figure once"):
             Study().with_changes({"figures.draw": ["area", "area"]})
 
     def test_default_study_is_figure6(self):

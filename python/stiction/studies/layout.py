@@ -1,8 +1,8 @@
-"""What a result looks like: an xarray dataset with units, names and the study it is of.
+"""Layout of a result: an xarray dataset with units, long names and the study as an attribute.
 
-A result holds sums over contacts of every member of its study, at every step, sliding rule and direction. Its
-dimensions are the cells of the study (fractal dimension and amplitude of generated bodies, the cut-off of measured
-ones), the members (`repetition`), the motions of which there is a list, and the step (approach or load).
+A result contains sums over the contacts of each member, at every step, sliding rule and direction. Its dimensions are
+the cells of the study (fractal dimension and amplitude of generated bodies, cutoff of measured bodies), the members
+(`repetition`), the sliding rules and directions that are lists, and the step (approach or load).
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ from stiction.studies.study import Study
 if TYPE_CHECKING:
     import xarray
 
-TITLE = "stiction study"  # of every result
-MAX_PIECE_BYTES = 2**26  # bytes of a result that are in memory at a time, where it is read piece by piece
+TITLE = "stiction study"  # attribute `title` of every result
+MAX_PIECE_BYTES = 2**26  # part of a result that is in memory at a time, if the result is read in pieces
 
 MEMBER_COORDINATES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
 }  # fmt: skip
-"""Coordinates along `repetition` that say what a member of measured bodies is, with their kind."""
+"""Coordinates along `repetition` that describe the members of measured bodies, with their data types."""
 
 Arrays = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """An array of a result before there is any: its dimensions and their sizes, its kind, units and names."""
+    """Description of an array of a result: dimensions, shape, data type and attributes."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -48,111 +48,114 @@ class ArraySpec:
 
     @property
     def size(self) -> int:
-        """Bytes."""
+        """Size in bytes."""
         return self.dtype.itemsize * math.prod(self.shape)
 
 
 def list_coordinates(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
-    """The coordinates of a result, or of some of its repetitions, with their values, in the order of its dimensions."""
+    """Return the coordinates of a result, or of some repetitions, in the order of the dimensions.
+
+    Each entry is the description of the array and its values.
+    """
     values: dict[str, NDArray[Any]] = {
         **study.surfaces.cells(),
         "repetition": np.arange(study.ensemble.repetitions) if repetitions is None else np.array(repetitions, np.int64),
-        **{name: np.array(each) for name, each in study.motions().items()},
+        **{name: np.array(items) for name, items in study.motions().items()},
         study.step: study.contact.steps(),
     }
     if study.is_measured:
         values["fraction_below"] = np.array(QUANTILES)
-    more: dict[str, dict[str, str]] = {"load": {"long_name": "normal load of the elastic contact, without friction"}}
+    extra: dict[str, dict[str, str]] = {"load": {"long_name": "normal load of the elastic contact, without friction"}}
     if not study.is_measured:
         surfaces: Any = study.surfaces
-        more["fractal_dimension"] = {"convention": surfaces.convention}
-        more["amplitude"] = {"measure": surfaces.amplitude_measure}
+        extra["fractal_dimension"] = {"convention": surfaces.convention}
+        extra["amplitude"] = {"measure": surfaces.amplitude_measure}
     return {
-        name: (ArraySpec((name,), each.shape, each.dtype, attributes_of(name) | more.get(name, {})), each)
-        for name, each in values.items()
+        name: (ArraySpec((name,), array.shape, array.dtype, attributes_of(name) | extra.get(name, {})), array)
+        for name, array in values.items()
     }
 
 
 def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None) -> dict[str, ArraySpec]:
-    """The variables of a result, or of some of its repetitions."""
-    sizes = {name: each.size for name, (_, each) in list_coordinates(study, repetitions).items()}
-    found = {}
+    """Return the descriptions of the variables of a result, or of some repetitions."""
+    sizes = {name: values.size for name, (_, values) in list_coordinates(study, repetitions).items()}
+    variables = {}
     for name in variable_names(study):
         dims = _dims(study, name)
         dtype = np.dtype(QUANTITIES[name].dtype)
         attributes: dict[str, Any] = dict(attributes_of(name))
         if name == "status":
             attributes |= {"flag_values": np.arange(len(STATUSES)), "flag_meanings": " ".join(STATUSES)}
-        found[name] = ArraySpec(dims, tuple(sizes[dim] for dim in dims), dtype, attributes)
-    return found
+        variables[name] = ArraySpec(dims, tuple(sizes[dim] for dim in dims), dtype, attributes)
+    return variables
 
 
 def member_bytes(study: Study) -> int:
-    """Bytes of the numbers of one member."""
-    return sum(each.size for each in list_variables(study, [0]).values())
+    """Return the size of the arrays of one member in bytes."""
+    return sum(spec.size for spec in list_variables(study, [0]).values())
 
 
 def piece_length(size: int) -> int:
-    """How many members of so many bytes are in memory at a time, a power of two."""
+    """Return the number of members in a piece, a power of two, for members of `size` bytes."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
 def variable_names(study: Study) -> tuple[str, ...]:
-    """Names of the variables of a result: the study's sums, and of measured bodies the statistics of contacts."""
+    """Return the names of the variables of a result: contact sums, and contact statistics of measured bodies."""
     if not study.is_measured:
         return study.sums()
     return tuple(dict.fromkeys((*study.sums(), *STATISTICS, *DISTRIBUTIONS, *GAP)))
 
 
 def _dims(study: Study, name: str) -> tuple[str, ...]:
-    """Return the dimensions of a stored variable; of one sliding rule or direction there is no dimension."""
+    """Return the dimensions of a stored variable. A single sliding rule or direction is not a dimension."""
     dims = {"step": study.step, "fraction_below": "fraction_below"} | {motion: motion for motion in study.motions()}
-    return (*study.surfaces.cells(), "repetition", *(dims[each] for each in QUANTITIES[name].along if each in dims))
+    return (*study.surfaces.cells(), "repetition", *(dims[axis] for axis in QUANTITIES[name].along if axis in dims))
 
 
 def stack_members(study: Study, members: Sequence[Arrays]) -> Arrays:
-    """Arrays of several members as those of a result: one more axis, behind the cells."""
+    """Stack the arrays of several members along a new axis after the cells, as in a result."""
     axis = len(study.surfaces.cells())
     return {
-        name: np.stack([each[name] for each in members], axis=0 if name in MEMBER_COORDINATES else axis)
+        name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATES else axis)
         for name in members[0]
     }
 
 
 def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
-    about: BodyAttributes | None = None,
+    bodies: BodyAttributes | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """The dataset of some repetitions, from arrays as `stack_members` makes them, of the shapes that the study says."""
+    """Build the dataset of some repetitions from arrays of `stack_members`. The shapes must match the study."""
     import xarray
 
     variables = list_variables(study, repetitions)
-    for name, each in variables.items():
-        if name not in arrays or arrays[name].shape != each.shape:
-            raise ValueError(f"{name} of the result is not what its study says: {each.shape} wanted")
+    for name, spec in variables.items():
+        if name not in arrays or arrays[name].shape != spec.shape:
+            raise ValueError(f"{name} of the result must have the shape {spec.shape}")
     coordinates: dict[str, Any] = {
-        name: xarray.Variable(each.dims, values, each.attributes)
-        for name, (each, values) in list_coordinates(study, repetitions).items()
+        name: xarray.Variable(spec.dims, values, spec.attributes)
+        for name, (spec, values) in list_coordinates(study, repetitions).items()
     }
-    about = about or BodyAttributes()
+    bodies = bodies or BodyAttributes()
     if study.is_measured:
         coordinates |= {
             name: xarray.Variable(("repetition",), np.asarray(arrays[name], dtype), attributes_of(name))
             for name, dtype in MEMBER_COORDINATES.items()
         }
         modulus = float(study.contact.effective_modulus)
-        for name, value in (("nominal_area", about.nominal_area), ("effective_modulus", modulus)):
+        for name, value in (("nominal_area", bodies.nominal_area), ("effective_modulus", modulus)):
             coordinates[name] = xarray.Variable((), value, attributes_of(name))
     return xarray.Dataset(
-        {name: xarray.Variable(each.dims, arrays[name], each.attributes) for name, each in variables.items()},
+        {name: xarray.Variable(spec.dims, arrays[name], spec.attributes) for name, spec in variables.items()},
         coordinates,
-        {"title": TITLE, "study": study.to_toml(), "stiction_version": __version__} | about.attributes,
+        {"title": TITLE, "study": study.to_toml(), "stiction_version": __version__} | bodies.attributes,
     )
 
 
-# ---- Without units ---------------------------------------------------------------------------------------------------
+# ---- Nondimensional results ------------------------------------------------------------------------------------------
 
 _SCALES = {
     "mN": (1, 2, "(E* L²)"),
@@ -162,7 +165,7 @@ _SCALES = {
     "um^2": (0, 2, "L²"),
     "um": (0, 1, "L"),
 }
-"""Powers of E* and L that a quantity of each unit is divided by, and how that is written."""
+"""For each unit: the powers of E* and L by which a quantity is divided, and the divisor as text."""
 
 
 def nondimensional(
@@ -183,17 +186,17 @@ def nondimensional(
     Returns
     -------
     xarray.Dataset
-        The same values divided by powers of E* and L, which their `long_name` says; units are "1".
+        The values divided by powers of E* and L. The attribute `long_name` states the divisor; units are "1".
 
     Raises
     ------
     ValueError
-        If length or modulus are not above 0, are needed and not given, or something has an unknown unit.
+        If length or modulus are not above 0 or missing, or a variable has an unknown unit.
 
     Notes
     -----
-    With spheres (not with cylinders, whose width is a length of its own) loads, areas and friction of surfaces that are
-    scaled by a factor in all lengths are the same numbers: the coefficient depends on tau0/E* alone.
+    With the law of spheres, nondimensional loads, areas and friction do not change if all lengths of the surfaces are
+    scaled by a factor: the coefficient depends on tau0/E* alone. The law of cylinders has a width as another length.
 
     Examples
     --------
@@ -213,12 +216,12 @@ def nondimensional(
         study = study_of(result)
         if length is None and isinstance(study.surfaces, Generated):
             length = study.surfaces.longest()
-        own_modulus: Any = float(study.contact.effective_modulus)
+        result_modulus: Any = float(study.contact.effective_modulus)
     else:
-        own_modulus = float(result["effective_modulus"]) if "effective_modulus" in result.coords else None
-    effective_modulus = own_modulus if effective_modulus is None else effective_modulus
+        result_modulus = float(result["effective_modulus"]) if "effective_modulus" in result.coords else None
+    effective_modulus = result_modulus if effective_modulus is None else effective_modulus
     if length is None:
-        raise ValueError("length must be given: the result has no length scale of its own")
+        raise ValueError("length must be given: the result has no length scale")
     if effective_modulus is None:
         raise ValueError("effective_modulus must be given: the result has none")
     length = number("length", length, unit="µm", above=0)
@@ -229,15 +232,21 @@ def nondimensional(
         if units in ("1", "degree"):
             return variable
         if units not in _SCALES:
-            raise ValueError(f"{name} has the unit {units!r}, which no result has")
-        of_modulus, of_length, by = _SCALES[units]
-        attributes = {**variable.attrs, "units": "1", "long_name": f"{variable.attrs.get('long_name', name)} / {by}"}
-        return xarray.Variable(variable.dims, variable.values / (modulus**of_modulus * length**of_length), attributes)
+            raise ValueError(f"{name} has the unknown unit {units!r}")
+        modulus_power, length_power, divisor = _SCALES[units]
+        attributes = {
+            **variable.attrs,
+            "units": "1",
+            "long_name": f"{variable.attrs.get('long_name', name)} / {divisor}",
+        }
+        return xarray.Variable(
+            variable.dims, variable.values / (modulus**modulus_power * length**length_power), attributes
+        )
 
     return xarray.Dataset(
-        {str(name): scaled(str(name), each.variable) for name, each in result.data_vars.items()},
-        {str(name): scaled(str(name), each.variable) for name, each in result.coords.items()},
-        # Without the study, whose numbers have units.
+        {str(name): scaled(str(name), array.variable) for name, array in result.data_vars.items()},
+        {str(name): scaled(str(name), array.variable) for name, array in result.coords.items()},
+        # Omit the study, because its values have units.
         {name: value for name, value in result.attrs.items() if name != "study"}
         | {"length_um": length, "effective_modulus_GPa": modulus},
     )

@@ -1,4 +1,4 @@
-"""The members of a study: pairs of bodies, generated or measured, each of which follows from the study and its number.
+"""Members of a study: pairs of generated or measured bodies, each determined by the study and the member's number.
 
 A member is a generated repetition, a line at an offset, two maps at a relative position, or a pair of surrogates.
 """
@@ -23,18 +23,16 @@ from stiction.surfaces.profile import Profile, Side, combine_missing, scale_prof
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
-MAX_BATCH_BYTES = (
-    64_000_000  # bytes of each body's profiles held at a time, so that memory does not grow with the study
-)
-MAX_CACHED_PAIRS = 16  # pairs of scans that are held as they are pressed
+MAX_BATCH_BYTES = 64_000_000  # profiles of each body in memory at a time; memory then does not grow with the study
+MAX_CACHED_PAIRS = 16  # prepared pairs of scans
 NUM_AVERAGED_MEMBERS = 16  # members over which the measured area is averaged
-TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}  # points of a line and of an area that are pressed of a common scan
+TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}  # grid points of a member of a typical scan, profile and areal
 
 # ---- Generated -------------------------------------------------------------------------------------------------------
 
 
 def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
-    """(directions, frequencies) phases of Eq. 1 of one body of a repetition, rad."""
+    """Return the random phases of Eq. 1 for one body of a repetition, rad, with shape (directions, frequencies)."""
     surfaces: Any = study.surfaces
     return fractal.random_phases(
         study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
@@ -43,7 +41,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _equation(surfaces: Any) -> dict[str, Any]:
-    """Eq. 1 as a study sets it, but for phases and grid."""
+    """Return the parameters of Eq. 1 of a study, without phases and grid."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
@@ -51,14 +49,17 @@ def _equation(surfaces: Any) -> dict[str, Any]:
 
 
 def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-    """Unscaled heights (k, points) of one body at dimensions (k,); mean, lowest and highest of each, (k, 3)."""
+    """Compute unscaled heights (k, points) of one body at fractal dimensions (k,).
+
+    Returns the mean, lowest and highest point of each profile, (k, 3).
+    """
     surfaces: Any = study.surfaces
     phases = generate_phases(study, repetition, side)
     return fractal.fill_profiles(heights, phases, dimensions, extent=float(surfaces.extent), **_equation(surfaces))
 
 
 def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
-    """One body of a study of profiles at a fractal dimension, whatever its amplitude."""
+    """Return one generated profile for a fractal dimension, before it is scaled to an amplitude."""
     surfaces: Any = study.surfaces
     heights = np.empty((1, surfaces.points))
     fill_profiles(study, heights, np.array([dimension]), repetition, side)
@@ -68,24 +69,24 @@ def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float
 def generate_pairs(
     study: Study, repetition: int, dimensions: Floats, amplitude: float
 ) -> Iterator[tuple[Profile, Profile]]:
-    """`pair_of` profiles at each of several fractal dimensions, many of which take little longer than one."""
+    """Yield a pair of profiles for each fractal dimension. Many dimensions take little longer than one."""
     surfaces: Any = study.surfaces
-    members = max(1, MAX_BATCH_BYTES // (8 * surfaces.points))
-    for first in range(0, dimensions.size, members):
-        family = dimensions[first : first + members]
-        bodies = [np.empty((family.size, surfaces.points)) for _ in SIDES]
+    batch_size = max(1, MAX_BATCH_BYTES // (8 * surfaces.points))
+    for first in range(0, dimensions.size, batch_size):
+        batch = dimensions[first : first + batch_size]
+        bodies = [np.empty((batch.size, surfaces.points)) for _ in SIDES]
         for side, heights in zip(SIDES, bodies, strict=True):
-            fill_profiles(study, heights, family, repetition, side)
+            fill_profiles(study, heights, batch, repetition, side)
         for pair in zip(*bodies, strict=True):
             upper, lower = (
-                scale_profile(each, surfaces.spacing, amplitude, surfaces.amplitude_measure, np.empty_like(each))
-                for each in pair
+                scale_profile(heights, surfaces.spacing, amplitude, surfaces.amplitude_measure, np.empty_like(heights))
+                for heights in pair
             )
             yield upper, lower
 
 
 def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
-    """One body of a study of surfaces at a fractal dimension, whatever its amplitude."""
+    """Return one generated surface for a fractal dimension, before it is scaled to an amplitude."""
     surfaces: Any = study.surfaces
     if isinstance(surfaces, SelfAffineSurfaces):
         longest, shortest = surfaces.longest_wavelength, surfaces.shortest_wavelength
@@ -102,7 +103,7 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
 
 
 def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
-    """A surface at one of the amplitudes of its study."""
+    """Scale a surface to an amplitude of its study."""
     surfaces: Any = study.surfaces
     return surface.with_amplitude(amplitude, surfaces.amplitude_measure)
 
@@ -116,7 +117,7 @@ def pair_of(
     ----------
     study : Study
     repetition : int
-        From 0 on; as its number alone decides, it may lie beyond those that the study asks for.
+        Number from 0 on. It may exceed the number of repetitions of the study.
     fractal_dimension : float
         At least 1 and below 2, in the study's convention.
     amplitude : float, µm
@@ -125,7 +126,7 @@ def pair_of(
     Returns
     -------
     upper, lower : Profile or Surface
-        As `surfaces.kind` says.
+        Profiles or surfaces, according to `surfaces.kind`.
 
     Raises
     ------
@@ -142,13 +143,15 @@ def pair_of(
     """
     check_instance("study", study, Study, "a Study")
     if study.is_measured:
-        raise ValueError("pair_of is for studies of generated bodies; the members of measured ones have no dimension")
+        raise ValueError(
+            "pair_of is for studies of generated bodies; members of measured bodies have no fractal dimension"
+        )
     if study.is_areal:
-        one, other = (
+        upper, lower = (
             scaled_surface(study, unscaled_surface(study, repetition, side, fractal_dimension), amplitude)
             for side in SIDES
         )
-        return one, other
+        return upper, lower
     return next(generate_pairs(study, repetition, np.array([fractal_dimension]), amplitude))
 
 
@@ -156,13 +159,13 @@ def pair_of(
 
 
 def _grid(body: Any) -> tuple[Any, ...]:
-    """Kind and points of a scan; steps that were read from positions are equal but for round-off."""
+    """Return type, shape and spacing of a scan for comparison. Spacings are rounded, as positions have round-off."""
     steps = [f"{step:.5g}" for step in np.atleast_1d(getattr(body, "spacing", 0.0))]
     return type(body), np.shape(getattr(body, "heights", body)), *steps
 
 
 class LoadedBodies:
-    """Measured bodies, read once, and the members that they make; a `ValueError` if a file is not what it was."""
+    """Measured bodies of a study, read once, and their members. Raises a `ValueError` if a file has changed."""
 
     def __init__(self, surfaces: Measured, seed: int) -> None:
         self._surfaces, self._seed = surfaces, seed
@@ -172,13 +175,16 @@ class LoadedBodies:
                 raise ValueError(f"surfaces.{side}: the scans of a part must have the same points and spacing")
             heights = [scan.heights.tobytes() for scan in scans if isinstance(scan, Profile | Surface)]
             if len(set(heights)) < len(heights):
-                raise ValueError(f"surfaces.{side}: two scans of a part are the same; give each place once")
+                raise ValueError(f"surfaces.{side}: two scans of a part are identical; give each place once")
         if surfaces.first_scanned and math.prod(surfaces.scan_counts) > 1:
-            raise ValueError("surfaces.surrogates: of several scans of a part all members are pieces of these")
+            raise ValueError("surfaces.surrogates: must be 0 if a part has several scans")
         self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepared)
 
     def _prepared(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
-        """What makes the members of two scans at a cut-off (µm, 0 for none); a `ValueError` if none can be made."""
+        """Return the members of two scans at a cutoff (µm, 0 for none).
+
+        Raises a `ValueError` if the scans do not give any member.
+        """
         surfaces, places = self._surfaces, (upper, lower)
         scans = self._parts[0][upper], self._parts[1][lower]
         files = (getattr(surfaces, side).scans[place] for side, place in zip(SIDES, places, strict=True))
@@ -186,15 +192,15 @@ class LoadedBodies:
         return surfaces.members(scans, (above, below), self._seed)
 
     def member(self, index: int, wavelength: float) -> Member:
-        """One member at a cut-off (µm, 0 for the scans themselves)."""
+        """Return a member at a cutoff (µm, 0 for unfiltered scans)."""
         surfaces = self._surfaces
-        # Each pair of scans has positions of its own, and surrogates of all pairs have random numbers of their own.
-        made = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
-        own = index if made else index // math.prod(surfaces.scan_counts)
-        return self.members(wavelength, *surfaces.scans_of(index)).member(own)
+        # Each pair of scans has its own positions. Surrogates have different random numbers for all pairs of scans.
+        has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
+        number = index if has_surrogates else index // math.prod(surfaces.scan_counts)
+        return self.members(wavelength, *surfaces.scans_of(index)).member(number)
 
     def attributes(self) -> BodyAttributes:
-        """What a result says of the bodies."""
+        """Return the attributes of the bodies for a result: nominal area, history, grid and missing data."""
         facts = self.members(self._surfaces.quoted_cut_off()).facts()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history) for side, body in zip(SIDES, (facts.upper, facts.lower), strict=True)
@@ -212,19 +218,19 @@ class LoadedBodies:
         return BodyAttributes(nominal_area=float(facts.area) * self._measured(), attributes=attributes)
 
     def _measured(self) -> float:
-        """Share of a member that was measured in both, a mean over the first ones, however many there are."""
+        """Return the fraction of the area that was measured in both bodies, averaged over the first members."""
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
-        found = []
-        with contextlib.suppress(ValueError, IndexError):  # of fewer members
+        fractions = []
+        with contextlib.suppress(ValueError, IndexError):  # there may be fewer members
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing(*self.member(index, self._surfaces.quoted_cut_off()).pair)
-                found.append(1.0 if missing is None else 1 - float(missing.mean()))
-        return float(np.mean(found)) if found else 1.0
+                fractions.append(1.0 if missing is None else 1 - float(missing.mean()))
+        return float(np.mean(fractions)) if fractions else 1.0
 
 
 def count_points(study: Study) -> int:
-    """How many points of a grid the bodies of a member have; where files are gone, as many as of a common scan."""
+    """Return the number of grid points of a member. If files are missing, return the number for a typical scan."""
     surfaces: Any = study.surfaces
     if not study.is_measured:
         return math.prod(surfaces.shape) if study.is_areal else int(surfaces.points)
@@ -234,13 +240,13 @@ def count_points(study: Study) -> int:
 
 
 def first_pair(study: Study) -> Any:
-    """Return both bodies of the first member in the first cell; a `ValueError` if files are gone."""
+    """Return both bodies of the first member in the first cell. Raises a `ValueError` if files are missing."""
     cell = {name: float(values[0]) for name, values in study.surfaces.cells().items()}
     return load_bodies(study).member(0, cell["cut_off"]).pair if study.is_measured else pair_of(study, 0, **cell)
 
 
 def load_bodies(study: Study) -> LoadedBodies:
-    """The measured bodies of a study, which a process reads once, and again when a file has changed."""
+    """Load the measured bodies of a study. A process reads them once, and again if a file has changed."""
     surfaces = study.surfaces
     assert isinstance(surfaces, Measured)
     stamps = tuple(scan.stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
@@ -253,5 +259,5 @@ def _bodies(surfaces: Measured, seed: int, _: object) -> LoadedBodies:
 
 
 def body_attributes(study: Study) -> BodyAttributes:
-    """What the bodies of a study say of a result: nothing, where they are generated."""
+    """Return the attributes of the measured bodies of a study; empty for generated bodies."""
     return load_bodies(study).attributes() if study.is_measured else BodyAttributes()

@@ -1,4 +1,4 @@
-"""A pair of measured bodies as a study, from numbers, arrays, or texts with units."""
+"""Convert the options of a measured pair to a study."""
 
 from __future__ import annotations
 
@@ -51,47 +51,41 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
 
-DEFAULT_OFFSETS = (
-    64  # positions of one pair of profiles by default: some seconds of computing, and enough for an interval
-)
-NUM_LIGHTER_LOADS = (
-    4  # loads below those asked for of bodies that adhere, over two decades, on which their coefficient rises
-)
-PRELOAD_FRACTION = (
-    1e-3  # load of bodies that are not loaded over the attraction of one point, which holds them at least
-)
-DEFAULT_LAW = "hertz-sphere"  # contact law of asperities by default
-HARDNESS_TO_YIELD_RATIO = 2.84  # hardness over yield strength, of the law of Jackson and Green at small contact radii
+DEFAULT_OFFSETS = 64  # positions of a pair of profiles: some seconds of computing, and enough for an interval
+NUM_LIGHTER_LOADS = 4  # loads below the requested loads, over two decades, for the load curve of adhesive contacts
+PRELOAD_FRACTION = 1e-3  # small load that replaces zero load, as a fraction of the attraction of one grid point
+DEFAULT_LAW = "hertz-sphere"  # contact law of the asperity model
+HARDNESS_TO_YIELD_RATIO = 2.84  # law of Jackson and Green at small contact radii
 
 GAP_REMARK = (
-    "A gap does not say how its faces lean: contacts were taken to slide on half of its slopes. Closure, stiffness and "
-    "area do not depend on that."
+    "A gap map does not contain the slopes of the two faces: each face was assigned half of the gap slopes. Closure, "
+    "stiffness and area do not depend on this assumption."
 )
 
 
 class Pair:
-    """Two bodies and what is asked of them, in core units; a wrong option is an `ArgumentError`."""
+    """Two bodies and their options in core units. An invalid option raises an `ArgumentError`."""
 
     def __init__(self, options: PairOptions) -> None:
         self.options = options
         bodies = (options.upper is not None) + (options.lower is not None)
         if bodies != (2 if options.gap is None else 0):
-            more = "; {upper_material} and {lower_material} are materials, such as steel; the files come first"
-            more = "" if options.upper_material is None and options.lower_material is None else more
-            raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{more}")
+            hint = "; {upper_material} and {lower_material} are materials, such as steel; the files come first"
+            hint = "" if options.upper_material is None and options.lower_material is None else hint
+            raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{hint}")
         if options.mu0 is None and options.interface is None:
-            raise ArgumentError("give {mu0}, or the {interface} that has it")
+            raise ArgumentError("give {mu0}, or an {interface} that contains it")
         for name in CHECK_ORDER:
             if (value := options.given(name)) is None:
                 continue
-            for each in OPTIONS[name].applies:
-                if not each.holds(self):
+            for condition in OPTIONS[name].applies:
+                if not condition.holds(self):
                     shown = "" if value is True else f" {value}"
-                    raise ArgumentError(f"{{{name}}} {each.message}, got {{{name}}}{{shown}}", shown=shown)
+                    raise ArgumentError(f"{{{name}}} {condition.message}, got {{{name}}}{{shown}}", shown=shown)
 
     @classmethod
     def from_values(cls, **values: object) -> Pair:
-        """Return a pair by options that are not checked yet, named as the fields of `PairOptions`."""
+        """Return a pair for unchecked options, named like the fields of `PairOptions`."""
         return cls(read_options(values))
 
     def _kind(self, name: str) -> Kind:
@@ -100,7 +94,7 @@ class Pair:
         return kind
 
     def _quantity(self, name: str, value: object) -> Quantity:
-        """Return a value of an option as a quantity of the kind of that option."""
+        """Parse the value of an option as a quantity of the option's kind."""
         return parse_quantity(name, value, self._kind(name))
 
     def _quantities(self, name: str, values: object) -> list[Quantity]:
@@ -110,7 +104,7 @@ class Pair:
 
     @cached_property
     def files(self) -> tuple[MeasuredFile, MeasuredFile]:
-        """Where both bodies are, and how they are read."""
+        """Files of both bodies, with their reading options."""
         parts = []
         for index, side in enumerate(SIDES):
             given = self.options.given(side) if self.options.gap is None else self.options.gap
@@ -120,14 +114,14 @@ class Pair:
         return parts[0], parts[1]
 
     def _file(self, side: str, index: int, body: Any) -> MeasuredFile:
-        """Return one body as a file and how it is read, or as a body in memory."""
+        """Return the file of a body with its reading options, or a body in memory."""
         options = self.options
-        own: dict[str, Any] = {}
+        properties: dict[str, Any] = {}
         if options.tip is not None:
             radii = self._quantities("tip", options.tip)
-            own["tip"] = radii[index % len(radii)]
+            properties["tip"] = radii[index % len(radii)]
         if processes := split_values(options.texture or ()):
-            own["texture"] = self._process(processes[index % len(processes)])
+            properties["texture"] = self._process(processes[index % len(processes)])
         is_array = isinstance(body, np.ndarray)
         if not isinstance(body, (str, Path)):
             for name in READING:
@@ -135,11 +129,11 @@ class Pair:
                     continue
                 if options.given(name) not in (None, "error", "keep"):
                     raise ArgumentError(
-                        f"{{{name}}} is for files: read them first where only one of both is one, got {{{name}}}"
+                        f"{{{name}}} is for files: if one body is in memory, read the other file first, got {{{name}}}"
                     )
             body = self._from_array(side, index, body) if is_array else body
-            return MeasuredFile.holding(body, side).model_copy(update=own)
-        table = own | {"file": str(body)}
+            return MeasuredFile.holding(body, side).model_copy(update=properties)
+        table = properties | {"file": str(body)}
         for name in READING:
             if (value := self._select_value(name, index)) in (None, ""):
                 continue
@@ -154,12 +148,12 @@ class Pair:
             raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=why) from None
 
     def _select_value(self, name: str, index: int) -> Any:
-        """Return the value of an option for one of both bodies: that of both, or the first or second of two."""
+        """Return the value of an option for one body: the common value, or the first or second of two values."""
         given = self.options.given(name)
         values = given if isinstance(given, list) else [given]
         if len(values) > 2:
             raise ArgumentError(
-                f"{{{name}}} is for both files, or given twice for one after the other, got {len(values)}"
+                f"{{{name}}} must be given once for both files, or once for each file, got {len(values)} values"
             )
         return values[index % len(values)] if values else None
 
@@ -171,7 +165,7 @@ class Pair:
         return name
 
     def _from_array(self, side: str, index: int, heights: Any) -> Body:
-        """Return an array as a body; its spacing and unit are for both bodies, or for one after the other."""
+        """Convert an array to a body. Spacing and unit are common to both bodies, or given for each body."""
         spacing: Any = self._select_value("spacing", index)
         unit: Any = self._select_value("unit", index) or "um"
         try:
@@ -181,23 +175,23 @@ class Pair:
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
-        """The slider, and what it is carried over, as they were scanned, the first of several scans."""
+        """Slider and counterface as scanned; the first scan of each if there are several."""
         upper, lower = (file.read() for file in self.files)
         return upper, lower
 
     @property
     def are_maps(self) -> bool:
-        """Whether both are maps."""
+        """Whether both bodies are height maps."""
         return all(isinstance(body, Surface) for body in self.bodies)
 
     @property
     def are_profiles(self) -> bool:
-        """Whether both are profiles."""
+        """Whether both bodies are profiles."""
         return all(isinstance(body, Profile) for body in self.bodies)
 
     @property
     def has_spectrum(self) -> bool:
-        """Whether one of both is a spectrum of several scans."""
+        """Whether a body is a spectrum of several scans."""
         return any(isinstance(body, JoinedSpectrum) for body in self.bodies)
 
     @property
@@ -206,101 +200,106 @@ class Pair:
         upper, lower = self.files
         return len(upper.scans), len(lower.scans)
 
-    # ---- What is pressed, and how ------------------------------------------------------------------------------------
+    # ---- Contact model -----------------------------------------------------------------------------------------------
 
     @property
     def has_missing(self) -> bool:
-        """Whether points of one are masked."""
+        """Whether a body has masked points."""
         return any(getattr(body, "missing", None) is not None for body in self.bodies)
 
     @property
     def press(self) -> str:
-        """How members are made: "areas", "lines" or "surrogates"."""
+        """Kind of the members: "areas", "lines" or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.options.lines is None else "lines"
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """The mechanics, of which the first is that of the answer."""
-        usual: Mechanics = (
+        """Contact models; the first gives the result."""
+        default: Mechanics = (
             "half-space" if self.press != "lines" or self.has_missing or self._uses_plastic_lines else "asperities"
         )
         if self.options.check:
-            return usual, MECHANICS[1 - MECHANICS.index(usual)]
-        return (self.options.mechanics or usual,)
+            return default, MECHANICS[1 - MECHANICS.index(default)]
+        return (self.options.mechanics or default,)
 
     @property
     def _uses_plastic_lines(self) -> bool:
-        """Whether two profiles are of materials with a hardness, and nothing asks for a law of asperities."""
-        of_asperities = (self.options.law, self.options.yield_strength, self.options.detection, self.options.curvature)
-        if not self.are_profiles or any(each is not None for each in of_asperities):
+        """Whether two profiles have a hardness, and no option of the asperity model is given."""
+        asperity_options = (
+            self.options.law,
+            self.options.yield_strength,
+            self.options.detection,
+            self.options.curvature,
+        )
+        if not self.are_profiles or any(option is not None for option in asperity_options):
             return False
         return self.elasticity.hardness is not None
 
     @property
     def contact_law(self) -> str:
-        """Name of the contact law of asperities."""
+        """Name of the contact law of the asperity model."""
         return self.options.law or ("hertz-cylinder" if self.options.lay == "grooves" else DEFAULT_LAW)
 
     @property
     def has_surrogates(self) -> bool:
-        """Whether anything is pressed that was not scanned."""
+        """Whether surrogates are pressed."""
         return self.press == "surrogates" or self.options.surrogates not in (None, "none")
 
     @cached_property
     def elasticity(self) -> Elasticity:
-        """What both bodies are made of, at the middle of what is known."""
+        """Elasticity of both bodies at the central values of uncertain inputs."""
         modulus, young, poisson = (self._nominal_value(name) for name in ("effective_modulus", "young", "poisson"))
         return elasticity_of(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, list[UncertainInput]]:
-        """What is known of inputs that were given as ranges or with an uncertainty, by their names."""
-        found: dict[str, list[UncertainInput]] = {}
+        """Inputs that were given as ranges or with an uncertainty, by name."""
+        inputs: dict[str, list[UncertainInput]] = {}
         for name in KINDS:
-            texts = [each for each in split_values(self.options.given(name)) if each is not None]
-            if not any(isinstance(each, str) and UNCERTAIN_TEXT.search(each) for each in texts):
+            texts = [text for text in split_values(self.options.given(name)) if text is not None]
+            if not any(isinstance(text, str) and UNCERTAIN_TEXT.search(text) for text in texts):
                 continue
             if len(texts) > (2 if name in ("young", "poisson") else 1):
-                raise ArgumentError(f"{{{name}}} must be one value where it is a range, got {{got}}", got=repr(texts))
-            found[name] = self._read(name)
-        return found
+                raise ArgumentError(f"{{{name}}} must be one value if it is a range, got {{got}}", got=repr(texts))
+            inputs[name] = self._read(name)
+        return inputs
 
     def _read(self, name: str) -> list[UncertainInput]:
         try:
             return [
-                parse_study_input(name, each) for each in split_values(self.options.given(name)) if each is not None
+                parse_study_input(name, text) for text in split_values(self.options.given(name)) if text is not None
             ]
         except ValueError as error:
             raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
 
     @cached_property
     def strength(self) -> Interface | None:
-        """mu0 and tau0 jointly, where an interface is given."""
+        """Joint distribution of mu0 and tau0, or None if no interface is given."""
         if self.options.interface is None:
             return None
         if not isinstance(self.options.interface, (str, Path)):
-            raise ArgumentError("{interface} must be a name or a file that write_interface wrote")
+            raise ArgumentError("{interface} must be a name, or a file written by write_interface")
         try:
             return interface(self.options.interface)
         except ValueError as error:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
     def _nominal_value(self, name: str) -> Any:
-        """An argument as it was given, or the middle of what is known, in four digits."""
+        """Return an option as given, or the central value of an uncertain input, rounded to four digits."""
         if name in ("mu0", "tau0") and self.strength is not None:
             return median_strength(self.strength)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
             return 0.0
         if name not in self.uncertain_inputs:
             return self.options.given(name)
-        middle = [float(f"{each.value:.4g}") for each in self.uncertain_inputs[name]]
-        return middle if len(middle) > 1 else middle[0]
+        central = [float(f"{item.value:.4g}") for item in self.uncertain_inputs[name]]
+        return central if len(central) > 1 else central[0]
 
     @property
     def _uncertainty_table(self) -> dict[str, Any]:
-        """What a study says of what is known; moduli with Poisson's ratios, of either of which it is the range."""
+        """Table `known` of the study. Moduli and Poisson's ratios are listed together if either is uncertain."""
         names = set(self.uncertain_inputs) | {
             name for name in ("hardness", "creep") if self.options.given(name) is not None
         }
@@ -308,8 +307,8 @@ class Pair:
             names |= {"young", "poisson"}
         table: dict[str, Any] = {}
         for name in sorted(names):
-            own = self.uncertain_inputs.get(name) or self._read(name)
-            table[name] = [each.text for each in own] if name in ("young", "poisson") else own[0].text
+            inputs = self.uncertain_inputs.get(name) or self._read(name)
+            table[name] = [item.text for item in inputs] if name in ("young", "poisson") else inputs[0].text
         if self.contact_models[0] == "half-space" and (growth := self._growth) is not None and not growth.is_exact:
             table["junction_growth"] = growth.text
         if self.strength is not None:
@@ -323,15 +322,15 @@ class Pair:
 
     @cached_property
     def loads(self) -> list[Quantity]:
-        """The loads that are asked for, mN, in rising order; of pressures those on the nominal area."""
+        """Requested loads in ascending order, mN. Pressures act on the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         strip = 1.0 if self.options.width is None else THICKNESS / self._width
-        # A product has a last digit that nobody asked for.
+        # Round the products, so that the loads have no spurious last digits.
         forces = {
             float(load) if (factor := area if per_area else strip) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
         }
-        if 0.0 in forces:  # every pull-off force is more than the attraction of one point
+        if 0.0 in forces:  # the pull-off force always exceeds the attraction of one grid point
             forces = {force or float(f"{PRELOAD_FRACTION * self._cell_attraction:.3g}") for force in forces}
         return [quantity(exact_text(force, "mN"), "force") for force in sorted(forces)]
 
@@ -341,26 +340,26 @@ class Pair:
 
     @property
     def _cell_attraction(self) -> float:
-        """Attraction w/ρ over one cell of the grid, mN."""
+        """Attraction w/ρ on one cell of the grid, mN."""
         points = int(np.prod(self._body_attributes.attributes["shape"]))
         steps = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
-        work, asked = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
-        least = resolved_range(work, float(steps.max()), self.elasticity.effective_modulus)
-        return work / max(asked or ADHESION_RANGE, least) * self._nominal_area / points
+        work, given = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
+        min_range = resolved_range(work, float(steps.max()), self.elasticity.effective_modulus)
+        return work / max(given or ADHESION_RANGE, min_range) * self._nominal_area / points
 
     @property
     def _width(self) -> float:
-        """Width that forces on profiles are on, µm."""
+        """Width of the profiles under a force, µm."""
         width = self._quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
         if all(per_area for _, per_area in self._given_loads):
-            raise ArgumentError("{width} is for a load that is a force, got {load} {got}", got=repr(self.options.load))
+            raise ArgumentError("{width} needs a {load} that is a force, got {load} {got}", got=repr(self.options.load))
         return float(width)
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Loads as they were given, mN or GPa of the slider's area, and whether they are that."""
+        """Loads as given, in mN or GPa, each with a flag for loads per area."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -370,32 +369,32 @@ class Pair:
 
     @property
     def study(self) -> Study:
-        """The study of the answer."""
+        """Study of the result."""
         return self.studies[0]
 
     @cached_property
     def studies(self) -> list[Study]:
-        """The study of the answer and, with a check, that by the other mechanics."""
+        """Study of the result and, with a check, the study with the other contact model."""
         contacts = [self._contact(mechanics) for mechanics in self.contact_models]
         loads = [exact_text(load, "mN") for load in self._load_steps(contacts).tolist()]
         return [self._study(contact | {"load": loads}) for contact in contacts]
 
     @property
     def preview_study(self) -> Study | None:
-        """The study of an answer within a second, by asperities; None where they are the answer, or of lines."""
+        """Study of a preview with the asperity model; None if the pair is of lines, or itself uses this model."""
         if self.press == "lines" or self.contact_models[0] == "asperities" or self.has_missing:
             return None
         return self._study(self._contact("asperities") | {"load": self.loads})
 
     @property
     def remarks(self) -> list[str]:
-        """What is worth knowing of materials, and of profiles whose lay is not said."""
-        known, remarks = self.elasticity, []
-        if known.source and self.options.hardness is None:
-            remarks.append(f"{known.source}, {known.hardness_source}")
-        elif known.source:
-            remarks.append(f"{known.source}; the hardness is that of --hardness")
-        remarks += [known.renamed] if known.renamed else []
+        """Remarks on the materials, and on a gap map."""
+        elasticity, remarks = self.elasticity, []
+        if elasticity.source and self.options.hardness is None:
+            remarks.append(f"{elasticity.source}, {elasticity.hardness_source}")
+        elif elasticity.source:
+            remarks.append(f"{elasticity.source}; the hardness is that of --hardness")
+        remarks += [elasticity.renamed] if elasticity.renamed else []
         if self.options.gap is not None:
             remarks.append(GAP_REMARK)
         return remarks
@@ -406,7 +405,7 @@ class Pair:
         friction = {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths), "load": self.loads}
         if self.options.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
-                raise ArgumentError("{wait} needs {hardness}: bodies that do not yield do not creep into each other")
+                raise ArgumentError("{wait} needs {hardness}: elastic contacts do not creep")
             friction["wait"] = _sort_unique(self._quantities("wait", self.options.wait))
         data = {
             "surfaces": self._surfaces(), "contact": contact, "friction": friction, "ensemble": self._ensemble(),
@@ -424,7 +423,7 @@ class Pair:
         else:
             table["cut_off"] = _sort_unique(self._quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
-            level = "mean"  # the faces stay as they were measured
+            level = "mean"  # keep the measured orientation of the faces
         if level is not None:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
@@ -447,22 +446,22 @@ class Pair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Scans as measured and filtered, where waves that may not be the surface's have much of the slope.
+        """Cutoffs 0 and filtered, if doubtful wavelengths contribute much of the slope; empty otherwise.
 
-        Each scan is filtered at its own cutoff, or not at all. Filtered scans come first, and are quoted, if all of
-        these waves are noise floors.
+        Each scan is filtered at its own cutoff, or not at all. The filtered scans come first and give the quoted result
+        if all doubtful wavelengths are noise floors.
         """
         limits = [[_find_limit(scan) for scan in file.scans] for file in self.files]
-        doubtful = [each for limits_of_part in limits for each in limits_of_part if each is not None]
+        doubtful = [limit for part_limits in limits for limit in part_limits if limit is not None]
         sides = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
         longest = max((limit.cut_off for limit in doubtful), default=0.0)
         if not 0 < longest < min(sides, default=0.0) / 4:
             return {}
         parts = []
-        for file, own in zip(self.files, limits, strict=True):
+        for file, part_limits in zip(self.files, limits, strict=True):
             first, *others = (
                 scan.model_copy(update={"max_cut_off": _length(0.0 if limit is None else limit.cut_off)})
-                for scan, limit in zip(file.scans, own, strict=True)
+                for scan, limit in zip(file.scans, part_limits, strict=True)
             )
             parts.append(first.model_copy(update={"others": tuple(others) or None}))
         floors = all(limit.origin == "instrument" for limit in doubtful)
@@ -493,18 +492,18 @@ class Pair:
 
     @cached_property
     def _listed_positions(self) -> list[Any] | None:
-        """Positions (µm) of the slider on the counterface, (x, y) of maps; None where they follow from a number."""
+        """Positions (µm) of the slider on the counterface, (x, y) for maps; None if only their number is given."""
         if self.options.positions is None:
             return None
-        found = self._quantities("positions", self.options.positions)
+        values = self._quantities("positions", self.options.positions)
         if self.press == "lines":
-            return list(reject_negative("positions", found, self.options.positions))
-        if len(found) % 2:
-            raise ArgumentError("{positions} of maps must be x and y of each, got {got} values", got=str(len(found)))
-        return [list(pair) for pair in zip(found[::2], found[1::2], strict=True)]
+            return list(reject_negative("positions", values, self.options.positions))
+        if len(values) % 2:
+            raise ArgumentError("{positions} of maps must be pairs of x and y, got {got} values", got=str(len(values)))
+        return [list(pair) for pair in zip(values[::2], values[1::2], strict=True)]
 
     def _positions(self) -> tuple[int, int]:
-        """How many pairs of lines there are, and how many positions on each."""
+        """Return the number of pairs of lines, and the number of positions on each pair."""
         lines, offsets = self.options.lines or DEFAULT_LINES, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             listed = self._listed_positions
@@ -515,7 +514,7 @@ class Pair:
         if self._listed_positions is not None:
             offsets = len(self._listed_positions)
         elif (offsets or 1) > 1 and self.options.travel is None:
-            raise ArgumentError(f"{{offsets}} {offsets} needs a {{travel}} LENGTH, for which the slider is shortened")
+            raise ArgumentError(f"{{offsets}} {offsets} needs a {{travel}} LENGTH, by which the slider is shortened")
         return lines, offsets or 1
 
     def _num_surrogates(self, default: int) -> int:
@@ -529,17 +528,17 @@ class Pair:
         return int(text)
 
     def _contact(self, mechanics: str) -> dict[str, Any]:
-        known = self.elasticity
+        elasticity = self.elasticity
         table: dict[str, Any] = {
-            "mechanics": mechanics, "effective_modulus": exact_text(known.effective_modulus, "GPa"),
+            "mechanics": mechanics, "effective_modulus": exact_text(elasticity.effective_modulus, "GPa"),
         }  # fmt: skip
-        for name, value in (("materials", known.materials), ("poisson_ratio", known.poisson_ratios)):
+        for name, value in (("materials", elasticity.materials), ("poisson_ratio", elasticity.poisson_ratios)):
             if value is not None:
                 table[name] = list(value)
         if self.options.direction is not None:
             table["direction"] = parse_numbers("direction", self.options.direction, integers=True)
         if mechanics == "half-space":
-            table["compliance_share"] = known.compliance_share
+            table["compliance_share"] = elasticity.compliance_share
             table |= {} if self.options.tilt is None else {"tilt": self.options.tilt}
             if (hardness := self._hardness) is not None:
                 table["hardness"] = hardness
@@ -556,23 +555,23 @@ class Pair:
 
     @property
     def _adhesion(self) -> dict[str, Quantity]:
-        """Work of adhesion and its range, of which no range of values is taken: solutions over it are other studies."""
-        found = {}
+        """Work of adhesion and its range. Each must be a single value, because every value needs its own solution."""
+        quantities = {}
         for name in ("work_of_adhesion", "adhesion_range"):
             if (value := self.options.given(name)) is None:
                 continue
             if isinstance(value, str) and UNCERTAIN_TEXT.search(value):
-                said = f"{{{name}}} must be one value; press at both ends of a range, got {{got}}"
-                raise ArgumentError(said, got=repr(value))
-            found[name] = self._quantity(name, value)
-            reject_negative(name, [found[name]], value)
-        return found
+                message = f"{{{name}}} must be one value; compute both ends of a range separately, got {{got}}"
+                raise ArgumentError(message, got=repr(value))
+            quantities[name] = self._quantity(name, value)
+            reject_negative(name, [quantities[name]], value)
+        return quantities
 
     @property
     def _growth(self) -> UncertainInput | None:
-        """Return α of junction growth, None where contacts do not grow.
+        """Coefficient α of junction growth, or None if contacts do not grow.
 
-        By default it is that of the tests of the interface, or else that of the softer material.
+        The default is the value of the interface, or else of the softer material.
         """
         given = self.options.junction_growth
         if given is None:
@@ -584,38 +583,38 @@ class Pair:
             value = softer and softer.junction_growth
             given = f"{value.low:g}..{value.high:g}" if value else 0.0
         elif self._hardness is None:
-            raise ArgumentError("{junction_growth} needs {hardness}: contacts that do not yield do not grow")
+            raise ArgumentError("{junction_growth} needs {hardness}: elastic contacts do not grow")
         try:
-            found = parse_study_input("junction_growth", given)
+            alpha = parse_study_input("junction_growth", given)
         except ValueError as error:
             raise ArgumentError("{junction_growth} {why}", why=str(error).strip()) from None
-        if found.value and self._adhesion.get("work_of_adhesion"):
+        if alpha.value and self._adhesion.get("work_of_adhesion"):
             raise ArgumentError("{junction_growth} must be 0 with {work_of_adhesion}, got {got}", got=repr(given))
-        return found if found.value else None
+        return alpha if alpha.value else None
 
     @property
     def _hardness(self) -> Quantity | None:
-        """That which is given, or else that of the materials."""
+        """Hardness as given, or else the hardness of the softer material."""
         if self.options.hardness is None:
-            known = self.elasticity.hardness
-            return None if known is None else quantity(exact_text(known, "GPa"), "pressure")
+            value = self.elasticity.hardness
+            return None if value is None else quantity(exact_text(value, "GPa"), "pressure")
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
-        self._read("hardness")  # whose errors name scales of hardness as well
+        self._read("hardness")  # its errors also list the hardness scales
         hardness = self._quantity("hardness", self._nominal_value("hardness"))
         if not hardness > 0:
             raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.options.hardness))
         return hardness
 
     def _law(self) -> Any:
-        """The contact law of asperities, with its parameters."""
+        """Return the contact law of the asperity model with its parameters."""
         if self.contact_law != JacksonGreen.name:
             return self.contact_law
         strength, ratio = self.options.yield_strength, self.elasticity.poisson_ratio
         if strength is None and self._hardness is None:
-            raise ArgumentError("{law} jackson-green needs {yield_strength} or {hardness}, one of them")
+            raise ArgumentError("{law} jackson-green needs either {yield_strength} or {hardness}")
         if ratio is None:
-            raise ArgumentError("{law} jackson-green needs {poisson}, of the softer body")
+            raise ArgumentError("{law} jackson-green needs {poisson} of the softer body")
         if strength is None:
             strength = exact_text(float(self._hardness or 0.0) / HARDNESS_TO_YIELD_RATIO, "GPa")
         else:
@@ -623,27 +622,29 @@ class Pair:
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
     def _load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
-        """The loads that members are pressed to, by all mechanics the same, mN."""
-        most = None
+        """Return the loads of the load curve, mN, which are common to all contact models."""
+        max_load = None
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
             if any(per_area and load >= hardness for load, per_area in self._given_loads):
                 raise ArgumentError("{load} must be below the hardness, {hardest:.4g} GPa", hardest=float(hardness))
-            most = float(hardness) * self._nominal_area
-            if not self.loads[-1] < most:
+            max_load = float(hardness) * self._nominal_area
+            if not self.loads[-1] < max_load:
                 strip = self.are_profiles and self.press == "lines"
                 raise ArgumentError(
-                    "{load} must be below the hardness times the nominal area of {area:.4g} µm², {most:.4g} mN"
-                    + ("; that is of a strip 1 µm wide: give a pressure, or a force and its {width}" if strip else ""),
-                    area=self._nominal_area, most=most,
+                    "{load} must be below the hardness times the nominal area of {area:.4g} µm², {max_load:.4g} mN"
+                    + ("; this is for a width of 1 µm: give a pressure, or a force and its {width}" if strip else ""),
+                    area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip
         loads = self.loads
-        unloaded = loads[:1] if self._has_zero_load else []  # nothing between it and the others is read off
+        unloaded = (
+            loads[:1] if self._has_zero_load else []
+        )  # no result is interpolated between zero and the other loads
         loaded = loads[len(unloaded) :] or loads
         lighter = NUM_LIGHTER_LOADS if self._adhesion.get("work_of_adhesion") else 1
         around = ladder(
             loaded, press=self.press, mechanics="half-space" if "half-space" in self.contact_models else "asperities",
-            most=most, lighter=0 if loaded == unloaded else lighter,
+            most=max_load, lighter=0 if loaded == unloaded else lighter,
         )  # fmt: skip
         return np.union1d(around, np.array(unloaded, np.float64))
 
@@ -655,14 +656,14 @@ class Pair:
 
     @property
     def _nominal_area(self) -> float:
-        """Area of each member, µm²."""
+        """Nominal area of each member, µm²."""
         area = self._body_attributes.nominal_area
-        assert area is not None, "measured bodies have one"
+        assert area is not None, "measured bodies have a nominal area"
         return area
 
 
 def _validate_study(data: dict[str, Any]) -> Study:
-    """Return a study of tables; a fault at a key that an option sets is an `ArgumentError` of the option."""
+    """Validate the tables of a study. An error in the key of an option becomes an `ArgumentError` of the option."""
     try:
         return validated(Study, data, "pair")
     except StudyError as error:
@@ -673,53 +674,53 @@ def _validate_study(data: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the option that sets a key of a study, "friction.mu0[0]", or None."""
+    """Return the name of the option that sets a key of a study such as "friction.mu0[0]", or None."""
     key = key.partition("[")[0]
     last = key.rpartition(".")[2]
     return next((name for name, option in OPTIONS.items() if option.key == key), last if last in OPTIONS else None)
 
 
 def pair_study(upper: object = None, lower: object = None, **options: object) -> Study:
-    """Return the study of two bodies, files or in memory, by options as fields of `PairOptions`.
+    """Return the study of two bodies, files or in memory, with options named like the fields of `PairOptions`.
 
-    Raises a `ValueError` if it cannot be pressed.
+    Raises a `ValueError` if the bodies cannot be pressed.
     """
     return study_from_options(read_options({"upper": upper, "lower": lower, **options}))
 
 
 def study_from_options(options: PairOptions) -> Study:
-    """Return the study of two bodies, files or in memory; a `ValueError` if it cannot be pressed."""
+    """Return the study of two bodies, files or in memory. Raises a `ValueError` if they cannot be pressed."""
     study = Pair(options).study
     body_attributes(study)
     return study
 
 
 def _split_commas(value: Any) -> Any:
-    """Return a text between commas as a list, and any other value unchanged."""
+    """Split a text at commas. Other values are returned unchanged."""
     return split_values(value) if isinstance(value, str) and "," in value else value
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Scans of a part: elements of a list, files in a folder or between commas, or the one that is given."""
+    """Return the scans of a part: elements of a list, files in a folder, comma-separated names, or a single scan."""
     if isinstance(given, (list, tuple)):
-        found = list(given)
-    elif isinstance(given, str) and not given.strip():  # which `Path` would take for the current folder
-        found = [given]
+        scans = list(given)
+    elif isinstance(given, str) and not given.strip():  # `Path` would interpret it as the current folder
+        scans = [given]
     elif isinstance(given, (str, Path)) and Path(given).is_dir():
-        found = sorted(each for each in Path(given).iterdir() if not (each.is_dir() or each.name.startswith(".")))
+        scans = sorted(path for path in Path(given).iterdir() if not (path.is_dir() or path.name.startswith(".")))
     elif isinstance(given, (str, Path)) and "," in str(given) and not Path(given).exists():
-        found = split_values(str(given))
+        scans = split_values(str(given))
     else:
         return [given]
-    if not found or any(isinstance(each, str) and not each.strip() for each in found):
+    if not scans or any(isinstance(scan, str) and not scan.strip() for scan in scans):
         raise ArgumentError(
             f"{{{side}}} must have at least one scan, and no empty name, got {{got}}", got=repr(str(given))
         )
-    return found
+    return scans
 
 
 def _find_limit(scan: MeasuredFile) -> InstrumentLimit | None:
-    """Limit of a scan below which waves have much of the slope and may not be the surface's, or None."""
+    """Return the wavelength limit of a scan if doubtful wavelengths contribute much of the slope, or None."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None
@@ -732,6 +733,6 @@ def _length(wavelength: float) -> Quantity:
 
 
 def _sort_unique(values: list[Quantity]) -> list[Quantity]:
-    """Quantities in rising order, each once; of equal ones the last."""
+    """Sort quantities in ascending order and remove duplicates; the last of equal quantities is kept."""
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]

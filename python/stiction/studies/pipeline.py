@@ -1,4 +1,4 @@
-"""A folder made complete: the blocks of a study, and of a measured pair its contacts, cut-offs and onset of sliding."""
+"""Complete a result folder: blocks of the study; for a measured pair also contacts, cutoffs and onset of sliding."""
 
 from __future__ import annotations
 
@@ -25,18 +25,16 @@ from stiction.studies.runner import complete_blocks, compute_missing, prepare_fo
 from stiction.studies.store import BLOCKS, SEAL, STUDY, StoredResult, StoreError, export, open_stored
 from stiction.studies.study import Study, differences, differences_text, member_differences
 
-Say = Callable[[str], Any]  # a function that tells a person a line
+Say = Callable[[str], Any]  # function that prints a line
 
-MIN_ANNOUNCED_TIME = (
-    20.0  # seconds of computing from which on an estimate is printed beforehand, also where nobody watches
-)
+MIN_ANNOUNCED_TIME = 20.0  # seconds of computing above which an estimate is always printed
 
 _COMPANION_FILES = {PICTURE: SEAL, HARDNESS: SEAL, ONSET: SEAL, TABLE: TABLE_MARK}
-"""Files that are kept beside the blocks of a measured pair, and the mark by which each is recognised."""
+"""Files that are stored alongside the blocks of a measured pair, and the bytes that identify each file."""
 
 
 def _ignore(_: str) -> None:
-    """Tell nobody."""
+    """Print nothing."""
 
 
 def complete(
@@ -44,21 +42,22 @@ def complete(
     onset: int | None = None, progress: bool = False, said: Say = _ignore, say: Say = _ignore,
     announce: Say = _ignore, answered: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute what a folder lacks of a study, or of a part, and without a part of what is kept beside it.
+    """Compute the missing blocks of a study, or of a part of it. Without a part, also compute the companion files.
 
-    `replace` removes the result of another study, `onset` members have it computed (0 for none), `said`, `say` and
-    `announce` tell what was done, is worth knowing and comes, and `answered` is given the result of the blocks.
+    `replace` removes the result of another study. `onset` is the number of members with an onset, 0 for none.
+    `said` receives lines about finished work, `say` important remarks, and `announce` lines about the work ahead.
+    `answered` receives the result of the blocks.
     """
     for name, mark in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
         check_replaceable(folder / name, mark, StoreError)
-    there = open_stored(folder) if (folder / STUDY).exists() else None
-    if replace and there:
-        remove_result(there)
+    existing = open_stored(folder) if (folder / STUDY).exists() else None
+    if replace and existing:
+        remove_result(existing)
     stored, total = prepare_folder(study, folder, part), study.ensemble.repetitions
     before = stored.count
-    other = differences(there.study, stored.study) if there and before else []
+    other = differences(existing.study, stored.study) if existing and before else []
     if friction := [each for each in other if each[0].startswith("friction.")]:
-        say(f"{folder} was asked for other friction; its {before} repetitions are kept, and its table, page and "
+        say(f"{folder} has results for other friction; its {before} repetitions are kept, and its table, report and "
             f"figures are replaced\n{differences_text(friction)}")  # fmt: skip
     measured = stored.study.is_measured
     seconds = (total - before) * cost_of_member(stored.study)
@@ -69,7 +68,7 @@ def complete(
         return Result(stored)
     result = Result(stored)
     if measured and load_areas_over_hardness(stored) is None and not is_unloaded(result):
-        # A few members at other hardnesses and moduli, where these are ranges.
+        # Solve a few members at other hardnesses and moduli, if these inputs are ranges.
         seconds = (
             count_solutions(stored.study) * cost_of_solution(stored.study) if stored.study.uses_half_space else 0.0
         )
@@ -77,10 +76,10 @@ def complete(
             say(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
         _write_companion(stored, HARDNESS, lambda: compute_areas_over_hardness(stored.study, executor))
     if before < total and (before or not measured):
-        said(f"wrote {folder}" + (f" ({before} of its {total} repetitions were there already)" if before else ""))
+        said(f"wrote {folder}" + (f" ({before} of {total} repetitions already existed)" if before else ""))
     elif before == total:
         by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
-        said(f"{folder} holds this study already{by}")
+        said(f"{folder} already contains this study{by}")
     answered(result)
     if measured and (before < total or not (stored.path / PICTURE).exists()):
         _write_companion(stored, PICTURE, lambda: contact_picture(result))
@@ -88,18 +87,18 @@ def complete(
     return result
 
 
-def _write_companion(stored: StoredResult, name: str, make: Callable[[], Any]) -> None:
-    """Write what is made of a result beside it, if there is anything, and the files of its bodies are still there."""
+def _write_companion(stored: StoredResult, name: str, compute: Callable[[], Any]) -> None:
+    """Compute and write a companion file. Do nothing if there is no data, or if the files of the bodies are missing."""
     with contextlib.suppress(ValueError):
-        if (made := make()) is not None:
-            export(made, stored.path / name, replace=True)
+        if (dataset := compute()) is not None:
+            export(dataset, stored.path / name, replace=True)
 
 
 def compute_companions(
     result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False, announce: Say = _ignore,
     say: Say = _ignore,
 ) -> None:  # fmt: skip
-    """Compute what is kept beside the result of a measured pair, and not there yet: cut-offs, and the onset."""
+    """Compute the missing cutoff study and onset of sliding of a measured pair."""
     stored = result.stored
     if stored is None or not stored.study.is_measured:
         return
@@ -107,12 +106,12 @@ def compute_companions(
         over = None if is_unloaded(result) else resolution_study(stored.study)
         if over is not None:
             folder = stored.path / FOLDER
-            there = open_stored(folder) if (folder / STUDY).exists() else None
-            if there and member_differences(there.study, over):
-                remove_result(there)  # of another pair, or of other loads
+            existing = open_stored(folder) if (folder / STUDY).exists() else None
+            if existing and member_differences(existing.study, over):
+                remove_result(existing)  # of another pair or other loads
             seconds = over.ensemble.repetitions * cost_of_member(over)
             (say if seconds > MIN_ANNOUNCED_TIME else announce)(
-                f"over cut-offs: about {format_duration(seconds)} of one core"
+                f"cutoff study: about {format_duration(seconds)} of one core"
             )
             compute_missing(over, folder, executor=executor, progress=progress)
         kept = load_onset(stored)
@@ -120,8 +119,8 @@ def compute_companions(
             return
         announce("onset of sliding")
         curve = onset_of_result(stored.study, executor, members=onset)
-    except ValueError as error:  # the files are not there any more
-        say(f"without cut-offs or onset: {error}")
+    except ValueError as error:  # the files of the bodies are missing
+        say(f"cutoff study and onset are not computed: {error}")
         return
     if curve is not None:
         export(curve, stored.path / ONSET, replace=True)
@@ -130,7 +129,7 @@ def compute_companions(
 
 
 def remove_result(stored: StoredResult) -> None:
-    """Remove the study and the blocks of a result, and nothing else that lies in its folder."""
+    """Remove the study and the blocks of a result. Other files in its folder are kept."""
     for block in stored.blocks:
         (stored.path / BLOCKS / block.name).unlink(missing_ok=True)
     areas = (HARDNESS,) if stored.study.is_measured else ()

@@ -1,4 +1,4 @@
-"""What to compute: a study, validated, from a TOML file or the built-in library."""
+"""A study: the validated description of a computation, from a TOML file or the built-in library."""
 
 from __future__ import annotations
 
@@ -47,22 +47,22 @@ from stiction.studies.values import (
 if TYPE_CHECKING:
     import xarray
 
-MAX_STUDY_BYTES = 1_000_000  # largest number of bytes of a study file; a study is a page
-MAX_COMBINATIONS = 1000  # largest number of loads times mu0 times tau0 of measured surfaces
+MAX_STUDY_BYTES = 1_000_000  # size of a study file
+MAX_COMBINATIONS = 1000  # loads times mu0 times tau0 of measured surfaces
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
-"""Tables and their keys that say which case a table is of."""
+"""Tables and their keys that select the case of a table."""
 
 _LEADING_KEYS = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "law", "detection", "curvature",
     "boundary", "hardness", "compliance_share",
 )  # fmt: skip
-"""Keys that stand first in their tables."""
+"""Keys that are written first in their tables."""
 
 _LIBRARY = resources.files("stiction.studies") / "library"
-SEED = 2016  # where random numbers start by default
-Difference = tuple[str, str, str]  # a dotted key, and what it is in either study, as TOML
-MAX_LISTED_DIFFERENCES = 4  # differences that a message lists
+SEED = 2016  # default seed of the random numbers
+Difference = tuple[str, str, str]  # dotted key, and its value in the first and in the second study, as TOML
+MAX_LISTED_DIFFERENCES = 4  # in a message
 
 Surfaces = Generated | Measured  # the table `[surfaces]` of a study
 SURFACES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # every case of the table
@@ -77,7 +77,7 @@ _CASES = {
     "surface": _cases_by("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
     "measured": _cases_by("press", *get_args(Measured)),
 }
-"""By its key `kind` another key that says which case a table is of, and the cases, the first of them by default."""
+"""For each value of the key `kind`: the key that selects the case, and the cases. The first case is the default."""
 
 
 def surfaces_case(given: Mapping[str, Any]) -> type[Surfaces]:
@@ -90,11 +90,11 @@ ZERO_STRENGTH = quantity("0 MPa", "pressure")
 PAPER_STRENGTHS = tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200"))
 MU0 = "Molecular friction coefficients."
 TAU0 = "Adhesive shear strengths."
-LOADS = "Normal loads that are asked for; `contact.load` is the curve around them."
+LOADS = "Normal loads of the results; `contact.load` is the load curve around them."
 
 
 class GeneratedFriction(Case):
-    """What figures of generated surfaces show."""
+    """Interface strengths in figures of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
@@ -104,14 +104,14 @@ class GeneratedFriction(Case):
 
 
 class FrictionOfAsperities(GeneratedFriction):
-    """What figures of generated surfaces by asperities show."""
+    """Interface strengths in figures of generated surfaces, asperity model."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
 class FrictionOfHalfSpace(GeneratedFriction):
-    """What figures of generated surfaces by the half-space show, and the loads that are asked for."""
+    """Interface strengths and loads in figures of generated surfaces, half-space."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -119,7 +119,7 @@ class FrictionOfHalfSpace(GeneratedFriction):
 
 
 class FrictionOfMeasured(Case):
-    """What is asked for of measured surfaces."""
+    """Interface strengths, loads and dwell times of measured surfaces."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -127,7 +127,7 @@ class FrictionOfMeasured(Case):
     tau0: Strengths = Field(default=(ZERO_STRENGTH,), description=TAU0)
     load: LoadsOfInterest = Field(description=LOADS)
     wait: Times = Field(
-        default=(), description="Times under load before it is sheared; `contact.hardness` is that after 1 s."
+        default=(), description="Dwell times under load before sliding; `contact.hardness` is the hardness after 1 s."
     )
 
 
@@ -135,7 +135,7 @@ Friction = FrictionOfAsperities | FrictionOfHalfSpace | FrictionOfMeasured
 """The table `[friction]` of a study."""
 FRICTIONS: tuple[type[Friction], ...] = get_args(Friction)
 SHARED_FRICTION: tuple[type[Case], ...] = (FrictionOfMeasured, GeneratedFriction, FrictionOfHalfSpace)
-"""Classes of its keys that cases share."""
+"""Base classes with keys that several cases share."""
 
 
 def friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Friction]:
@@ -146,15 +146,15 @@ def friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Friction]:
 
 
 class Ensemble(Table):
-    """How many members, and where their random numbers start."""
+    """Number of members and seed of their random numbers."""
 
     repetitions: int = Field(
         default=100, ge=1, le=100_000_000,
-        description="Pairs for each fractal dimension and amplitude, or of measured surfaces relative positions.",
+        description="Pairs for each fractal dimension and amplitude; relative positions of measured surfaces.",
     )  # fmt: skip
     seed: int = Field(
         default=SEED, ge=0, lt=2**63,
-        description="Where the random numbers start; the same seed gives the same surfaces.",
+        description="Seed of the random numbers; equal seeds give equal surfaces.",
     )  # fmt: skip
 
 
@@ -164,12 +164,12 @@ FigureName = Literal["profiles", "length-scales", "friction", "area", "onset"]
 def _check_distinct(names: tuple[str, ...]) -> tuple[str, ...]:
     for name in names:
         if names.count(name) > 1:
-            raise ValueError(f"must name each figure once, but {name!r} is there {names.count(name)} times")
+            raise ValueError(f"must contain each figure once, got {name!r} {names.count(name)} times")
     return names
 
 
 class Figures(Table):
-    """What is drawn of the result of generated surfaces."""
+    """Figures of a result of generated surfaces."""
 
     draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_check_distinct)] = Field(
         default=("friction", "area"), description="Which figures `run` and `plot` draw."
@@ -179,44 +179,55 @@ class Figures(Table):
 def _add_bracketing_loads(
     surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the tables of a study of generated half-spaces with a load below and one above those asked for.
+    """Return the tables contact and friction with one load below and one load above the requested loads.
 
-    Empty where no loads are asked for, where a curve is given beside them, or where a table is wrong.
+    Applies to generated surfaces and the half-space. Returns an empty dictionary if no loads are requested, if a load
+    curve is given as well, or if a table is invalid.
     """
-    asked = friction.get("load") or (contact.get("load") if isinstance(contact.get("load"), (list, tuple)) else None)
+    requested = friction.get("load") or (
+        contact.get("load") if isinstance(contact.get("load"), (list, tuple)) else None
+    )
     is_curve = bool(friction.get("load")) and "load" in contact
-    if contact.get("mechanics") != "half-space" or not isinstance(asked, (list, tuple)) or not asked or is_curve:
+    if (
+        contact.get("mechanics") != "half-space"
+        or not isinstance(requested, (list, tuple))
+        or not requested
+        or is_curve
+    ):
         return {}
     try:
-        loads = [float(quantity(load, "force")) for load in asked]
+        loads = [float(quantity(load, "force")) for load in requested]
         upper = max(loads) * AREAL_LOAD_FACTOR
         if contact.get("hardness") is not None:
-            most = float(quantity(contact["hardness"], "pressure")) * _nominal_area(surfaces)
-            # Above the largest load, also where this is too large itself, which is reported of the curve.
-            upper = min(upper, max(loads) * max(math.sqrt(most / max(loads)), 1.001))
-    except (ValueError, TypeError, AttributeError):  # reported of the key that is wrong
+            max_load = float(quantity(contact["hardness"], "pressure")) * _nominal_area(surfaces)
+            # Keep the upper load above the largest requested load. A load that is too large is reported later.
+            upper = min(upper, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
+    except (ValueError, TypeError, AttributeError):  # the validation of the key reports the error
         return {}
     around = [exact_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / AREAL_LOAD_FACTOR, upper)]
-    return {"contact": {**contact, "load": [around[0], *asked, around[1]]}, "friction": {**friction, "load": [*asked]}}
+    return {
+        "contact": {**contact, "load": [around[0], *requested, around[1]]},
+        "friction": {**friction, "load": [*requested]},
+    }
 
 
 def _nominal_area(surfaces: Mapping[str, Any]) -> float:
-    """Area of a table of generated surfaces, µm²."""
-    found: Any = surfaces_case(surfaces).model_validate(surfaces)
-    return math.prod(found.extents()) if found.is_areal else float(found.extent) * THICKNESS
+    """Return the nominal area of a table of generated surfaces, µm²."""
+    table: Any = surfaces_case(surfaces).model_validate(surfaces)
+    return math.prod(table.extents()) if table.is_areal else float(table.extent) * THICKNESS
 
 
 def _empty_table() -> Any:
-    """A table that says nothing, from which the case that goes with the surfaces is made."""
+    """Return an empty table. Validation turns it into the case that matches the surfaces."""
     return {}
 
 
 class Study(Table):
-    """A study: which pairs of surfaces, how they are pressed, over which parameters.
+    """Study: pairs of surfaces, contact model and parameters.
 
-    Tables left out, and keys left out of tables, take the values of the paper's Fig. 6. Quantities are
-    "number unit" in files and plain numbers in core units (µm, GPa, mN) inside. Keys belong to a kind of surfaces or
-    of mechanics; those of another kind are refused.
+    Missing tables and keys have the values of the paper's Fig. 6. Quantities are "number unit" in files, and plain
+    numbers in core units (µm, GPa, mN) in Python. A key belongs to a kind of surfaces or to a contact model; keys of
+    another kind are rejected.
 
     Examples
     --------
@@ -236,10 +247,10 @@ class Study(Table):
     @model_validator(mode="before")
     @classmethod
     def _add_curve_loads(cls, given: Any) -> Any:
-        """Press to loads around those that are asked for, so that each of them lies inside the curve of the study.
+        """Add loads around the requested loads, so that each requested load lies within the load curve.
 
-        Measured surfaces, and generated ones by the half-space, are asked for `friction.load`; of the latter a list as
-        `contact.load` is taken for it.
+        The requested loads are `friction.load`. For generated surfaces and the half-space, a list `contact.load` is
+        used if `friction.load` is missing.
         """
         if not isinstance(given, Mapping):
             return given
@@ -253,14 +264,14 @@ class Study(Table):
             mechanics = contact_case(surfaces_case(surfaces), contact).model_fields["mechanics"].default
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             around = ladder(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
-        except (ValueError, TypeError):  # said of the key that is wrong
+        except (ValueError, TypeError):  # the validation of the key reports the error
             return given
         return {**given, "contact": {**contact, "load": [exact_text(load, "mN") for load in around.tolist()]}}
 
     @field_validator("surfaces", mode="before")
     @classmethod
     def _read_surfaces(cls, value: object) -> Surfaces:
-        """A table of the case that it says."""
+        """Validate the table as the case that its keys select."""
         if isinstance(value, SURFACES):
             return value
         if not isinstance(value, Mapping):
@@ -272,7 +283,7 @@ class Study(Table):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _read_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
-        """The table that goes with the surfaces; where these are wrong, nothing is said of it."""
+        """Validate a table as the case that matches the surfaces. If the surfaces are invalid, use an empty table."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = Profiles(), {}
@@ -282,7 +293,7 @@ class Study(Table):
             return read_contact(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, Measured):
             raise fault_at("load", "must have at least one load, got []")
-        contact = info.data.get("contact")  # None where it is wrong, of which alone is reported
+        contact = info.data.get("contact")  # None if it is invalid; only that error is reported
         mechanics = "half-space" if contact is None else contact.mechanics
         case = friction_case(type(surfaces), mechanics)
         check_keys(value, case, SHARED_FRICTION)
@@ -293,52 +304,54 @@ class Study(Table):
         draw, friction, steps = self.figures.draw, self.friction, self.contact.steps()
         if friction.load and not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
             raise ValueError(
-                f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the ends of contact.load; without "
-                "contact.load there are loads around those that are asked for"
+                f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the ends of contact.load; omit "
+                "contact.load to have its loads chosen around friction.load"
             )
         if not self.is_measured:
-            if self.is_areal and (drawn := [name for name in draw if name in ("profiles", "length-scales")]):
-                raise ValueError(f'figures.draw: "{drawn[0]}" is of profiles, and surfaces.kind is "surface"')
+            if self.is_areal and (profile_figures := [name for name in draw if name in ("profiles", "length-scales")]):
+                raise ValueError(f'figures.draw: "{profile_figures[0]}" needs profiles, and surfaces.kind is "surface"')
             if "onset" in draw and self.contact.onset is None:
-                raise ValueError('figures.draw: "onset" needs contact.onset, which says at which strengths')
+                raise ValueError('figures.draw: "onset" needs contact.onset, which specifies the strengths')
             return self
         if self.figures != Figures():
-            raise ValueError("figures.draw: belongs to generated surfaces; of measured ones all figures are drawn")
+            raise ValueError("figures.draw: is for generated surfaces; all figures of measured surfaces are drawn")
         if friction.wait and (self.contact.hardness is None or self.known.creep is None):
-            missing = "known.creep, by which it falls" if self.contact.hardness else "contact.hardness"
-            raise ValueError(f"friction.wait: what waits is pressed into a hardness that falls: give {missing}")
-        answers = len(friction.load) * len(friction.mu0) * len(friction.tau0)
-        if answers > MAX_COMBINATIONS:
-            raise ValueError(f"friction: loads times mu0 times tau0 must be at most {MAX_COMBINATIONS}, got {answers}")
+            missing = "known.creep" if self.contact.hardness else "contact.hardness"
+            raise ValueError(
+                f"friction.wait: needs contact.hardness and known.creep, the creep exponent: add {missing}"
+            )
+        count = len(friction.load) * len(friction.mu0) * len(friction.tau0)
+        if count > MAX_COMBINATIONS:
+            raise ValueError(f"friction: loads times mu0 times tau0 must be at most {MAX_COMBINATIONS}, got {count}")
         return self
 
     @property
     def is_measured(self) -> bool:
-        """Whether its bodies were scanned; else they are generated."""
+        """Whether the surfaces are measured, not generated."""
         return self.surfaces.kind == "measured"
 
     @property
     def is_gap(self) -> bool:
-        """Whether one measured map is the gap of both bodies, which has one position."""
+        """Whether the surfaces are given by a measured map of the gap between them."""
         return bool(getattr(self.surfaces, "gap", None))
 
     @property
     def is_areal(self) -> bool:
-        """Whether its members are pairs of areas, and not of profiles or lines."""
+        """Whether the members are areal contacts, not profiles."""
         return self.surfaces.is_areal
 
     @property
     def uses_half_space(self) -> bool:
-        """Whether its members are pressed as elastic half-spaces, and not at asperities."""
+        """Whether the contact model is the elastic half-space, not isolated asperities."""
         return self.contact.mechanics == "half-space"
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """What a pair is pressed to, one after the other."""
+        """Name of the quantity that is prescribed step by step."""
         return self.contact.step
 
     def sums(self) -> tuple[str, ...]:
-        """Names of what a result of the study has of each member at each approach or load."""
+        """Return the names of the quantities that a result contains for each member and step."""
         if self.uses_half_space:
             return HALF_SPACE_SUMS + (ADHESION if self.contact.adheres else ())
         approach = ("approach",) if self.step == "load" else ()
@@ -346,13 +359,13 @@ class Study(Table):
         return SUMS + (AREAL_SUMS if self.is_areal else ()) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:
-        """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
+        """Return the sliding rules and directions (degrees) that are given as lists, and become dimensions."""
         return self.contact.motions()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
-        """The study with absolute names and checksums of the files that it is made for; one of none is returned as is.
+        """Return the study with absolute paths and checksums of its files. A study without files is unchanged.
 
-        Bodies in memory are written into the folder, if there is one. Raises a `ValueError` if a file cannot be read.
+        Bodies in memory are written into the folder, if one is given. Raises a `ValueError` if a file cannot be read.
         """
         if not isinstance(self.surfaces, Measured):
             return self
@@ -364,12 +377,12 @@ class Study(Table):
 
     @classmethod
     def named(cls, name: str) -> Study:
-        """A built-in study; their names are `study_names()`.
+        """Return a built-in study. `study_names` lists the names.
 
         Raises
         ------
         StudyError
-            If there is none of that name.
+            If there is no study of that name.
         """
         if name not in study_names():
             raise StudyError(f"there is no built-in study {short_repr(name)}; there are {', '.join(study_names())}")
@@ -390,9 +403,9 @@ class Study(Table):
         except OSError as error:
             raise StudyError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
         except NotReadableError as error:
-            raise StudyError(f"{printable_path(path)}: {error}, so it is no study") from None
+            raise StudyError(f"{printable_path(path)}: {error}, so it is not a study") from None
         except UnicodeDecodeError:
-            raise StudyError(f"{printable_path(path)}: is not a text file, so it is no study") from None
+            raise StudyError(f"{printable_path(path)}: is not a text file, so it is not a study") from None
         if not isinstance(study.surfaces, Measured):
             return study
         folder = Path(path).absolute().parent
@@ -400,7 +413,7 @@ class Study(Table):
         return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
-        """The study with some values replaced, by dotted key.
+        """Return the study with some values replaced, by dotted key.
 
         Parameters
         ----------
@@ -426,7 +439,7 @@ class Study(Table):
         return validated(Study, data, "changes")
 
     def to_toml(self) -> str:
-        """The whole study as TOML, with every key that it has; `Study.from_toml` reads it back equal."""
+        """Return the study as TOML with all keys. `Study.from_toml` reads an equal study."""
         tables = []
         for name, table in self._to_tables().items():
             if not table:
@@ -436,14 +449,14 @@ class Study(Table):
         return "\n".join(tables)
 
     def _base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """What changes are made to: all keys, carried over where the changes make a table another case."""
+        """Return all keys before the changes. If the changes select another case of a table, adapt its keys."""
         data = self._to_tables()
         given = {key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS}
         given = {key: value for key, value in given.items() if value is not None}
         try:
             surfaces = surfaces_case(given)
             contact = contact_case(surfaces, given)
-        except PydanticCustomError:  # said of the key that is wrong
+        except PydanticCustomError:  # the validation of the key reports the error
             return data
         data["surfaces"] = _carry_over(self.surfaces, surfaces)
         data["contact"] = _carry_over(self.contact, contact)
@@ -453,10 +466,10 @@ class Study(Table):
         return data
 
     def _reset_loads(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
-        """Remove from the tables of generated surfaces loads that changes make invalid, or that follow from others."""
+        """Remove loads of generated surfaces that the changes make invalid, or that were derived from other loads."""
         if "contact.load" in changes or not is_allowed:
             data["friction"].pop("load", None)
-        elif len(asked := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(asked) + 2:
+        elif len(requested := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(requested) + 2:
             data["contact"].pop("load")
 
     def _to_tables(self) -> dict[str, dict[str, Any]]:
@@ -465,7 +478,7 @@ class Study(Table):
 
 
 def _carry_over(table: Table, case: type[Table]) -> dict[str, Any]:
-    """Return the keys of another case of a table: what is not a default of its own case, and the defaults of others."""
+    """Return a table converted to another case: keep values that differ from the defaults, add the other defaults."""
     own = type(table)
     changed = {key for key, value in table if value != own.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
@@ -474,11 +487,11 @@ def _carry_over(table: Table, case: type[Table]) -> dict[str, Any]:
 
 
 def written_table(table: Table) -> dict[str, Any]:
-    """Return the keys of a table that are given, what it is a table of first."""
+    """Return the keys of a table that have a value, in the order of a study file."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(table, MeasuredAreasContact):
-        order["direction"] = 1  # last, as results have it
+        order["direction"] = 1  # last
     return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
 
 
@@ -504,57 +517,55 @@ def study_names() -> list[str]:
 
 
 def study_summary(name: str) -> str:
-    """What a built-in study computes, in one sentence: the first line of its file."""
+    """Return the one-sentence description of a built-in study, the first line of its file."""
     return (_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 
 def study_of(dataset: xarray.Dataset) -> Study:
-    """The study that a result came from; a `StudyError` if it does not say."""
+    """Return the study of a result. Raises a `StudyError` if the dataset has no attribute 'study'."""
     text = dataset.attrs.get("study")
     if not isinstance(text, str):
-        raise StudyError(
-            "the dataset does not say what study it is of (attribute 'study'), so mu0 and tau0 must be given"
-        )
+        raise StudyError("the dataset has no attribute 'study', so mu0 and tau0 must be given")
     return study_from_text(text, "the dataset's study")
 
 
 def step_of(dataset: xarray.Dataset) -> str:
-    """The dimension along which a pair of a result is pressed together: "approach", or "load" by the half-space."""
+    """Return the dimension of the loading steps: "approach", or "load" for the half-space."""
     return "load" if "load" in dataset.dims else "approach"
 
 
-def differences(one: Table, other: Table, prefix: str = "") -> list[Difference]:
-    """Every value that differs, in the order of a study file."""
-    texts, found = (one.model_dump(), other.model_dump()), []
-    for name in dict.fromkeys((*type(one).model_fields, *type(other).model_fields)):
-        field = type(one).model_fields.get(name) or type(other).model_fields[name]
-        if not field.repr:  # a body in memory, whose checksum is compared
+def differences(first: Table, second: Table, prefix: str = "") -> list[Difference]:
+    """Return all values that differ between two tables, in the order of a study file."""
+    texts, result = (first.model_dump(), second.model_dump()), []
+    for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
+        field = type(first).model_fields.get(name) or type(second).model_fields[name]
+        if not field.repr:  # a body in memory; its checksum is compared
             continue
-        values = getattr(one, name, None), getattr(other, name, None)
+        values = getattr(first, name, None), getattr(second, name, None)
         if values[0] == values[1]:
             continue
         if isinstance(values[0], Table) and isinstance(values[1], Table):
-            found += differences(values[0], values[1], f"{prefix}{name}.")
+            result += differences(values[0], values[1], f"{prefix}{name}.")
         else:
-            found.append((f"{prefix}{name}", as_toml(texts[0].get(name)), as_toml(texts[1].get(name))))
-    return found
+            result.append((f"{prefix}{name}", as_toml(texts[0].get(name)), as_toml(texts[1].get(name))))
+    return result
 
 
-def member_differences(one: Study, other: Study) -> list[Difference]:
-    """What makes the members of two studies differ: not friction and figures, nor where measured files lie."""
+def member_differences(first: Study, second: Study) -> list[Difference]:
+    """Return the differences that change the members of a study. Friction, figures and file paths do not."""
     return [
-        each
-        for each in differences(one, other)
-        if (each[0].startswith(("surfaces.", "contact.")) or each[0] == "ensemble.seed")
-        and not each[0].endswith((".upper.file", ".lower.file"))
+        difference
+        for difference in differences(first, second)
+        if (difference[0].startswith(("surfaces.", "contact.")) or difference[0] == "ensemble.seed")
+        and not difference[0].endswith((".upper.file", ".lower.file"))
     ]
 
 
 def differences_text(differ: list[Difference]) -> str:
-    """Differences for a message, a line for each of the first few."""
+    """Return the first differences as lines of a message."""
     lines = [
-        f"{key} = {short_repr(there)} there, {short_repr(here)} here"
-        for key, there, here in differ[:MAX_LISTED_DIFFERENCES]
+        f"{key} = {short_repr(stored)} there, {short_repr(new)} here"
+        for key, stored, new in differ[:MAX_LISTED_DIFFERENCES]
     ]
     if len(differ) > MAX_LISTED_DIFFERENCES:
         lines.append(f"... and {len(differ) - MAX_LISTED_DIFFERENCES} more")
@@ -562,7 +573,7 @@ def differences_text(differ: list[Difference]) -> str:
 
 
 def study_from_text(text: str, source: str) -> Study:
-    """The study that a TOML text is; errors call it by the name of its source."""
+    """Parse a study from TOML text. Error messages begin with the name of the source."""
     try:
         data = toml(text)
     except ValueError as error:
