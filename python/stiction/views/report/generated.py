@@ -1,4 +1,4 @@
-"""Report of generated bodies: every quantity at nodes of mu0 and tau0, statuses and assessments, and some pictures."""
+"""Report of generated surfaces: quantities at nodes of mu0 and tau0, statuses, assessments and figures."""
 
 from __future__ import annotations
 
@@ -28,25 +28,27 @@ from stiction.views.report.page import AXES, PageResult, ReportError, axes_facts
 from stiction.views.report.pictures import dimension_panel, profiles_panel
 from stiction.views.report.tables import Tables
 
-MAX_POINTS = 1_000_000  # coefficients of generated bodies in a page: nodes times loads, cells, rules and directions
-LOAD_STEPS = 40  # loads of a map
-CHECKED_LOADS = 4  # loads at which the nodes are chosen, and the error between them is measured
-MOST_OVERLAP = 0.1  # mean of overlap / radius above which the page warns; of the fractions it is `HALF`
+MAX_POINTS = 1_000_000  # maximum number of coefficients in a page: nodes times loads, cells, rules and directions
+LOAD_STEPS = 40  # number of loads in a map
+CHECKED_LOADS = 4  # number of loads for the choice of nodes and the interpolation error
+MAX_OVERLAP = 0.1  # mean of overlap / radius above which the page warns; the limit of fractions is `HALF`
 CELLS = ("fractal_dimension", "amplitude")
 
 
 def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
-    """Return the report of a result of generated bodies, called by a name, or by that of its study where it is empty.
+    """Return the report of a result of generated surfaces. The default name is the name of its study.
 
     Raises a `ReportError` if it is too large for a page or has no members.
     """
-    head, there = result.head, result.members.size
-    members = sum(piece.sizes["repetition"] for piece in solved_pieces(result, ["normal_elastic"])) if there else 0
+    head, num_members = result.head, result.members.size
+    members = (
+        sum(piece.sizes["repetition"] for piece in solved_pieces(result, ["normal_elastic"])) if num_members else 0
+    )
     if not members:
         raise ReportError("no member of the result has a solution at every load")
     counts = means(result, ["contact_count"])["contact_count"].transpose(*CELLS, study.step).values
     tables, loads = Tables(), _loads(result) if (counts > 0).any() else np.zeros(0)
-    facts = _facts_of(head, study, loads) | {"name": name or _name_of(study), "repetitions": members}
+    facts = _study_facts(head, study, loads) | {"name": name or _study_name(study), "repetitions": members}
     facts |= {
         "hasIntervals": members > 1,
         "kinds": ["pairs of surfaces"],
@@ -58,11 +60,11 @@ def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
         facts |= _at_nodes(result, study, head, loads, members, tables)
     return PageResult(
         study=study, name=facts["name"], head=_head(study), pairs=_pairs(study, facts), facts=facts, tables=tables,
-        there=there, pictures=_pictures(result, study, head, counts),
+        num_members=num_members, pictures=_pictures(result, study, head, counts),
     )  # fmt: skip
 
 
-def _facts_of(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str, Any]:
+def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str, Any]:
     surfaces: Any = study.surfaces
     rules, angles = motions_of(study)
     convention = " (classical)" if surfaces.convention == "classical" else ""
@@ -72,8 +74,8 @@ def _facts_of(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str, An
         "cell": AXES["fractal_dimension"] | {
             "title": f"{AXES['fractal_dimension']['title']}{convention}", "label": f"Fractal dimension D{convention}",
         },
-        "cells": {"values": dimensions.tolist(), "texts": [f"D = {each:.3f}" for each in dimensions]},
-        "amplitudes": [with_unit(each, "um") for each in amplitudes],
+        "cells": {"values": dimensions.tolist(), "texts": [f"D = {dimension:.3f}" for dimension in dimensions]},
+        "amplitudes": [with_unit(amplitude, "um") for amplitude in amplitudes],
         "measure": "total height" if surfaces.amplitude_measure == "height" else surfaces.amplitude_measure,
         "loads": {"values": loads.tolist(), "texts": [with_unit(load, "mN") for load in loads], "unit": ""},
         "ways": [
@@ -89,135 +91,139 @@ def _facts_of(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str, An
 def _at_nodes(
     result: Result, study: Study, head: xarray.Dataset, loads: Floats, members: int, tables: Tables
 ) -> dict[str, Any]:
-    """Put all quantities at nodes into tables, over cell, amplitude, rule, motion, load, mu0 and tau0."""
+    """Add all quantities at nodes to tables, over cell, amplitude, rule, motion, load, mu0 and tau0."""
     rules, angles = motions_of(study)
-    axes = _nodes_of(result, study, loads)
+    axes = _choose_nodes(result, study, loads)
     count = math.prod(head.sizes[name] for name in CELLS) * loads.size * len(rules) * len(angles)
     if (size := count * axes[0].values.size * axes[1].values.size) > MAX_POINTS:
         raise ReportError(
             f"the result has {size} coefficients at nodes, more than the {MAX_POINTS} that a page can hold; choose "
             "fewer fractal dimensions, amplitudes or directions"
         )
-    at = at_nodes(result, loads, axes)
-    points, area = in_order(at["friction_coefficient"]), in_order(at["contact_area"])
+    node_values = at_nodes(result, loads, axes)
+    points, area = to_leading_order(node_values["friction_coefficient"]), to_leading_order(node_values["contact_area"])
     shape: tuple[int, ...] = points.shape[:-1]
     area = np.broadcast_to(area, points.shape)
-    contacts = np.broadcast_to(in_order(at["contact_count"])[..., 0], shape)
+    contacts = np.broadcast_to(to_leading_order(node_values["contact_count"])[..., 0], shape)
     quantities: dict[str, Floats] = {"friction": points, "area": area}
-    if "normal_stiffness" in at and bool(at["normal_stiffness"].notnull().any()):
-        quantities["stiffness"] = np.broadcast_to(in_order(at["normal_stiffness"]), points.shape)
-    for name, each in quantities.items():
-        tables.add_points(name, each)
+    if "normal_stiffness" in node_values and bool(node_values["normal_stiffness"].notnull().any()):
+        quantities["stiffness"] = np.broadcast_to(to_leading_order(node_values["normal_stiffness"]), points.shape)
+    for name, values in quantities.items():
+        tables.add_points(name, values)
     validity: dict[str, Floats] = {}
     figures: list[dict[str, Any]] = []
-    for name in (name for name in (*VALIDITY, *AREAL_VALIDITY, *AT_HARDNESS) if name in at):
-        own = in_order(at[name])
-        own = np.broadcast_to(own if own.ndim == len(shape) else own[..., 0], shape)
-        if not np.isfinite(own).any() or (name in AT_HARDNESS and not np.nan_to_num(own).any()):
+    for name in (name for name in (*VALIDITY, *AREAL_VALIDITY, *AT_HARDNESS) if name in node_values):
+        values = to_leading_order(node_values[name])
+        values = np.broadcast_to(values if values.ndim == len(shape) else values[..., 0], shape)
+        if not np.isfinite(values).any() or (name in AT_HARDNESS and not np.nan_to_num(values).any()):
             continue
         quantity = QUANTITIES[name]
-        validity[name] = own
-        tables.add(f"validity_{len(figures)}", own)
+        validity[name] = values
+        tables.add(f"validity_{len(figures)}", values)
         figures.append({
             "words": quantity.short[0].upper() + quantity.short[1:],
-            "limit": HALF if quantity.percent else MOST_OVERLAP, "isDrawn": "hatch" in quantity.shown,
+            "limit": HALF if quantity.percent else MAX_OVERLAP, "isDrawn": "hatch" in quantity.shown,
             "factor": 100 if quantity.percent else 1, "decimals": 0 if quantity.percent else 2,
             "unit": " %" if quantity.percent else "",
         })  # fmt: skip
-    status = np.broadcast_to(in_order(at["status"]), shape)
+    status = np.broadcast_to(to_leading_order(node_values["status"]), shape)
     statuses, codes = _statuses(status, validity, figures)
     tables.add("status", codes.astype(np.int8))
     tables.add("fine", (is_interpolated(axes, points[..., 0]) & is_interpolated(axes, area[..., 0])).astype(np.int8))
     rule = rules.index(rules_of(study)[0])
-    numbers = {name: each[:, :, rule] for name, each in validity.items()}
-    numbers |= numbers_of(
+    numbers = {name: values[:, :, rule] for name, values in validity.items()}
+    numbers |= check_numbers(
         points[:, :, rule], area[:, :, rule, ..., 0], contacts[:, :, rule], study, loads, axes, members
     )
-    judgements, which = judgements_of(study, status[:, :, rule], numbers)
-    tables.add("judgement", which.astype(float))
-    for name in sorted({doubt["number"]["table"] for one in judgements for doubt in one["doubts"] if doubt["number"]}):
+    judgements, indices = assess_points(study, status[:, :, rule], numbers)
+    tables.add("judgement", indices.astype(float))
+    for name in sorted(
+        {caveat["number"]["table"] for item in judgements for caveat in item["doubts"] if caveat["number"]}
+    ):
         tables.add(f"number_{name}", numbers[name])
     sound = codes == 0
-    for figure, own in zip(figures, validity.values(), strict=True):
-        sound = sound & ~(own > figure["limit"])
-    drawn = {name: each[..., 0] for name, each in quantities.items()} | {"width": _relative(points)}
-    some = slice(None, None, max(1, loads.size // CHECKED_LOADS))
-    error = largest_errors(axes, points[:, :, :, :, some], lambda mu0, tau0: _friction(result, loads[some], mu0, tau0))
+    for figure, values in zip(figures, validity.values(), strict=True):
+        sound = sound & ~(values > figure["limit"])
+    drawn = {name: values[..., 0] for name, values in quantities.items()} | {"width": _relative_width(points)}
+    sample = slice(None, None, max(1, loads.size // CHECKED_LOADS))
+    error = largest_errors(
+        axes, points[:, :, :, :, sample], lambda mu0, tau0: _friction(result, loads[sample], mu0, tau0)
+    )
     return {
         "axes": axes_facts(axes, study), "statuses": statuses, "validity": figures, "judgements": judgements,
         "hasStiffness": "stiffness" in quantities, "start": _start(sound, points, axes, study),
-        "maps": _colours(drawn, tables), "error": error,
+        "maps": _add_colour_ranges(drawn, tables), "error": error,
     }  # fmt: skip
 
 
-def _nodes_of(result: Result, study: Study, loads: Floats) -> tuple[Axis, Axis]:
-    """Return the axes of the nodes of a result, chosen at some of its loads."""
-    some = loads[:: max(1, loads.size // CHECKED_LOADS)]
-    return refined(axes_of(study), lambda mu0, tau0: _friction(result, some, mu0, tau0))
+def _choose_nodes(result: Result, study: Study, loads: Floats) -> tuple[Axis, Axis]:
+    """Return the axes of the nodes of a result, chosen at a sample of its loads."""
+    sample = loads[:: max(1, loads.size // CHECKED_LOADS)]
+    return refined(axes_of(study), lambda mu0, tau0: _friction(result, sample, mu0, tau0))
 
 
 def _friction(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
     """Return friction over cell, amplitude, rule, motion, load, mu0, tau0 and statistic."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # as in `at_nodes`
-        found = friction_map(result, loads, mu0=mu0, tau0=tau0)
-    parts = [found[name] for name in ("friction_coefficient", "lower", "upper")]
-    return np.stack([in_order(part) for part in parts], axis=-1)
+        dataset = friction_map(result, loads, mu0=mu0, tau0=tau0)
+    parts = [dataset[name] for name in ("friction_coefficient", "lower", "upper")]
+    return np.stack([to_leading_order(part) for part in parts], axis=-1)
 
 
-LEAD = (*CELLS, "sliding", "direction", "load", "mu0", "tau0")
+LEADING_DIMENSIONS = (*CELLS, "sliding", "direction", "load", "mu0", "tau0")
 
 
-def in_order(table: xarray.DataArray) -> Floats:
-    """Return values over `LEAD`, one of dimensions that are missing, and over others after these."""
-    table = table.expand_dims([dim for dim in LEAD if dim not in table.dims])
-    return np.asarray(table.transpose(*LEAD, ...).values)
+def to_leading_order(table: xarray.DataArray) -> Floats:
+    """Return values over `LEADING_DIMENSIONS`, then further dimensions; a missing dimension gets length 1."""
+    table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
+    return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)
 
 
 def _statuses(
     names: NDArray[Any], validity: dict[str, Floats], figures: Sequence[dict[str, Any]]
 ) -> tuple[list[dict[str, Any]], NDArray[np.intp]]:
-    """Return statuses by their codes, and the codes of points: 0 of a trusted value, 1 of a value beyond the model."""
-    statuses = [{"name": friction.STATUS_OK, "isOk": True, "isTrusted": each} for each in (True, False)]
+    """Return statuses by code, and the codes of points: 0 for a trusted value, 1 for a value beyond the model."""
+    statuses = [{"name": friction.STATUS_OK, "isOk": True, "isTrusted": is_trusted} for is_trusted in (True, False)]
     beyond = np.zeros(names.shape, bool)
-    for figure, own in zip(figures, validity.values(), strict=True):
+    for figure, values in zip(figures, validity.values(), strict=True):
         if figure["isDrawn"]:
-            beyond |= own > figure["limit"]
+            beyond |= values > figure["limit"]
     codes = np.where(beyond, 1, 0)
-    for name in (each for each in friction.STATUSES if each != friction.STATUS_OK):
+    for name in (status for status in friction.STATUSES if status != friction.STATUS_OK):
         codes[names == name] = len(statuses)
         statuses.append({"name": name, "isOk": False, "isTrusted": False})
     return statuses, codes
 
 
-def _relative(points: Floats) -> Floats:
-    """Return half the width of intervals (..., 3) over the values."""
+def _relative_width(points: Floats) -> Floats:
+    """Return the half-width of intervals (..., 3) relative to the values."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
 
 
-def _colours(quantities: dict[str, Floats], tables: Tables) -> list[str]:
-    """Put the ends of the colours of each quantity into tables, over amplitude, rule, motion, mu0 and tau0."""
-    shown = []
+def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[str]:
+    """Add colour ranges to tables, over amplitude, rule, motion, mu0 and tau0; return the names of the quantities."""
+    names = []
     for name, values in quantities.items():
-        known = np.where(values > 0, values, np.nan)
-        if not np.isfinite(known).any():
+        positive = np.where(values > 0, values, np.nan)
+        if not np.isfinite(positive).any():
             continue
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # nodes without a value
-            low, high = np.nanquantile(known, COLOUR_QUANTILES, axis=(0, 4))
+            low, high = np.nanquantile(positive, COLOUR_QUANTILES, axis=(0, 4))
         tables.add(f"colours_{name}_low", low)
         tables.add(f"colours_{name}_high", np.maximum(high, 1.05 * low))
-        shown.append(name)
-    return shown
+        names.append(name)
+    return names
 
 
 def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], study: Study) -> dict[str, int]:
-    """Return the cell and load of the narrowest interval at the study's mu0 and tau0, of those that are sound."""
-    own = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
-    place = [int(np.abs(axis.values - each).argmin()) for axis, each in zip(axes, own, strict=True)]
-    at: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *place)
-    width = np.where(sound[at] & (points[(*at, 0)] > 0), _relative(points)[at], np.nan)
+    """Return cell and load of the narrowest interval of a sound value at the mu0 and tau0 of the study."""
+    strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
+    nodes = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]
+    index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *nodes)
+    width = np.where(sound[index] & (points[(*index, 0)] > 0), _relative_width(points)[index], np.nan)
     if not np.isfinite(width).any():
         return {"cell": sound.shape[0] // 2, "load": sound.shape[4] // 2}
     cell, load = np.unravel_index(np.nanargmin(width), width.shape)
@@ -227,12 +233,12 @@ def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[Axis, Axis], st
 # ---- The assessment --------------------------------------------------------------------------------------------------
 
 
-def numbers_of(
+def check_numbers(
     points: Floats, area: Floats, contacts: Floats, study: Study, loads: Floats, axes: tuple[Axis, Axis], members: int
 ) -> dict[str, Floats]:
-    """Return the numbers that checks of generated bodies compare with their limits, over (..., load, mu0, tau0).
+    """Return the numbers that checks of generated surfaces compare with their limits, over (..., load, mu0, tau0).
 
-    They are those that `stiction.studies.assessment` compares at one point.
+    `stiction.studies.assessment` compares the same numbers at a single point.
     """
     value, lower, upper = np.moveaxis(points, -1, 0)
     mu0, tau0 = np.meshgrid(axes[0].values, axes[1].values, indexing="ij")
@@ -255,41 +261,47 @@ def numbers_of(
         }
 
 
-def judgements_of(
+def assess_points(
     study: Study, status: NDArray[Any], numbers: dict[str, Floats]
 ) -> tuple[list[dict[str, Any]], NDArray[np.intp]]:
-    """Return the assessments of points by status and numbers, (...): each once, and which each point has."""
+    """Return the distinct assessments by status and numbers (...), and the index of the assessment of each point."""
     reasons: list[dict[str, Any]] = []
     failed = []
     is_ok = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"])
     for name in np.unique(np.where(is_ok, friction.STATUS_OK, status)).tolist():
         text, cure = ADVICE.get(name, ADVICE[""])
-        here = ~is_ok & (status == name)
-        if here.any():
+        mask = ~is_ok & (status == name)
+        if mask.any():
             reasons.append({"text": text, "cure": cure, "severity": "fault", "number": None})
-            failed.append(np.where(here, len(reasons), 0))
+            failed.append(np.where(mask, len(reasons), 0))
     for group in checks_of_ensemble(study):
-        found = np.zeros(status.shape, np.intp)
+        reason_indices = np.zeros(status.shape, np.intp)
         for check in group:
-            own = numbers.get(check["name"])
-            here = np.zeros(status.shape, bool) if own is None else is_ok & (found == 0) & (own > check["limit"])
-            if here.any():
-                reasons.append({**{key: check[key] for key in ("text", "cure", "severity")}, "number": _number(check)})
-                found[here] = len(reasons)
-        failed.append(found)
-    rows, which = np.unique(np.stack(failed).reshape(len(failed), -1), axis=1, return_inverse=True)
+            number = numbers.get(check["name"])
+            mask = (
+                np.zeros(status.shape, bool)
+                if number is None
+                else is_ok & (reason_indices == 0) & (number > check["limit"])
+            )
+            if mask.any():
+                reasons.append(
+                    {**{key: check[key] for key in ("text", "cure", "severity")}, "number": _number_format(check)}
+                )
+                reason_indices[mask] = len(reasons)
+        failed.append(reason_indices)
+    rows, indices = np.unique(np.stack(failed).reshape(len(failed), -1), axis=1, return_inverse=True)
     judgements = []
     for row in rows.T.tolist():
-        doubts = [reasons[index - 1] for index in row if index]
-        doubts.sort(key=lambda each: each["severity"] != "fault")
-        severities = {each["severity"] for each in doubts}
+        caveats = [reasons[index - 1] for index in row if index]
+        caveats.sort(key=lambda caveat: caveat["severity"] != "fault")
+        severities = {caveat["severity"] for caveat in caveats}
         verdict = VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
-        judgements.append({"verdict": verdict, "doubts": doubts})
-    return judgements, which.reshape(status.shape)
+        judgements.append({"verdict": verdict, "doubts": caveats})
+    return judgements, indices.reshape(status.shape)
 
 
-def _number(check: dict[str, Any]) -> dict[str, Any] | None:
-    """Return which number the text of a check shows, its factor, decimals and unit; None without one."""
+def _number_format(check: dict[str, Any]) -> dict[str, Any] | None:
+    """Return table, factor, decimals and unit of the number in the text of a check; None without a number."""
     if "{}" not in check["text"]:
         return None
     name, shown = check["about"] or check["name"], check["shown"]
@@ -302,16 +314,16 @@ def _number(check: dict[str, Any]) -> dict[str, Any] | None:
     return {"table": name, "factor": 1 / factor, "decimals": decimals, "unit": f" {unit}"}
 
 
-# ---- Words and pictures ----------------------------------------------------------------------------------------------
+# ---- Texts and figures -----------------------------------------------------------------------------------------------
 
 
 def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats) -> str:
     """Draw two of the profiles in contact, and the onset of sliding if the study asks for it."""
-    if not (touching := (counts > 0).any(axis=(0, 1))).any():
+    if not (has_contact := (counts > 0).any(axis=(0, 1))).any():
         return ""
     panels = []
     if not (study.is_areal or study.uses_half_space):
-        steps = head["approach"].values[touching]
+        steps = head["approach"].values[has_contact]
         panels.append(profiles_panel(study, float(steps[steps.size // 2])))
     if set(ONSET) & set(study.sums()):
         panels.append(dimension_panel(result.dataset))
@@ -319,7 +331,7 @@ def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats
 
 
 def _loads(result: Result) -> Floats:
-    """Return the loads of the map, mN, in five digits between ends of three; none where none is carried."""
+    """Return the loads of the map (mN), rounded to five digits and the ends to three; empty without contact."""
     try:
         low, high = (float(f"{load:.3g}") for load in reached_loads(result, 2))
     except ValueError:
@@ -327,10 +339,10 @@ def _loads(result: Result) -> Floats:
     return np.array([float(f"{load:.5g}") for load in np.geomspace(low, high, LOAD_STEPS)])
 
 
-def _name_of(study: Study) -> str:
+def _study_name(study: Study) -> str:
     """Return the name of the built-in study that equals it except for the repetitions, else a description."""
-    same = {"ensemble.repetitions": study.ensemble.repetitions}
-    return next((name for name in study_names() if Study.named(name).with_changes(same) == study), "study")
+    changes = {"ensemble.repetitions": study.ensemble.repetitions}
+    return next((name for name in study_names() if Study.named(name).with_changes(changes) == study), "study")
 
 
 def _head(study: Study) -> list[str]:
@@ -338,11 +350,11 @@ def _head(study: Study) -> list[str]:
     surfaces: Any = study.surfaces
     contact: Any = study.contact
     lengths = surfaces.extents() if study.is_areal else (float(surfaces.extent),)
-    how = "the elastic half-space" if study.uses_half_space else "asperities"
+    model = "the elastic half-space" if study.uses_half_space else "asperities"
     law = "" if study.uses_half_space else f", law {contact.model(rules[0]).law}"
     return [
         f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
-        f"pressed by {how}{law}; E* = {with_unit(float(contact.effective_modulus), 'GPa')}; contacts with friction: "
+        f"pressed by {model}{law}; E* = {with_unit(float(contact.effective_modulus), 'GPa')}; contacts with friction: "
         f"{' and '.join(rules)}; motion {', '.join(map(motion_text, angles))}."
     ]
 
@@ -350,7 +362,7 @@ def _head(study: Study) -> list[str]:
 def _pairs(study: Study, facts: dict[str, Any]) -> str:
     dimensions, amplitudes, steps = len(facts["cells"]["values"]), len(facts["amplitudes"]), facts["steps"]
     number = counted(facts["repetitions"], "pair of surfaces", "pairs of surfaces")
-    where = f"{'each of ' if dimensions > 1 else ''}{counted(dimensions, 'fractal dimension')}"
-    where += f" and {counted(amplitudes, 'amplitude')}" if amplitudes > 1 else ""
-    how = counted(steps, "load") if study.uses_half_space else counted(steps, "approach", "approaches")
-    return f"{number} at {where}, pressed together at {how}"
+    cells = f"{'each of ' if dimensions > 1 else ''}{counted(dimensions, 'fractal dimension')}"
+    cells += f" and {counted(amplitudes, 'amplitude')}" if amplitudes > 1 else ""
+    steps_text = counted(steps, "load") if study.uses_half_space else counted(steps, "approach", "approaches")
+    return f"{number} at {cells}, pressed together at {steps_text}"

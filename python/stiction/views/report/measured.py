@@ -1,4 +1,4 @@
-"""Report of measured bodies: friction at nodes of mu0 and tau0, other quantities at every load, and the answers."""
+"""Report of measured surfaces: friction at nodes of mu0 and tau0, other quantities at every load, and assessments."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from stiction.views.point import averaged_directions_text, materials_text, motio
 from stiction.views.pull_off import pull_off_text
 from stiction.views.report.page import (
     AXES,
-    MOST_TEXT,
+    MAX_TEXT_LENGTH,
     PageResult,
     ReportError,
     axes_facts,
@@ -44,42 +44,42 @@ from stiction.views.report.pictures import (
     positions_panel,
     touching_panel,
 )
-from stiction.views.report.reading import GIVEN, reading_table
+from stiction.views.report.reading import READING_OPTIONS, reading_table
 from stiction.views.report.tables import Tables, decimals_of, text_with_unit
 from stiction.views.resolution import wavelengths_text
 from stiction.views.sentence import sentence_text, slopes_text
 from stiction.views.text import budget_text, dwell_time_text
 
-MAX_POINTS = 400_000  # coefficients of measured bodies in a page: nodes times loads, cutoffs, rules and directions
-CHECKED_LOADS = 2  # loads along which the nodes are chosen
+MAX_POINTS = 400_000  # maximum number of coefficients in a page: nodes times loads, cutoffs, rules and directions
+CHECKED_LOADS = 2  # number of loads for the choice of nodes
 
-_UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # names of units that have no prefixes
+_UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without prefixes
 
 
 def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
     """Return the page of a result of measured bodies; its title is a name or, if that is empty, the files.
 
-    A picture is what `contact_picture` returns, that beside a stored result by default. Raises a `ReportError` if the
-    result is too large.
+    `picture` is a result of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if
+    the result is too large.
     """
     dataset = result.dataset
     files = pair_title(study)
     name = f"{files} ({name})" if name else files
     tables = Tables()
-    facts = _facts_of(dataset, result, study)
+    facts = _result_facts(dataset, result, study)
     facts |= _friction_at_nodes(result, study, dataset, tables) | {"name": name}
     facts["quantities"] = _quantities(result, study, len(facts["kinds"]))
     picture = result.contact_picture if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.onset
-    beside = [wavelengths_text(found)] if (found := seen(study)) is not None else []
-    beside += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
-    said = "".join(f"<p>{escaped(line)}</p>" for line in (*beside, *_held(result, study)))
-    details = said + "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
+    lines = [wavelengths_text(found)] if (found := seen(study)) is not None else []
+    lines += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
+    text = "".join(f"<p>{escaped(line)}</p>" for line in (*lines, *_pull_off_lines(result, study)))
+    details = text + "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
     return PageResult(
         study=study, name=name, head=_head(study, facts),
         pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
-        facts=facts, tables=tables, there=members, details=details,
+        facts=facts, tables=tables, num_members=members, details=details,
         touching="" if picture is None else touching_panel(picture, facts["directions"][0]),
         pictures=(positions_panel(result, facts["asked"][0], print_title(study)) if members > 1 else "")
         + ("" if onset is None else onset_panels(onset, print_title(study)))
@@ -88,8 +88,8 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     )  # fmt: skip
 
 
-def _kinds_of(dataset: xarray.Dataset) -> list[Kind | None]:
-    """Return the kinds of members of a result, that to quote first; None of all of them."""
+def _member_kinds(dataset: xarray.Dataset) -> list[Kind | None]:
+    """Return the kinds of members of a result, the kind to quote first; None stands for all members."""
     surrogate = dataset["surrogate"].values.astype(bool) if "surrogate" in dataset.coords else np.zeros(1, bool)
     if surrogate.any() and not surrogate.all():
         return ["shifts", "surrogates"]
@@ -99,27 +99,30 @@ def _kinds_of(dataset: xarray.Dataset) -> list[Kind | None]:
 _KIND_WORDS = {None: "pairs", "shifts": "positions of the two surfaces", "surrogates": "pairs of surrogates"}
 
 
-def _facts_of(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str, Any]:
+def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str, Any]:
     area, loads = float(dataset["nominal_area"]), study.contact.steps().tolist()
     cut_offs = dataset["cut_off"].values.tolist()
-    found = _answers(result)
-    quoted_cell = next((each["at"].get("cut_off", cut_offs[0]) for each in found if not each["covered"]), cut_offs[0])
-    asked = [float(load) for load in study.friction.load]
+    answers = _assessments(result)
+    quoted = (answer["at"].get("cut_off", cut_offs[0]) for answer in answers if not answer["covered"])
+    quoted_cell = next(quoted, cut_offs[0])
+    study_loads = [float(load) for load in study.friction.load]
     return {
         "isMeasured": True, "cell": AXES["cut_off"],
         "cells": {
             "values": cut_offs,
-            "texts": [f"cut-off {with_unit(each, 'um')}" if each > 0 else "no cut-off" for each in cut_offs],
+            "texts": [f"cut-off {with_unit(value, 'um')}" if value > 0 else "no cut-off" for value in cut_offs],
         },
-        "amplitudes": [], "repetitions": int(dataset.sizes["repetition"]), "asked": asked,
-        "kinds": [_KIND_WORDS[kind] for kind in _kinds_of(dataset)],
+        "amplitudes": [], "repetitions": int(dataset.sizes["repetition"]), "asked": study_loads,
+        "kinds": [_KIND_WORDS[kind] for kind in _member_kinds(dataset)],
         "loads": {
             "values": loads,
             "texts": [f"{with_unit(load, 'mN')} ({with_unit(load / area, 'GPa')})" for load in loads],
             "unit": f"; 1 mN is {1000 / area:.4g} MPa",
         },
-        "start": {"cell": cut_offs.index(quoted_cell), "load": int(np.argmin(np.abs(np.array(loads) - asked[0])))},
-        "answers": found, "validity": [], "curves": _CURVES,
+        "start": {
+            "cell": cut_offs.index(quoted_cell), "load": int(np.argmin(np.abs(np.array(loads) - study_loads[0]))),
+        },
+        "answers": answers, "validity": [], "curves": _CURVES,
         "modulus": float(dataset["effective_modulus"]), "area": area,
     }  # fmt: skip
 
@@ -129,65 +132,71 @@ _CURVES = {
     "stiffness": {"of": "stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
     "unloading": {"of": "unloading_stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
 }
-"""Quantity of each plot over load beside friction, its axis, and its factor to the unit there."""
+"""Quantity, axis title and factor to the axis unit of each further plot over load."""
 
 
 def _friction_at_nodes(result: Result, study: Study, dataset: xarray.Dataset, tables: Tables) -> dict[str, Any]:
-    """Put friction at nodes of mu0 and tau0 into tables, over kind, cutoff, rule, motion, load, mu0 and tau0."""
+    """Add friction at nodes of mu0 and tau0 to tables, over kind, cutoff, rule, motion, load, mu0 and tau0."""
     loads, (rules, angles) = study.contact.steps(), motions_of(study)
-    axes = nodes_of(result, study)
+    axes = choose_nodes(result, study)
     ways: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
     if len(angles) > 1:
         ways.insert(0, {"words": averaged_directions_text(angles), "directions": list(range(len(angles)))})
-    kinds = _kinds_of(dataset)
+    kinds = _member_kinds(dataset)
     size = len(kinds) * dataset.sizes["cut_off"] * loads.size * len(rules) * len(ways)
     size *= axes[0].values.size * axes[1].values.size
     if size > MAX_POINTS:
         raise ReportError(f"the result has {size} coefficients, more than the {MAX_POINTS} that a page can hold")
     members: list[int] = []
-    found: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
+    arrays: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
     for kind in kinds:
-        at = at_nodes(result, loads, axes, of=kind)
-        members.append(int(at["members"]))
+        node_values = at_nodes(result, loads, axes, of=kind)
+        members.append(int(node_values["members"]))
         lead = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
-        single = at["friction_coefficient"].transpose(*lead, "statistic").values
-        whole = at["friction_all_round"].transpose(*(dim for dim in lead if dim != "direction"), "statistic").values
+        single = node_values["friction_coefficient"].transpose(*lead, "statistic").values
+        whole = (
+            node_values["friction_all_round"]
+            .transpose(*(dim for dim in lead if dim != "direction"), "statistic")
+            .values
+        )
         combined = whole.copy()
-        if "friction_combined" in at:
-            combined = at["friction_combined"].transpose(*(d for d in lead if d != "direction"), "statistic").values
-        status, answered = (at[name].transpose(*lead).values for name in ("status", "ok"))
-        slopes = at["gentle_friction"].transpose("cut_off", "sliding", "direction", "mu0", "tau0").values
-        of_ways = []
+        if "friction_combined" in node_values:
+            combined = (
+                node_values["friction_combined"].transpose(*(d for d in lead if d != "direction"), "statistic").values
+            )
+        status, answered = (node_values[name].transpose(*lead).values for name in ("status", "ok"))
+        slopes = node_values["gentle_friction"].transpose("cut_off", "sliding", "direction", "mu0", "tau0").values
+        motion_arrays = []
         for way in ways:
             is_whole = len(way["directions"]) == len(angles)
             sampling = whole if is_whole else single[:, :, way["directions"][0]]
             chosen = sorted(way["directions"])
-            of_ways.append((
+            motion_arrays.append((
                 combined if is_whole else sampling, sampling,
                 _status_codes(status[:, :, chosen], sampling[..., 0]), answered[:, :, chosen].min(axis=2),
                 slopes[:, :, chosen].mean(axis=2),
             ))  # fmt: skip
-        for name, each in zip(found, zip(*of_ways, strict=True), strict=True):
-            found[name].append(np.stack(each, axis=2))
-    every = {name: np.stack(each) for name, each in found.items()}
-    shown, is_combined = every["shown"], np.zeros((len(kinds), len(ways)), bool)
+        for name, values in zip(arrays, zip(*motion_arrays, strict=True), strict=True):
+            arrays[name].append(np.stack(values, axis=2))
+    stacked = {name: np.stack(values) for name, values in arrays.items()}
+    shown, is_combined = stacked["shown"], np.zeros((len(kinds), len(ways)), bool)
     for index, way in enumerate(ways):
         way["isWhole"] = len(way["directions"]) == len(angles)
         way["angle"] = None if len(way["directions"]) > 1 else angles[way["directions"][0]]
         is_combined[0, index] = way["isWhole"]
     error = largest_errors(
-        axes, shown[0, :, :, is_combined[0].argmax()], lambda mu0, tau0: _whole(result, loads, mu0, tau0)
+        axes, shown[0, :, :, is_combined[0].argmax()], lambda mu0, tau0: _mean_friction(result, loads, mu0, tau0)
     )
-    # A value without a combined interval is printed by the digits of that over all directions.
+    # A value without a combined interval has the decimals of the mean over all directions.
     whole = shown[0, :, :, [is_combined[0].argmax()]]
-    over_all = np.moveaxis(decimals_of(*np.moveaxis(whole, -1, 0))[0], 0, 2)
+    mean_decimals = np.moveaxis(decimals_of(*np.moveaxis(whole, -1, 0))[0], 0, 2)
     shown[np.broadcast_to(~is_combined[:, np.newaxis, np.newaxis, :, None, None, None], shown.shape[:-1]), 1:] = np.nan
-    tables.add_points("friction", shown, decimals=np.broadcast_to(over_all, shown.shape[:-1]))
-    tables.add_points("sampling", every["sampling"])
-    tables.add("status", every["status"].astype(np.int8))
-    tables.add("fine", is_interpolated(axes, every["shown"][..., 0]).astype(np.int8))
-    tables.add("answered", every["answered"].astype(float))
-    slopes = every["slopes"]
+    tables.add_points("friction", shown, decimals=np.broadcast_to(mean_decimals, shown.shape[:-1]))
+    tables.add_points("sampling", stacked["sampling"])
+    tables.add("status", stacked["status"].astype(np.int8))
+    tables.add("fine", is_interpolated(axes, stacked["shown"][..., 0]).astype(np.int8))
+    tables.add("answered", stacked["answered"].astype(float))
+    slopes = stacked["slopes"]
     tables.add_points("slopes", np.stack([slopes, *(np.full(slopes.shape, np.nan),) * 2], axis=-1))
     return {
         "ways": ways, "rules": rules, "directions": angles, "axes": axes_facts(axes, study), "error": error,
@@ -197,8 +206,8 @@ def _friction_at_nodes(result: Result, study: Study, dataset: xarray.Dataset, ta
     }  # fmt: skip
 
 
-STATUS_NAMES = (friction.STATUS_OK, *sorted(each for each in friction.STATUSES if each != friction.STATUS_OK))
-"""Statuses in the order of their codes: of several directions without a value, the first one is reported."""
+STATUS_NAMES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
+"""Statuses in the order of their codes. If several directions have no value, the first status is reported."""
 
 
 def _status_codes(statuses: Any, values: Floats) -> Any:
@@ -209,19 +218,19 @@ def _status_codes(statuses: Any, values: Floats) -> Any:
     return np.where(np.isfinite(values), 0, np.where(bad == len(STATUS_NAMES), not_solved, bad))
 
 
-def nodes_of(result: Result, study: Study) -> tuple[Axis, Axis]:
+def choose_nodes(result: Result, study: Study) -> tuple[Axis, Axis]:
     """Return the axes of the nodes of a result, chosen at a few loads."""
     loads = np.unique([*study.contact.steps()[[-1]], float(study.friction.load[0])])[:CHECKED_LOADS]
-    return refined(axes_of(study), lambda mu0, tau0: _whole(result, loads, mu0, tau0))
+    return refined(axes_of(study), lambda mu0, tau0: _mean_friction(result, loads, mu0, tau0))
 
 
-def _whole(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
+def _mean_friction(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
     """Return friction over all directions with combined intervals, over cutoff, rule, load, mu0, tau0 and statistic."""
-    at = at_nodes(result, loads, (Axis(mu0), Axis(tau0)))["friction_combined"]
-    return np.asarray(at.transpose("cut_off", "sliding", "load", "mu0", "tau0", "statistic").values)
+    values = at_nodes(result, loads, (Axis(mu0), Axis(tau0)))["friction_combined"]
+    return np.asarray(values.transpose("cut_off", "sliding", "load", "mu0", "tau0", "statistic").values)
 
 
-def _held(result: Result, study: Study) -> list[str]:
+def _pull_off_lines(result: Result, study: Study) -> list[str]:
     """Return lines on the pull-off force at the first mu0 and tau0 by the rule to quote."""
     if not study.contact.adheres:
         return []
@@ -232,73 +241,77 @@ def _held(result: Result, study: Study) -> list[str]:
 def _head(study: Study, facts: dict[str, Any]) -> list[str]:
     surfaces: Any = study.surfaces
     hardness = study.contact.hardness
-    how = "the elastic half-space" if study.uses_half_space else "asperities"
-    limited = "" if hardness is None else f", hardness {with_unit(hardness, 'GPa')}"
+    model = "the elastic half-space" if study.uses_half_space else "asperities"
+    plasticity = "" if hardness is None else f", hardness {with_unit(hardness, 'GPa')}"
     if study.contact.junction_growth:
-        limited += f", junction growth α = {study.known.junction_growth or format(study.contact.junction_growth, 'g')}"
+        plasticity += (
+            f", junction growth α = {study.known.junction_growth or format(study.contact.junction_growth, 'g')}"
+        )
     modulus = with_unit(facts["modulus"], "GPa")
-    made_of = f"{materials_text(study).capitalize()}. " if materials_text(study) else ""
+    materials = f"{materials_text(study).capitalize()}. " if materials_text(study) else ""
     size = f"{facts['area']:.4g} µm²" if study.is_areal else f"{facts['area']:.4g} µm, 1 µm wide"
-    return [f"{made_of}{surfaces.pressed} of {size}, pressed by {how}; E* = {modulus}{limited}."]
+    return [f"{materials}{surfaces.pressed} of {size}, pressed by {model}; E* = {modulus}{plasticity}."]
 
 
 def _history(side: str, history: str, study: Study) -> str:
     lines = "".join(f"<li>{escaped(line)}</li>" for line in history.splitlines()[:20])
     part = getattr(study.surfaces, side)
     readings = "".join(_reading_table(scan) for scan in part.scans[:MAX_READINGS])
-    more = len(part.scans) - MAX_READINGS
-    readings += f"<p>{more} more scans are in the JSON of <code>stiction pair</code>.</p>" if more > 0 else ""
+    num_omitted = len(part.scans) - MAX_READINGS
+    readings += (
+        f"<p>{num_omitted} more scans are in the JSON of <code>stiction pair</code>.</p>" if num_omitted > 0 else ""
+    )
     body = f"<p>The {side} body: <code>{escaped(part.name)}</code></p>"
     return body + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-MAX_READINGS = 4  # scans of a part whose reading a page lists
+MAX_READINGS = 4  # maximum number of listed readings of a part
 
 
 def _reading_table(scan: MeasuredFile) -> str:
-    """Return how a file was read as a table; empty of a body in memory and of a file that is gone."""
+    """Return the reading of a file as a table; empty for a surface in memory and for a missing file."""
     with contextlib.suppress(ValueError, OSError):
         if (reading := scan.reading) is not None:
-            return reading_table(reading, {name: getattr(scan, name) for name in GIVEN})
+            return reading_table(reading, {name: getattr(scan, name) for name in READING_OPTIONS})
     return ""
 
 
 def _quantities(result: Result, study: Study, num_kinds: int) -> list[dict[str, Any]]:
-    """Return quantities beside friction over kind, cutoff and load: values, ends, decimals and texts."""
+    """Return quantities other than friction over kind, cutoff and load: values, ends, decimals and texts."""
     kinds: list[Any] = ["shifts", "surrogates"] if num_kinds > 1 else [None]
-    at = [at_load(result, study.contact.steps(), mu0=[0.0], tau0=[0.0], of=kind) for kind in kinds]
-    found = []
-    for name in (name for name in shown_in("report") if name in at[0]):
-        means = np.stack([each[name].transpose("cut_off", "load", "statistic").values for each in at])
+    evaluations = [at_load(result, study.contact.steps(), mu0=[0.0], tau0=[0.0], of=kind) for kind in kinds]
+    records = []
+    for name in (name for name in shown_in("report") if name in evaluations[0]):
+        means = np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in evaluations])
         if not np.isfinite(means[0]).any() or (name == "load_share_at_hardness" and not np.nan_to_num(means[0]).any()):
             continue
         quantity = QUANTITIES[name]
         unit = "%" if quantity.percent else _UNITS.get(quantity.unit, quantity.unit)
-        factor = next((each["factor"] for each in _CURVES.values() if each["of"] == name), 1)
+        factor = next((curve["factor"] for curve in _CURVES.values() if curve["of"] == name), 1)
         texts = [[[text_with_unit(point, unit) for point in row] for row in table] for table in means.tolist()]
         limit = limit_of(name)
         points = factor * means
-        decimals, of_upper = decimals_of(*np.moveaxis(points, -1, 0))
-        found.append({
+        decimals, upper_decimals = decimals_of(*np.moveaxis(points, -1, 0))
+        records.append({
             "name": name, "words": quantity.short[0].upper() + quantity.short[1:], "points": listed(points),
-            "decimals": decimals.tolist(), "upperDecimals": of_upper.tolist(), "texts": texts,
+            "decimals": decimals.tolist(), "upperDecimals": upper_decimals.tolist(), "texts": texts,
             "isBeyond": (means[..., 0] > (np.inf if limit is None else limit)).tolist(),
         })  # fmt: skip
-    return found
+    return records
 
 
-def _answers(result: Result) -> list[dict[str, Any]]:
+def _assessments(result: Result) -> list[dict[str, Any]]:
     return [
         {
             "at": answer.at, "loadText": with_unit(answer.at["load"], "mN"), "verdict": answer.verdict,
             "covered": answer.covered,
-            "sentence": printable(sentence_text(answer), MOST_TEXT * 4),
+            "sentence": printable(sentence_text(answer), MAX_TEXT_LENGTH * 4),
             "doubts": [
-                {name: printable(getattr(each, name), MOST_TEXT) for name in ("text", "cure", "severity")}
-                for each in answer.doubts
+                {name: printable(getattr(caveat, name), MAX_TEXT_LENGTH) for name in ("text", "cure", "severity")}
+                for caveat in answer.doubts
             ],
             "slopes": slopes_text(answer),
-            "bar": _bar(answer),
+            "bar": _contributions(answer),
             "most": " ".join(filter(None, (budget_text(answer), dwell_time_text(answer)))) or None,
         }
         for answer in result.summary().points
@@ -308,13 +321,18 @@ def _answers(result: Result) -> list[dict[str, Any]]:
 _PARTS = ("μ0", "τ0 on the true area", "slopes")
 
 
-def _bar(answer: PointSummary) -> dict[str, Any] | None:
-    """Return the parts of a coefficient by the rule that all contacts rub, its interval, and texts of both."""
-    own = next((each for each in answer.rules if each.rule == "all"), None)
-    if answer.parts is None or own is None or not math.isfinite(own.value):
+def _contributions(answer: PointSummary) -> dict[str, Any] | None:
+    """Return the contributions to a coefficient with friction at all contacts, its interval, and texts of both."""
+    estimate = next((rule for rule in answer.rules if rule.rule == "all"), None)
+    if answer.parts is None or estimate is None or not math.isfinite(estimate.value):
         return None
     texts = []
     for index, (part, words) in enumerate(zip(answer.parts, _PARTS, strict=True)):
         sign = (" \N{MINUS SIGN} " if part <= -0.0005 else " + ") if index else ""
         texts.append(f"{sign}{abs(part):.3f} ({words})")
-    return {"parts": listed(answer.parts), "ends": listed([own.lower, own.upper]), "value": own.value, "texts": texts}
+    return {
+        "parts": listed(answer.parts),
+        "ends": listed([estimate.lower, estimate.upper]),
+        "value": estimate.value,
+        "texts": texts,
+    }

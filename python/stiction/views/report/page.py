@@ -1,9 +1,9 @@
 """HTML page in a single file: its frame, and packing of numbers.
 
-`result.py` and `surface.py` say what a page is of. Markup, style and scripts stand beside this file: `nodes.js`
-unpacks and interpolates, `plots.js` draws, `common.js` has controls and files, and `result.js` the state
-and the words of a result. Every constant that they share with the library is handed to them in the facts. Text of files
-is escaped in one place each: markup here by `escaped`, in the scripts because they make text nodes alone.
+`result.py` and `surface.py` define the content of a page. Markup, style and scripts are in this directory: `nodes.js`
+unpacks and interpolates numbers, `plots.js` draws, `common.js` contains controls and file output, and `result.js` the
+state and texts of a result. The scripts read shared constants of the library from the facts. Text of files is escaped
+by `escaped` in the markup; the scripts insert it as text nodes only.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from stiction.studies.nodes import Axis
 from stiction.studies.study import Study, differences
 from stiction.views.report.tables import Tables
 
-MARK = "<!doctype html>\n<!-- A report of stiction -->\n"  # every report begins so; no other file is written over
+MARK = "<!doctype html>\n<!-- A report of stiction -->\n"  # start of every report; other files are not overwritten
 _LICENCE = "https://www.gnu.org/licenses/gpl-3.0.txt"
 SCRIPTS = ("nodes.js", "plots.js", "common.js", "result.js")
 
 
 class ReportError(ValueError):
-    """Error of a page that cannot be made or written."""
+    """Error for a page that cannot be rendered or written."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Page:
         )
 
     def save(self, path: Path) -> None:
-        """Write the page in place of an older report; a `ReportError` if something else is there, or it cannot be."""
+        """Write the page, which may replace an older report; raise `ReportError` for any other file."""
         with replaced_file(path, MARK.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
@@ -72,25 +72,27 @@ def part(name: str) -> str:
 
 def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
     """Return the markup of the scripts of a result, its facts, and the numbers of `packed`."""
-    # No "<", so that nothing in it ends the element or begins another.
-    known = json.dumps(facts, allow_nan=False).replace("<", "\\u003c")
-    box = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
-    boxes = "".join(box.format(*each) for each in numbers.items())
+    # Without "<", a text cannot end the element or start another one.
+    facts_json = json.dumps(facts, allow_nan=False).replace("<", "\\u003c")
+    element = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
+    packed_numbers = "".join(element.format(*item) for item in numbers.items())
     text = "\n".join(map(part, SCRIPTS))
-    return f'<script type="application/json" id="facts">{known}</script>\n{boxes}<script>\n{text}</script>\n'
+    return (
+        f'<script type="application/json" id="facts">{facts_json}</script>\n{packed_numbers}<script>\n{text}</script>\n'
+    )
 
 
-MOST_TEXT = 400  # most characters of a line that comes from a file
+MAX_TEXT_LENGTH = 400  # maximum number of characters of a line from a file
 
 
 def escaped(text: object) -> str:
     """Return a text as markup: one line of limited length without control characters."""
-    return html.escape(printable(str(text), MOST_TEXT))
+    return html.escape(printable(str(text), MAX_TEXT_LENGTH))
 
 
-def counted(count: int, one: str, many: str | None = None) -> str:
+def counted(count: int, singular: str, plural: str | None = None) -> str:
     """Return a number with its noun."""
-    return f"{count} {one if count == 1 else many or f'{one}s'}"
+    return f"{count} {singular if count == 1 else plural or f'{singular}s'}"
 
 
 def listed(values: ArrayLike) -> Any:
@@ -99,28 +101,28 @@ def listed(values: ArrayLike) -> Any:
     return np.where(np.isfinite(array), array, np.asarray(None)).tolist()
 
 
-def panel(name: str, title: str, seen: str, *, more: str, kind: str = "plot") -> str:
+def panel(name: str, title: str, description: str, *, more: str, kind: str = "plot") -> str:
     """Return the markup of a plot: title, description and keys for screen readers, and an empty caption."""
     return (
         f'<section class="panel" aria-labelledby="{name}-title"><h2 id="{name}-title">{title}</h2>'
-        f'<div id="{name}" class="{kind}" role="application" tabindex="0" aria-label="{seen}; {more}"></div>'
+        f'<div id="{name}" class="{kind}" role="application" tabindex="0" aria-label="{description}; {more}"></div>'
         f'<p class="caption" id="{name}-caption"></p></section>'
     )
 
 
-# ---- A result of a page ---------------------------------------------------------------------------------------------
+# ---- Result of a page -----------------------------------------------------------------------------------------------
 
 
 AXES = {
     "fractal_dimension": {"title": "fractal dimension _D_", "name": "D"},
     "cut_off": {"title": "cut-off wavelength (µm)", "name": "cut-off"},
 }
-"""How the first dimension of cells is called."""
+"""Axis title and short name of the first dimension of the cells."""
 
 
 @dataclass(frozen=True, eq=False)
 class PageResult:
-    """Content of a page: `details` is markup of its study, `touching` and `pictures` that of figures."""
+    """Content of a page. `details`, `touching` and `pictures` are markup of the study and of the figures."""
 
     study: Study
     name: str
@@ -128,32 +130,32 @@ class PageResult:
     pairs: str
     facts: dict[str, Any]
     tables: Tables
-    there: int
+    num_members: int
     details: str = ""
     touching: str = ""
     pictures: str = ""
 
     def unfinished(self) -> str:
         """Return a notice, as markup, if members are missing."""
-        total, said = self.study.ensemble.repetitions, []
-        if self.there < total:
-            said.append(f"{self.name} is unfinished: {self.there} of {total} repetitions.")
-        if (unsolved := self.there - self.facts["repetitions"]) > 0:
-            said.append(f"{self.name}: {counted(unsolved, 'repetition')} without a solution at every load left out.")
-        return "".join(f'<p class="notice">{escaped(line)}</p>' for line in said)
+        total, notices = self.study.ensemble.repetitions, []
+        if self.num_members < total:
+            notices.append(f"{self.name} is unfinished: {self.num_members} of {total} repetitions.")
+        if (unsolved := self.num_members - self.facts["repetitions"]) > 0:
+            notices.append(f"{self.name}: {counted(unsolved, 'repetition')} without a solution at every load left out.")
+        return "".join(f'<p class="notice">{escaped(line)}</p>' for line in notices)
 
     def described(self) -> str:
         """Return the study as markup: its differences from the defaults, and all keys."""
-        whole = (
+        study_file = (
             "<details><summary>The whole study file (TOML)</summary>"
             f'<pre tabindex="0">{html.escape(_without_folders(self.study).to_toml())}</pre></details>'
         )
         if self.study.is_measured:
-            return f"<h2>The study</h2>{self.details}{whole}"
+            return f"<h2>The study</h2>{self.details}{study_file}"
         changes = [f"{key} = {value}" for key, _, value in differences(Study(), self.study)]
         lines = "".join(f"<li><code>{escaped(line)}</code></li>" for line in changes)
-        said = f"<p>The defaults, but</p><ul>{lines}</ul>" if changes else "<p>All values are the defaults.</p>"
-        return f"<h2>The study</h2>{said}{whole}"
+        summary = f"<p>The defaults, but</p><ul>{lines}</ul>" if changes else "<p>All values are the defaults.</p>"
+        return f"<h2>The study</h2>{summary}{study_file}"
 
 
 def _without_folders(study: Study) -> Study:
@@ -162,8 +164,8 @@ def _without_folders(study: Study) -> Study:
         return study
     bodies: Any = study.surfaces
     sides = {side: getattr(bodies, side) for side in ("upper", "lower")}
-    named = {side: each.model_copy(update={"file": Path(each.file).name}) for side, each in sides.items()}
-    return study.model_copy(update={"surfaces": bodies.model_copy(update=named)})
+    renamed = {side: part.model_copy(update={"file": Path(part.file).name}) for side, part in sides.items()}
+    return study.model_copy(update={"surfaces": bodies.model_copy(update=renamed)})
 
 
 def motions_of(study: Study) -> tuple[list[str], list[float]]:
@@ -172,14 +174,17 @@ def motions_of(study: Study) -> tuple[list[str], list[float]]:
 
 
 def axes_facts(axes: tuple[Axis, Axis], study: Study) -> dict[str, Any]:
-    """Return the nodes of mu0 and of tau0 (MPa) as a page has them, with the step of a slider and where it starts."""
-    own = study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2], float(study.friction.tau0[0])
-    found = {}
-    for name, axis, start, unit in zip(("mu0", "tau0"), axes, own, (1.0, 1e3), strict=True):
-        most = unit * float(axis.rising[-1])
-        found[name] = {
+    """Return the nodes of mu0 and tau0 (MPa) for a page, with the step and the initial value of their sliders."""
+    initial = (
+        study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
+        float(study.friction.tau0[0]),
+    )
+    facts = {}
+    for name, axis, start, unit in zip(("mu0", "tau0"), axes, initial, (1.0, 1e3), strict=True):
+        maximum = unit * float(axis.rising[-1])
+        facts[name] = {
             "rising": (unit * axis.rising).tolist(), "bounds": (unit * np.array(axis.bounds)).reshape(-1, 2).tolist(),
-            "most": most, "step": 0.01 if name == "mu0" else float(f"{most / 200:.0e}"),
+            "most": maximum, "step": 0.01 if name == "mu0" else float(f"{maximum / 200:.0e}"),
             "start": float(f"{unit * float(start):.12g}"),
         }  # fmt: skip
-    return found
+    return facts

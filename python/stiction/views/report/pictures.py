@@ -35,32 +35,32 @@ def profiles_panel(study: Study, approach: float) -> str:
     middle = dimensions[dimensions.size // 2 :][:1]
     upper, lower = next(iter(generate_pairs(study, 0, middle, amplitude)))
     assert isinstance(contact, Asperities)
-    more: dict[str, Any] = {"mu0": study.friction.mu0[0], "tau0": float(study.friction.tau0[0])}
-    more |= {"title": f"$D$ = {middle[0]:.3g}, amplitude {with_unit(amplitude, 'um')}", "model": contact.model()}
+    options: dict[str, Any] = {"mu0": study.friction.mu0[0], "tau0": float(study.friction.tau0[0])}
+    options |= {"title": f"$D$ = {middle[0]:.3g}, amplitude {with_unit(amplitude, 'um')}", "model": contact.model()}
     return _panel(
         "Two of the profiles in contact",
         "Two profiles, and the contact that carries most with the forces on the upper body.",
         "The first pair, at a fractal dimension and an approach in the middle of those of the study.",
-        lambda: contact_figure(upper, lower, approach, **more),
+        lambda: contact_figure(upper, lower, approach, **options),
     )
 
 
-def adhesion_panel(ways: xarray.Dataset | None, title: str) -> str:
+def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
     """Return the panel of loading and unloading, as markup; empty without adhesion."""
-    if ways is None:
+    if branches is None:
         return ""
     return _panel(
         "Coming and going",
         "Load against approach and true area of a typical pair, pressed together and drawn apart.",
         "Bodies that adhere touch at no load, bear more than is pressed on them, and part at the pull-off force.",
-        lambda: adhesion_figure(ways, title=title),
+        lambda: adhesion_figure(branches, title=title),
     )
 
 
 def height_scale_panels(result: Result, title: str) -> str:
-    """Return panels over the height factors that are stored alongside a result, as markup; empty without any.
+    """Return the panels over the height factors stored with a result, as markup; empty without factors.
 
-    They are of its first load, mu0 and tau0.
+    The panels show the first load, mu0 and tau0.
     """
     panels = []
     for scaled, factors in stored_scale_factors(result).items():
@@ -69,36 +69,36 @@ def height_scale_panels(result: Result, title: str) -> str:
             f"measured. {CAVEAT} The load, μ0 and τ0 are the first ones of the study; moving the sliders does not "
             "change it."
         )
-        seen = "Friction coefficient and true contact area over the rms gradient of the gap."
+        description = "Friction coefficient and true contact area over the rms gradient of the gap."
         draw = partial(draw_height_scale, result, scaled, title=title)
-        panels.append(_panel(f"Another finish of {SCALED[scaled]}", seen, caption, draw))
+        panels.append(_panel(f"Another finish of {SCALED[scaled]}", description, caption, draw))
     return "".join(panels)
 
 
 def touching_panel(picture: xarray.Dataset, direction: float) -> str:
     """Return the panel of contacts for a direction of motion (degrees), as markup."""
     force, cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
-    climbs = int(find_opposing_contacts(picture, direction).sum())
-    said = (
+    num_opposing = int(find_opposing_contacts(picture, direction).sum())
+    text = (
         f"The position whose true area is nearest to the mean: {counted(force.size, 'contact')} at "
-        f"{with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {motion_text(direction)}, {climbs} of them "
-        f"{'opposes' if climbs == 1 else 'oppose'} the motion."
+        f"{with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {motion_text(direction)}, {num_opposing} of them "
+        f"{'opposes' if num_opposing == 1 else 'oppose'} the motion."
     )
     if cut.any():
-        said += f" The edge cuts contacts with {percent(float(force[cut].sum() / force.sum()))} of the load."
-    moved = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
-    position = "profile is shown in the pressed position" if "gap" in picture else f"map is moved by {moved} µm"
-    seen, caption = "The two bodies with their true contacts.", f"{said} The upper {position}."
-    return _panel("Contacts", seen, caption, lambda: contact_map_figure(picture, direction=direction))
+        text += f" The edge cuts contacts with {percent(float(force[cut].sum() / force.sum()))} of the load."
+    offset = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
+    position = "profile is shown in the pressed position" if "gap" in picture else f"map is moved by {offset} µm"
+    description, caption = "The two bodies with their true contacts.", f"{text} The upper {position}."
+    return _panel("Contacts", description, caption, lambda: contact_map_figure(picture, direction=direction))
 
 
 def positions_panel(result: Result, load: float, title: str) -> str:
     """Return the panel of friction at single positions at a load (mN), as markup."""
-    at = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
+    values = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
     return _panel(
         "Single positions", "Friction coefficient of each pair in each direction.",
         "At the first load, μ0 and τ0 that were asked for, whatever the sliders say.",
-        lambda: draw_positions(result, at, title=title),
+        lambda: draw_positions(result, values, title=title),
     )  # fmt: skip
 
 
@@ -134,40 +134,40 @@ def dimension_panel(dataset: xarray.Dataset) -> str:
     )  # fmt: skip
 
 
-def _panel(name: str, seen: str, caption: str, draw: Callable[[], Figure], *, wide: bool = False) -> str:
+def _panel(name: str, description: str, caption: str, draw: Callable[[], Figure], *, wide: bool = False) -> str:
     with mpl.rc_context(STYLE):
-        picture = inline(draw(), seen)
+        picture = inline(draw(), description)
     kind = "panel wide" if wide else "panel"
-    below = f'<p class="caption">{caption}</p>'
-    return f'<section class="{kind}" aria-label="{name}"><h2>{name}</h2>{picture}{below}</section>'
+    caption_html = f'<p class="caption">{caption}</p>'
+    return f'<section class="{kind}" aria-label="{name}"><h2>{name}</h2>{picture}{caption_html}</section>'
 
 
-MOST_VERTICES = 1000  # of what is drawn by lines; what has more is drawn by points
-RASTER = 200  # points an inch
+MAX_VERTICES = 1000  # maximum number of vertices of vector graphics; larger artists are rasterized
+RASTER_DPI = 200  # resolution of rasterized artists
 
 _COLOURS = {
     **dict.fromkeys(("#000000", "#262626", "#404040", "#444444"), "var(--ink)"), "#ffffff": "var(--paper)",
     "#c6d9e7": "var(--upper)", "#e3d5bb": "var(--lower)",
     **{dark: f"var(--light, {dark})" for dark in ("#332288", "#440154", "#481d6f", "#453781", "#7a0019")},
 }  # fmt: skip
-"""Colours of figures that a page takes from its style, so that they are dark on dark screens."""
+"""Colours that a page replaces by variables of its style, for light and dark screens."""
 
 
-def inline(figure: Figure, seen: str) -> str:
+def inline(figure: Figure, description: str) -> str:
     """Return a figure as inline SVG with a text for screen readers."""
     for axes in figure.axes:
-        drawn: list[Any] = [*axes.collections, *axes.lines]
-        for artist in drawn:
+        artists: list[Any] = [*axes.collections, *axes.lines]
+        for artist in artists:
             paths = artist.get_paths() if hasattr(artist, "get_paths") else [artist.get_path()]
-            artist.set_rasterized(sum(len(each.vertices) for each in paths) > MOST_VERTICES)
-    if (layout := figure.get_layout_engine()) is not None:  # else all is drawn twice, once for this
+            artist.set_rasterized(sum(len(path.vertices) for path in paths) > MAX_VERTICES)
+    if (layout := figure.get_layout_engine()) is not None:  # otherwise savefig would draw the figure twice
         layout.execute(figure)
         figure.set_layout_engine("none")
     text = io.StringIO()
-    figure.savefig(text, format="svg", dpi=RASTER, transparent=True, metadata={"Date": None, "Creator": None})
+    figure.savefig(text, format="svg", dpi=RASTER_DPI, transparent=True, metadata={"Date": None, "Creator": None})
     drawing = text.getvalue()
     drawing = re.sub(r"<metadata>.*?</metadata>", "", drawing[drawing.index("<svg") :], flags=re.DOTALL)
-    drawing = re.sub("|".join(_COLOURS), lambda found: _COLOURS[found[0]], drawing)
-    drawing = re.sub(r'\bd="[^"]*"', lambda found: re.sub(r"(\.\d)\d+", r"\1", found[0]), drawing)
-    named = f'<svg role="img" aria-label="{html.escape(seen)}" fill="var(--ink)" '
-    return f'<div class="figure">{drawing.replace("<svg ", named, 1)}</div>'
+    drawing = re.sub("|".join(_COLOURS), lambda match: _COLOURS[match[0]], drawing)
+    drawing = re.sub(r'\bd="[^"]*"', lambda match: re.sub(r"(\.\d)\d+", r"\1", match[0]), drawing)
+    opening_tag = f'<svg role="img" aria-label="{html.escape(description)}" fill="var(--ink)" '
+    return f'<div class="figure">{drawing.replace("<svg ", opening_tag, 1)}</div>'

@@ -10,25 +10,25 @@ from stiction.views.report.page import escaped
 if TYPE_CHECKING:
     from stiction.surfaces.measured.reading import Reading
 
-GIVEN = ("unit", "spacing", "columns", "channel", "missing_value", "missing", "outliers", "crop", "accept")
-"""Options that say how a file is read."""
+READING_OPTIONS = ("unit", "spacing", "columns", "channel", "missing_value", "missing", "outliers", "crop", "accept")
+"""Options for reading a file."""
 
 
-def reading_table(reading: Reading[Any], given: Mapping[str, Any]) -> str:
-    """Return the fields of a reading as markup, with the options that were given for it."""
+def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
+    """Return the fields of a reading and its options as markup."""
     rows = "".join(
         f'<tr><th scope="row">{escaped(name)}</th><td>{escaped(value)}</td></tr>'
-        for name, value in reading_rows(reading, given)
+        for name, value in reading_rows(reading, options)
     )
     return f'<table class="texts"><caption>How {escaped(reading.file)} was read</caption>{rows}</table>'
 
 
-def reading_rows(reading: Reading[Any], given: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return names and values of what was understood of a file, and of the options that were given for it."""
+def reading_rows(reading: Reading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return names and values of the layout detected in a file, and of the options for reading it."""
     source, body = reading.source, reading.body
     steps = [f"{step:.6g} µm along {axis}" for axis, step in zip("xy", body.spacings[::-1], strict=False)]
-    own = {name: given.get(name) for name in GIVEN}
-    own = {name: value for name, value in own.items() if value and value not in ("error", "keep")}
+    specified = {name: options.get(name) for name in READING_OPTIONS}
+    specified = {name: value for name, value in specified.items() if value and value not in ("error", "keep")}
     rows = [
         ("layout", source.layout or "not named"),
         ("points", " × ".join(map(str, body.heights.shape))),
@@ -44,11 +44,13 @@ def reading_rows(reading: Reading[Any], given: Mapping[str, Any]) -> list[tuple[
             ("text", ", ".join(word for word in text if word)),
             ("lines", f"{source.lines[0]} to {source.lines[1]}; {skipped}"),
         ]
-    rows.append(("given, not read from the file", ", ".join(_given(*item) for item in own.items()) or "nothing"))
-    rows += [("caveat", f"{each.text}; {each.cure}") for each in reading.caveats]
+    rows.append(
+        ("given, not read from the file", ", ".join(_option_text(*item) for item in specified.items()) or "nothing")
+    )
+    rows += [("caveat", f"{caveat.text}; {caveat.cure}") for caveat in reading.caveats]
     return rows
 
 
-def _given(name: str, value: Any) -> str:
+def _option_text(name: str, value: Any) -> str:
     values = value if isinstance(value, (list, tuple)) else [value]
-    return f"{name.replace('_', ' ')} = {', '.join(str(getattr(each, 'text', each)) for each in values)}"
+    return f"{name.replace('_', ' ')} = {', '.join(str(getattr(item, 'text', item)) for item in values)}"

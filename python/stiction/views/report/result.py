@@ -1,7 +1,7 @@
 """Report of a result.
 
-It contains what the library evaluated at nodes of mu0 and tau0: values, intervals, statuses, assessments and decimals.
-The scripts unpack these, interpolate between nodes and draw.
+The report contains values, intervals, statuses, assessments and decimals at nodes of mu0 and tau0. The scripts unpack
+the numbers, interpolate between nodes and draw.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from stiction.views.report.page import Page, ReportError, escaped, panel, part, 
 from stiction.views.report.tables import FLOAT_BYTES
 from stiction.views.style import RULE_LABELS
 
-BETWEEN = "between-nodes"
+NOT_INTERPOLATED = "between-nodes"
 """Status of a coefficient that is not interpolated."""
 
 STATUSES = {
@@ -32,37 +32,39 @@ STATUSES = {
     friction.STATUS_BELOW_RANGE: "below the loads computed", friction.STATUS_NO_CONTACT: "no contact",
     friction.STATUS_NOT_SOLVED: "not solved", friction.STATUS_SELF_LOCKED: "self-locked: no load is carried",
     friction.STATUS_SEIZURE: "seizure: junctions grow without limit",
-    BETWEEN: "not resolved between nodes",
+    NOT_INTERPOLATED: "not resolved between nodes",
 }  # fmt: skip
-"""What the legend of the map says of each status; why it is so, `ADVICE` says."""
+"""Legend text of each status in the map. `ADVICE` contains the reasons."""
 
-BETWEEN_WHY = "the coefficient changes too much between the values of μ0 and τ0 at which the library evaluated it"
+NOT_INTERPOLATED_REASON = (
+    "the coefficient changes too much between the values of μ0 and τ0 at which the library evaluated it"
+)
 
-_ALONG = "arrow keys move {}, plus and minus look closer"
+_KEYS_TEXT = "arrow keys move {}, plus and minus look closer"
 PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
     "compass": (
         "Friction around the compass", "Friction coefficient in every direction",
         {"kind": "plot square crosshair", "more": "arrow keys turn the direction"},
     ),
-    "over": ("", "Friction coefficient at the picked load", {"more": _ALONG.format("along it")}),
+    "over": ("", "Friction coefficient at the picked load", {"more": _KEYS_TEXT.format("along it")}),
     **{
-        name: (f"{words} against load", f"{words} against normal load", {"more": _ALONG.format("the load")})
+        name: (f"{words} against load", f"{words} against normal load", {"more": _KEYS_TEXT.format("the load")})
         for name, words in (
             ("friction", "Friction coefficient"), ("area", "True contact area"), ("stiffness", "Normal stiffness"),
             ("unloading", "Normal stiffness, unloading or by ultrasound,"),
         )
     },
 }  # fmt: skip
-"""Title of each plot, what is seen, and what else its markup has."""
+"""Title, description and further attributes of the markup of each plot."""
 
-FIRST = {True: ("friction", "compass"), False: ("over", "friction", "area", "stiffness")}
-"""Plots of measured and of generated bodies that stand before "More"."""
+MAIN_PLOTS = {True: ("friction", "compass"), False: ("over", "friction", "area", "stiffness")}
+"""Plots that are shown without opening "More", for measured and for generated bodies."""
 
 
 def save_report(
     result: Result | xarray.Dataset, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> None:
-    """Write the page of a result; an older report of that name is replaced when the new one is whole.
+    """Write the report of a result. An older report of that name is replaced when the new report is complete.
 
     Parameters
     ----------
@@ -74,7 +76,7 @@ def save_report(
     Raises
     ------
     ReportError
-        As `report_page`, and if the path holds something that is no report or cannot be written.
+        As `report_page`, and if the path is another file than a report, or cannot be written.
     """
     _page(Result.of(result), name, picture).save(Path(path))
 
@@ -82,20 +84,19 @@ def save_report(
 def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
     """Return the report of a result as HTML without external resources.
 
-    The name is what it is called on the page; a built-in study, and a pair of files, have names of their own. A picture
-    is what `contact_picture` returns, that beside a stored result by default. Raises a `ReportError` if the result is
-    none, is too large for a page or has no members.
+    `name` is the title; by default the name of a built-in study or of the files. `picture` is a result of
+    `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if the dataset is not a
+    result, is too large for a page or has no members.
     """
     return _page(Result.of(result), name, picture).html()
 
 
 def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
-
     try:
         study = result.study
     except ValueError as error:
         raise ReportError(str(error)) from None
-    made = (
+    content = (
         page_of_measured(result, study, name, picture)
         if study.is_measured else page_of_generated(result, study, name)
     )  # fmt: skip
@@ -103,34 +104,37 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
         "percent": f"{100 * CONFIDENCE:g} %", "ticks": COLOUR_BAR_TICKS,
         "ruleWords": RULE_DESCRIPTIONS, "ruleNames": RULE_LABELS,
         "why": {
-            name: {"short": short, "why": BETWEEN_WHY if name == BETWEEN else ADVICE.get(name, ("",))[0]}
-            for name, short in STATUSES.items()
+            name: {"short": short, "why": _status_reason(name)} for name, short in STATUSES.items()
         },
         "tau0Sane": 1000 * friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus),
         "saneText": with_unit(friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus), "GPa"),
-        "tables": made.tables.offsets, "leading": FLOAT_BYTES, "errorText": _error_text(made.facts.get("error")),
+        "tables": content.tables.offsets, "leading": FLOAT_BYTES, "errorText": _error_text(content.facts.get("error")),
     }  # fmt: skip
-    shown = FIRST[study.is_measured]
-    plots = {name: panel(name, title, seen, **more) for name, (title, seen, more) in PANELS.items()}
+    main_plots = MAIN_PLOTS[study.is_measured]
+    plots = {name: panel(name, title, description, **options) for name, (title, description, options) in PANELS.items()}
     return Page(
-        name=made.name,
-        head=made.head,
+        name=content.name,
+        head=content.head,
         body=Template(part("result.html")).substitute(
-            percent=f"{100 * CONFIDENCE:g} %", pairs=escaped(made.pairs), unfinished=made.unfinished(),
-            touching=made.touching, pictures=made.pictures, study=made.described(),
-            panels="".join(plots[name] for name in shown),
-            others="".join(text for name, text in plots.items() if name not in shown),
+            percent=f"{100 * CONFIDENCE:g} %", pairs=escaped(content.pairs), unfinished=content.unfinished(),
+            touching=content.touching, pictures=content.pictures, study=content.described(),
+            panels="".join(plots[name] for name in main_plots),
+            others="".join(text for name, text in plots.items() if name not in main_plots),
         ),
         versions=f"Computed by stiction {result.version}",
-        scripts=scripts(facts | made.facts, made.tables.packed()),
+        scripts=scripts(facts | content.facts, content.tables.packed()),
     )  # fmt: skip
 
 
+def _status_reason(status: str) -> str:
+    return NOT_INTERPOLATED_REASON if status == NOT_INTERPOLATED else ADVICE.get(status, ("",))[0]
+
+
 def _error_text(error: tuple[float, float] | None) -> str:
-    """Return the error of interpolation that the library measured, in words."""
+    """Return the measured interpolation error as text."""
     if error is None:
         return ""
-    values, ends = (percent(each) for each in error)
+    values, ends = (percent(item) for item in error)
     return (
         f"at other values that were evaluated, values differ by up to {values}, ends by up to {ends} of the interval."
     )

@@ -20,7 +20,9 @@ from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.report.page import Page, escaped, part
 from stiction.views.report.pictures import inline
 
-MUCH = 0.1  # fraction of the mean square slope in the shortest octave from which on a finer scan would find much more
+MAX_OCTAVE_FRACTION = (
+    0.1  # fraction of the mean square slope in the shortest octave above which a finer scan is advised
+)
 
 
 def surface_page(
@@ -30,40 +32,49 @@ def surface_page(
 
     `options` are those of `characterisation_text`.
     """
-    found = to_characterisation(body, **options)
+    characterisation = to_characterisation(body, **options)
     main = Template(part("surface.html")).substitute(
-        meaning=_meaning(found), command=escaped(command), table=_table([*found.rows, *found.line_rows]),
-        figure=inline(characterisation_figure(found), "Heights, their distribution, and spectra"),
+        meaning=_meaning(characterisation), command=escaped(command),
+        table=_table([*characterisation.rows, *characterisation.line_rows]),
+        figure=inline(characterisation_figure(characterisation), "Heights, their distribution, and spectra"),
     )  # fmt: skip
-    return Page(name, list(found.body.history), main + reading, f"Characterised by stiction {__version__}")
+    return Page(name, list(characterisation.body.history), main + reading, f"Characterised by stiction {__version__}")
 
 
-def _meaning(found: Characterisation) -> str:
+def _meaning(characterisation: Characterisation) -> str:
     """Return caveats, the small-slope estimate, and the effect of a finer scan, as markup."""
-    doubts = "".join(
-        f"<li>{escaped(f'{each.text[0].upper()}{each.text[1:]}; {each.cure}.')}</li>" for each in found.doubts
+    caveats = "".join(
+        f"<li>{escaped(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.cure}.')}</li>"
+        for caveat in characterisation.doubts
     )
-    values = [f"{value:.2f}" for value in found.friction]
+    values = [f"{value:.2f}" for value in characterisation.friction]
     axes = " along x and y" if len(values) == 2 else ""
-    shortest = found.limit.pixels
-    part = float(found.roughness.fraction_below(2 * shortest))
-    change = "finds steeper slopes, more friction and less true area" if part > MUCH else "would change little"
+    shortest = characterisation.limit.pixels
+    part = float(characterisation.roughness.fraction_below(2 * shortest))
+    change = (
+        "finds steeper slopes, more friction and less true area"
+        if part > MAX_OCTAVE_FRACTION
+        else "would change little"
+    )
     finer = (
         f"Waves below {with_unit(2 * shortest, 'um')}, which is four points, have {percent(part)} of the mean square "
         f"slope: a finer scan {change}."
     )
-    if found.limit.slope_fraction >= NEGLIGIBLE_SLOPE_FRACTION:
+    if characterisation.limit.slope_fraction >= NEGLIGIBLE_SLOPE_FRACTION:
         finer = (
-            f"Waves below {with_unit(found.limit.wavelength, 'um')} are not to be trusted and have "
-            f"{percent(found.limit.slope_fraction)} of the mean square slope: take them off before a number is quoted."
+            f"Waves below {with_unit(characterisation.limit.wavelength, 'um')} are not to be trusted and have "
+            f"{percent(characterisation.limit.slope_fraction)} of the mean square slope: take them off "
+            "before a number is quoted."
         )
-    said = [
+    paragraphs = [
         f"Two bodies like this one begin to slide at μₛ = {' and '.join(values)}{axes}, by their slopes alone: "
         f"elastic, without adhesion, and where μ0 is {PAPER_MU0:g}." if values else "It has no slopes.",
         finer,
         "For friction at a load, press two surfaces on each other: stiction pair --help has examples.",
     ]  # fmt: skip
-    return (f'<ul class="doubts">{doubts}</ul>' if doubts else "") + "".join(f"<p>{escaped(line)}</p>" for line in said)
+    return (f'<ul class="doubts">{caveats}</ul>' if caveats else "") + "".join(
+        f"<p>{escaped(line)}</p>" for line in paragraphs
+    )
 
 
 def _table(rows: list[Row]) -> str:
@@ -75,7 +86,8 @@ def _table(rows: list[Row]) -> str:
             lines.append((f'<th scope="row">{escaped(label.strip())}</th>' if label else "<td></td>", cells))
         else:
             lines[-1][1][0] += f"<br>{cells[0]}"
-    wide = {1: " colspan=2", 2: ""}
+    attributes = {1: " colspan=2", 2: ""}
     return "".join(
-        f"<tr>{head}{''.join(f'<td{wide[len(cells)]}>{cell}</td>' for cell in cells)}</tr>" for head, cells in lines
+        f"<tr>{head}{''.join(f'<td{attributes[len(cells)]}>{cell}</td>' for cell in cells)}</tr>"
+        for head, cells in lines
     )

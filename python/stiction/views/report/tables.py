@@ -14,18 +14,18 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._number_format import MAX_DIGITS, MAX_END_RATIO, prefix, quoted
 
-FLOAT_BYTES = 4  # leading bytes of a double that a page keeps: 5e-7 of a number
-NO_INTERVAL = -128  # decimals of an upper end that is not printed, nor the lower one
-MAX_DECIMALS = 100
+FLOAT_BYTES = 4  # number of leading bytes of a double in a page, for a relative precision of 5e-7
+NO_INTERVAL = -128  # code instead of the decimals of the upper end: the interval is not printed
+MAX_DECIMALS = 100  # maximum number of decimals, in either direction
 
 
-_COMPRESSION = 7  # a sixth of the time of 9 for half a per cent more bytes
+_COMPRESSION = 7  # a sixth of the time of level 9, for 0.5 % more bytes
 
 
 def packed(values: ArrayLike, leading: int) -> str:
     """Return doubles as text, rounded to their leading bytes: all first bytes, then all second bytes, and so on.
 
-    Bytes of the same place are alike, signs and exponents most, so this order takes the least room.
+    Bytes at the same position are similar, especially signs and exponents, so this order compresses best.
     """
     bits = np.ascontiguousarray(values, np.float64).ravel().view(np.uint64)
     dropped = 8 * (8 - leading)
@@ -42,7 +42,7 @@ def packed_bytes(values: NDArray[np.int8]) -> str:
 
 @dataclass
 class Tables:
-    """Arrays of a page in a row; `offsets` has the start of each."""
+    """Concatenated arrays of a page; `offsets` contains the start of each array by its name."""
 
     offsets: dict[str, int] = field(default_factory=dict)
     floats: list[Floats] = field(default_factory=list)
@@ -51,20 +51,22 @@ class Tables:
     def add(self, name: str, values: ArrayLike) -> None:
         """Append floating-point numbers, or whole numbers from -128 to 127."""
         array = np.asarray(values)
-        kept: list[Any] = self.floats if array.dtype.kind == "f" else self.small
-        self.offsets[name] = sum(each.size for each in kept)
-        kept.append(array.ravel() if array.dtype.kind == "f" else array.astype(np.int8).ravel())
+        arrays: list[Any] = self.floats if array.dtype.kind == "f" else self.small
+        self.offsets[name] = sum(item.size for item in arrays)
+        arrays.append(array.ravel() if array.dtype.kind == "f" else array.astype(np.int8).ravel())
 
     def add_points(self, name: str, points: Floats, *, decimals: Any = None) -> None:
-        """Append values, lower and upper ends (..., 3), and the decimals by which these are printed.
+        """Append values, lower and upper ends (..., 3), and the number of decimals to print.
 
-        Given decimals are those of values without an interval.
+        `decimals` applies to values without an interval.
         """
         for index, part in enumerate(("value", "lower", "upper")):
             self.add(f"{name}_{part}", points[..., index])
-        own, of_upper = decimals_of(*np.moveaxis(points, -1, 0))
-        self.add(f"{name}_decimals", own if decimals is None else np.where(np.isnan(points[..., 1]), decimals, own))
-        self.add(f"{name}_upper_decimals", of_upper)
+        value_decimals, upper_decimals = decimals_of(*np.moveaxis(points, -1, 0))
+        if decimals is not None:
+            value_decimals = np.where(np.isnan(points[..., 1]), decimals, value_decimals)
+        self.add(f"{name}_decimals", value_decimals)
+        self.add(f"{name}_upper_decimals", upper_decimals)
 
     def packed(self) -> dict[str, str]:
         """Return all numbers as text."""
@@ -76,8 +78,8 @@ class Tables:
 def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
     """Return the decimals with which `quoted` prints means and lower ends, and upper ends, of points (...).
 
-    They are negative where numbers are rounded to tens. Those of the upper end are `NO_INTERVAL` where `quoted` prints
-    none.
+    Decimals are negative for numbers rounded to tens. The decimals of the upper end are `NO_INTERVAL` if `quoted`
+    prints no interval.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.where(mean != 0, -np.floor(np.log10(np.abs(mean))), 0.0)
@@ -88,26 +90,29 @@ def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.
         missing = np.isnan(lower) | np.isnan(upper)
         decimals = np.where(missing, size + 1, decimals)
         is_huge = np.isfinite(upper) & (upper > MAX_END_RATIO * np.abs(mean)) & (mean != 0)
-        of_upper = np.where(is_huge, -_exponent_of_digit(upper), decimals)
+        upper_decimals = np.where(is_huge, -_rounded_exponent(upper), decimals)
         scale = 10.0 ** np.clip(decimals, -MAX_DECIMALS, MAX_DECIMALS)
         near = ~missing & np.isfinite(upper) & (np.abs(np.round(lower * scale) - np.round(upper * scale)) < 1)
-    decimals, of_upper = (np.nan_to_num(np.clip(each, -MAX_DECIMALS, MAX_DECIMALS)) for each in (decimals, of_upper))
-    of_upper = np.where(missing, NO_INTERVAL, of_upper)
-    for place in zip(*np.nonzero(near), strict=True):  # ends that are one number in print: of a value without zeros
-        text = quoted(float(mean[place]), float(lower[place]), float(upper[place]))
+    decimals, upper_decimals = (
+        np.nan_to_num(np.clip(array, -MAX_DECIMALS, MAX_DECIMALS)) for array in (decimals, upper_decimals)
+    )
+    upper_decimals = np.where(missing, NO_INTERVAL, upper_decimals)
+    # Ends that are equal as printed are replaced by a value without trailing zeros.
+    for index in zip(*np.nonzero(near), strict=True):
+        text = quoted(float(mean[index]), float(lower[index]), float(upper[index]))
         if "[" not in text:
-            decimals[place], of_upper[place] = len(text.partition(".")[2]), NO_INTERVAL
-    return decimals.astype(np.int8), of_upper.astype(np.int8)
+            decimals[index], upper_decimals[index] = len(text.partition(".")[2]), NO_INTERVAL
+    return decimals.astype(np.int8), upper_decimals.astype(np.int8)
 
 
-def _exponent_of_digit(values: Floats) -> Floats:
-    """Return the exponents of ten of positive values that are rounded to one digit."""
+def _rounded_exponent(values: Floats) -> Floats:
+    """Return the decimal exponents of positive values after rounding to one digit."""
     exponent = np.floor(np.log10(values))
     return np.asarray(np.where(np.round(values / 10.0**exponent) >= 10, exponent + 1, exponent))
 
 
 def text_with_unit(point: Sequence[float], unit: str) -> str:
-    """Return a value with its interval (3,) in one unit: "12.1 [11.0, 13.3] µm²"; percent of a fraction for "%"."""
+    """Return a value with its interval (3,) and unit: "12.1 [11.0, 13.3] µm²". The unit "%" is for fractions."""
     value, lower, upper = point
     if np.isnan(value):
         return "none"
