@@ -267,7 +267,7 @@ def test_contacts_default_to_typical_member(by_function):
     result = by_function.contacts()
     assert set(result["member"]) == {picture.attrs["member"]}
     np.testing.assert_array_equal(result["force_mN"], picture["contact_force"])
-    for members, words in ((3, "members must be some of the 3"), ([], "members must be"), (0.5, "whole number")):
+    for members, words in ((3, "members must be indices of the 3"), ([], "members must be"), (0.5, "whole number")):
         with pytest.raises(ValueError, match=words):
             by_function.contacts(members=members)
     with pytest.raises(ValueError, match="load must be a force or a pressure with its unit"):

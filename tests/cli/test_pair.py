@@ -370,12 +370,15 @@ def test_report_of_profiles_and_gaps_with_missing_points_is_written(where, tmp_p
     ("arguments", "words"),
     [
         (["--upper", "upper.csv", "--lower", "lower.csv"], ["materials, such as steel; the files come first"]),
-        ([*PROFILES, "--upper", "upper.csv"], ["--upper is a material", "the files come first", "'upper.csv'"]),
+        (
+            [*PROFILES, "--upper", "upper.csv"],
+            ["--upper must be the name of a material", "the files come first", "'upper.csv'"],
+        ),
         ([*PROFILES, "--upper", "stele"], ["--upper must be", "steel"]),
         (PROFILES, ["--effective-modulus", "--young", "--upper"]),
         (
             [*PROFILES, "--lower", "glass", "--young", "3 MPa"],
-            ["beside one material --young and --poisson are of the other body"],
+            ["--young and --poisson must be one value each, of the body without a material"],
         ),
     ],
 )

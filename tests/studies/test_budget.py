@@ -204,7 +204,7 @@ def test_material_name_combines_with_numbers_of_the_other_surface() -> None:
     assert float(rubber.effective_modulus) == pytest.approx(float(both.effective_modulus))
     steel = contact(upper_material="brass", young="210 GPa", poisson=0.3)
     assert float(steel.hardness) == pytest.approx(0.625)
-    with pytest.raises(ValueError, match="beside one material young and poisson are of the other body"):
+    with pytest.raises(ValueError, match="young and poisson must be one value each, of the body without a material"):
         contact(lower_material="glass", young="3 MPa,70 GPa", poisson=0.49)
 
 

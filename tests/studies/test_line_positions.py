@@ -336,7 +336,7 @@ def test_pair_rejects_bad_positions_of_profiles(pair, arguments, words):
 
 def test_study_rejects_members_beyond_its_positions(pair):
     study = study_of(*pair, [0.01], mu0=0.3, positions=[0.0, 1.0])
-    with pytest.raises(ValueError, match="positions has 2 positions, and member 2 is beyond them"):
+    with pytest.raises(ValueError, match="positions has 2 positions, but member 2 needs position 3"):
         run(study.with_changes({"ensemble.repetitions": 3}))
     with pytest.raises(ValueError, match="must not be given with offsets or travel"):
         study.with_changes({"surfaces.travel": "1 um"})

@@ -1,4 +1,4 @@
-"""The table `[contact]` of a study: a class for each contact model on each kind of surfaces."""
+"""Table `[contact]` of a study: one class for each contact model and kind of surfaces."""
 
 from __future__ import annotations
 
@@ -41,20 +41,20 @@ from stiction.studies.values import (
     written,
 )
 
-DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # of measured areas, degrees
-MAX_DIRECTIONS = 360  # largest number of directions of measured areas
-LINE_LOAD_FACTOR = 30.0  # ratio of the outermost loads of a curve to the requested loads, lines by asperities
-LOAD_STEPS = 25
-HALF_SPACE_LOAD_FACTOR = 10.0  # as `LINE_LOAD_FACTOR`, of half-planes, where each load takes a solution
-HALF_SPACE_STEPS = 7
-AREAL_LOAD_FACTOR = 10**0.5  # ratio of the loads that are asked for to the one below and the one above them, of areas
+DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion of measured areas, degrees
+MAX_DIRECTIONS = 360  # of motion, for measured areas
+LINE_LOAD_FACTOR = 30.0  # ratio by which a load curve of asperities on lines extends beyond the given loads
+NUM_LINES_LOADS = 25
+HALF_SPACE_LOAD_FACTOR = 10.0  # same ratio for half-planes, where every load needs its own solution
+NUM_HALF_PLANE_LOADS = 7
+AREAL_LOAD_FACTOR = 10**0.5  # largest ratio between successive loads of areas
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
 
 
 class HertzCylinderTable(Table):
-    """The law of elastic cylinders with their width."""
+    """Contact law of elastic cylinders of a given width."""
 
     name: Literal["hertz-cylinder"]
     width: Length
@@ -65,7 +65,7 @@ class HertzCylinderTable(Table):
 
 
 class JacksonGreenTable(Table):
-    """The law of Jackson and Green with the yield strength and Poisson's ratio of the softer body."""
+    """Contact law of Jackson and Green with the yield strength and Poisson's ratio of the softer body."""
 
     name: Literal["jackson-green"]
     yield_strength: Modulus
@@ -78,7 +78,7 @@ class JacksonGreenTable(Table):
 
 LawTable = HertzCylinderTable | JacksonGreenTable
 LAW_TABLES: dict[str, type[LawTable]] = {"hertz-cylinder": HertzCylinderTable, "jackson-green": JacksonGreenTable}
-"""Tables of laws with parameters, by their key `name`."""
+"""Tables of contact laws with parameters, by the value of the key `name`."""
 
 
 def _read_law(value: object) -> LawName | LawTable:
@@ -106,7 +106,7 @@ LawEntry = Annotated[LawName | LawTable, PlainValidator(_read_law), PlainSeriali
 
 
 def law_entry(law: Law | LawName) -> LawName | LawTable:
-    """Return a law as a study has it."""
+    """Convert a contact law to its entry in a study."""
     law = as_law(law)
     if isinstance(law, HertzCylinder):
         return HertzCylinderTable(name="hertz-cylinder", width=exact_quantity(law.width, "um"))
@@ -122,65 +122,69 @@ _Name = Annotated[str, Field(min_length=1, max_length=80)]
 _Ratio = Annotated[float, Field(gt=-1, le=0.5)]
 DetectionKey = Annotated[
     Detection,
-    Field(description="What counts as a contact: the paper's criterion, or minima of the gap, which is all of areas."),
+    Field(
+        description="Criterion for a contact: that of the paper, or minima of the gap (the only criterion for areas)."
+    ),
 ]
 CurvatureKey = Annotated[
-    Curvature, Field(description="Whether both bodies must be convex where they touch, or only relatively.")
+    Curvature, Field(description="Whether both bodies must be convex at a contact, or only their gap.")
 ]
 TwoNames = Annotated[tuple[_Name, _Name], as_tuple]
 TwoRatios = Annotated[tuple[_Ratio, _Ratio], as_tuple]  # upper and lower body
 
 
 class OnsetTable(Table):
-    """Strengths at which it is kept how each pair begins to slide, all contacts rubbing; others need another run."""
+    """Friction parameters for which the onset of sliding is stored, with friction at all contacts.
+
+    Other parameters need another run.
+    """
 
     mu0: float = Field(default=0.4, ge=0, description="Molecular friction coefficient.")
     tau0: Strength = Field(default=quantity("0 MPa", "pressure"), description="Adhesive shear strength.")
-    poisson_ratio: float = Field(default=0.3, gt=-1, le=0.5, description="Of both bodies.")
+    poisson_ratio: float = Field(default=0.3, gt=-1, le=0.5, description="Poisson's ratio of both bodies.")
 
     @model_validator(mode="after")
-    def _holds(self) -> OnsetTable:
+    def _resists_sliding(self) -> OnsetTable:
         if self.mu0 == 0 and float(self.tau0) == 0:
-            raise ValueError("mu0 and tau0 must not both be 0: nothing would hold the bodies")
+            raise ValueError("mu0 and tau0 must not both be 0: the bodies would slide without friction")
         return self
 
 
-DIRECTION = (
-    "Where the upper body is about to move, in place of `shear`; of areas also degrees from +x towards +y, or a list."
-)
-LOAD = "Elastic normal loads to press the bodies to; of measured ones loads around `friction.load` unless given."
+DIRECTION = "Direction of motion of the upper body, instead of `shear`; "
+"areas also accept degrees from +x towards +y, or a list."
+LOAD = "Elastic normal loads; measured bodies use loads around `friction.load` by default."
 
 
 class ContactTable(Case):
-    """How a pair is pressed together, by any contact model on any kind of surfaces."""
+    """Keys that all contact models and all kinds of surfaces share."""
 
     effective_modulus: Modulus = Field(
-        default=quantity("10 GPa", "pressure"), description="E*, the elasticity of both bodies."
+        default=quantity("10 GPa", "pressure"), description="Effective modulus E* of both bodies."
     )
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """What a pair is pressed to, one after the other."""
+        """Quantity that is prescribed at each step of pressing."""
         return "load"
 
     def steps(self) -> Floats:
-        """All approaches, µm, or loads, mN."""
+        """Return all approaches (µm) or loads (mN)."""
         raise NotImplementedError
 
     def rules(self) -> tuple[Sliding, ...]:
-        """Every sliding rule."""
+        """Return all sliding rules."""
         raise NotImplementedError
 
     def ways(self) -> tuple[Direction, ...]:
-        """Every direction of motion, whichever key says it."""
+        """Return all directions of motion, from `shear` or `direction`."""
         raise NotImplementedError
 
     def degrees(self) -> Floats:
-        """Every direction of motion, from +x towards +y."""
+        """Return all directions of motion, in degrees from +x towards +y."""
         return np.array([degrees_of(way) for way in self.ways()])
 
     def motions(self) -> dict[str, list[Any]]:
-        """Sliding rules and directions (degrees) of which there is a list: more dimensions of what depends on them."""
+        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
         return {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
 
 
@@ -188,42 +192,43 @@ class ContactTable(Case):
 
 
 class GeneratedContact(ContactTable):
-    """Keys of the motion of generated surfaces."""
+    """Keys for the motion of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
     materials: ClassVar[None] = None
     poisson_ratio: ClassVar[None] = None
 
-    shear: Shear = Field(default="+x", description="Where the upper body is about to move along a profile.")
+    shear: Shear = Field(default="+x", description="Direction of motion of the upper body along a profile.")
     direction: Directions = Field(default=None, description=DIRECTION)
     sliding: Rules = Field(
         default="opposing",
-        description="Which contacts rub: those that oppose the motion, as in the paper, or all; or a list of both.",
+        description="Contacts with friction: only those that oppose the "
+        "motion, as in the paper, or all; or a list of both.",
     )
 
     @model_validator(mode="after")
     def _has_one_direction_of_motion(self) -> Self:
         if self.direction is not None and self.shear != "+x":
-            raise fault_at("direction", f'must not be given beside shear, got "{self.shear}" for that')
+            raise fault_at("direction", f'must not be given together with shear = "{self.shear}"')
         return self
 
     def rules(self) -> tuple[Sliding, ...]:
-        """Every sliding rule."""
+        """Return all sliding rules."""
         return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
 
     def ways(self) -> tuple[Direction, ...]:
-        """Every direction of motion, whichever key says it."""
+        """Return all directions of motion, from `shear` or `direction`."""
         chosen = self.shear if self.direction is None else self.direction
         return chosen if isinstance(chosen, tuple) else (chosen,)
 
     def motions(self) -> dict[str, list[Any]]:
-        """Sliding rules and directions (degrees) that are given as lists."""
-        several = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
-        return {name: values for name, values in super().motions().items() if several[name]}
+        """Return the sliding rules and directions (degrees) that are given as lists."""
+        is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
+        return {name: values for name, values in super().motions().items() if is_list[name]}
 
 
 class GeneratedLoads(GeneratedContact):
-    """The load curve of generated surfaces."""
+    """Keys for the load curve of generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -232,123 +237,128 @@ class GeneratedLoads(GeneratedContact):
     )
 
     def steps(self) -> Floats:
-        """All loads, mN."""
+        """Return all loads, mN."""
         return array_of(self.load)
 
 
 class MeasuredContact(ContactTable):
-    """Keys of measured surfaces, which are pressed to loads and moved both ways by both sliding rules."""
+    """Keys of measured surfaces, which are pressed to loads and evaluated for both sliding rules."""
 
     place: ClassVar[str] = "measured surfaces"
 
     load: LoadsOrRange = Field(description=LOAD)
     materials: TwoNames | None = Field(
-        default=None, description="Names of what the upper and the lower body are made of; they change nothing."
+        default=None, description="Material names of the upper and the lower body; they do not affect the calculation."
     )
     poisson_ratio: TwoRatios | None = Field(
-        default=None, description="Of the upper and the lower body, for the onset of sliding; 0.3 of both unless given."
+        default=None,
+        description="Poisson's ratios of the upper and the lower body, for the onset of sliding; 0.3 by default.",
     )
 
     def steps(self) -> Floats:
-        """All loads, mN."""
+        """Return all loads, mN."""
         return array_of(self.load)
 
     def rules(self) -> tuple[Sliding, ...]:
-        """Both sliding rules."""
+        """Return both sliding rules."""
         return "all", "opposing"
 
 
 class MeasuredLinesContact(MeasuredContact):
-    """Lines of measured bodies, which are moved both ways."""
+    """Keys for lines of measured bodies, which are moved in both directions."""
 
     place: ClassVar[str] = "measured lines"
 
     def ways(self) -> tuple[Direction, ...]:
-        """Both directions of motion."""
+        """Return both directions of motion."""
         return "+x", "-x"
 
 
 class MeasuredAreasContact(MeasuredContact):
-    """Keys of measured areas, which are moved in several directions."""
+    """Keys for measured areas, which are moved in several directions."""
 
     place: ClassVar[str] = "measured areas"
 
     direction: Directions = Field(default=DEFAULT_DIRECTIONS, description=DIRECTION)
 
     def ways(self) -> tuple[Direction, ...]:
-        """Every direction of motion."""
+        """Return all directions of motion."""
         assert self.direction is not None
         return self.direction if isinstance(self.direction, tuple) else (self.direction,)
 
 
 class HalfSpace(ContactTable):
-    """Contact by the elastic half-space."""
+    """Keys for contact of elastic half-spaces."""
 
     place: ClassVar[str] = "the half-space"
     law: ClassVar[None] = None
     onset: ClassVar[None] = None
 
-    mechanics: Literal["half-space"] = Field(default="half-space", description="The elastic half-space.")
+    mechanics: Literal["half-space"] = Field(default="half-space", description="Contact model: the elastic half-space.")
     boundary: Boundary = Field(
-        default="free", description="What lies beyond the edges: nothing, or the same surfaces again."
+        default="free", description="Boundary at the edges: free, or periodic continuation of the surfaces."
     )
     hardness: Modulus | None = Field(
-        default=None, description="The largest pressure of the half-space; none is elastic."
+        default=None, description="Largest contact pressure; without it the contact is elastic."
     )
     junction_growth: float | None = Field(
         default=None,
         ge=0,
         le=MAX_GROWTH,
-        description="α of p² + α s² = H², by which plastic contacts grow under shear; none is 0, with a caveat.",
+        description="α of p² + α s² = H², the growth of plastic contacts under shear; without it 0, with a caveat.",
     )
-    compliance_share: Fraction = Field(default=0.5, description="The lower body's fraction of the compliance.")
+    compliance_share: Fraction = Field(
+        default=0.5, description="Fraction of the compliance that the lower body contributes."
+    )
     work_of_adhesion: WorkOfAdhesion | None = Field(
-        default=None, description="Energy that parts an area in contact; none is not known, and taken as 0."
+        default=None,
+        description="Energy per area that separates surfaces in contact; without it unknown, and treated as 0.",
     )
     adhesion_range: Length | None = Field(
-        default=None, description="Gap over which the attraction falls off by 1/e; 0.5 nm unless given."
+        default=None, description="Gap over which the attraction decays to 1/e; 0.5 nm by default."
     )
 
     tilt: Tilt = Field(
         default="fixed",
-        description="Whether the upper of free bodies keeps its orientation, or turns until the load is in the middle.",
+        description="Whether the upper body keeps its orientation, or "
+        "(free boundaries) tilts until the load is centred.",
     )
 
     @model_validator(mode="after")
-    def _grows(self) -> HalfSpace:
+    def _has_consistent_growth(self) -> HalfSpace:
         if self.junction_growth and self.hardness is None:
             raise fault_at("junction_growth", "must not be given without a hardness: elastic contacts do not grow")
         if self.junction_growth and self.adheres:
             raise fault_at(
-                "junction_growth", "must be 0 of bodies that adhere: their contacts at sliding are not solved"
+                "junction_growth", "must be 0 with a work of adhesion: sliding contacts with adhesion are not solved"
             )
         return self
 
     @model_validator(mode="after")
-    def _adheres(self) -> HalfSpace:
+    def _has_consistent_adhesion(self) -> HalfSpace:
         if self.adhesion_range is not None and not self.adheres:
             raise fault_at("adhesion_range", "must not be given without a work_of_adhesion above 0")
         strength = float(self.work_of_adhesion or 0) / float(self.adhesion_range or ADHESION_RANGE)
         if self.hardness is not None and not strength < float(self.hardness):
             raise fault_at(
-                "hardness", f"must be above work_of_adhesion over adhesion_range, {strength:g} GPa, under which bodies "
-                f"flow without a load, got {written(self.hardness)!r}",
+                "hardness", f"must be above work_of_adhesion / adhesion_range = {strength:g} GPa, at which bodies "
+                f"yield without a load, got {written(self.hardness)!r}",
             )  # fmt: skip
         return self
 
     @property
     def adheres(self) -> bool:
-        """Whether there is an attraction between the bodies."""
+        """Whether the bodies adhere."""
         return bool(self.work_of_adhesion)
 
     @model_validator(mode="after")
-    def _can_turn(self) -> HalfSpace:
+    def _has_consistent_tilt(self) -> HalfSpace:
         if self.tilt == "free" and (self.adheres or self.boundary == "periodic"):
-            raise fault_at("tilt", 'must be "fixed" of periodic bodies and with a work of adhesion, got "free"')
+            raise fault_at("tilt", 'must be "fixed" with periodic boundaries or a work of adhesion, got "free"')
         return self
 
     def solid(self) -> dict[str, Any]:
-        """What `half_space` takes besides bodies, loads and motion."""
+        """Return the keyword arguments of `half_space` other than bodies, loads and motion."""
         return {
             "effective_modulus": float(self.effective_modulus),
             "boundary": self.boundary,
@@ -361,7 +371,7 @@ class HalfSpace(ContactTable):
 
 
 class Asperities(ContactTable):
-    """Contacts of asperities, which do not feel each other."""
+    """Keys for the asperity model, whose contacts do not interact."""
 
     place: ClassVar[str] = "asperities"
     hardness: ClassVar[None] = None
@@ -370,21 +380,21 @@ class Asperities(ContactTable):
     adheres: ClassVar[bool] = False
 
     mechanics: Literal["asperities"] = Field(
-        default="asperities", description="Hertzian contacts that do not interact."
+        default="asperities", description="Contact model: Hertzian contacts that do not interact."
     )
     law: LawEntry = Field(
         default="hertz-sphere",
-        description='What a contact carries; `{ name = "jackson-green", yield_strength = ..., poisson_ratio = ... }`.',
+        description='Contact law; `{ name = "jackson-green", yield_strength = ..., poisson_ratio = ... }`.',
     )
     detection: DetectionKey = "gap-minimum"
     curvature: CurvatureKey = "convex"
 
     def motion(self) -> dict[str, Any]:
-        """Return the direction that a contact model takes, of loads none."""
+        """Return the direction arguments of a contact model: none if pairs are pressed to loads."""
         return {}
 
     def model(self, sliding: Sliding | None = None) -> ContactModel:
-        """What `press` takes, under one of the sliding rules, by default the first."""
+        """Return the contact model under a sliding rule, by default the first."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -396,36 +406,36 @@ class Asperities(ContactTable):
 
 
 class GeneratedAsperities(Asperities, GeneratedContact):
-    """Asperities of generated surfaces, pressed to approaches."""
+    """Keys for asperities of generated surfaces, which are pressed to approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
 
     approach: ApproachesOrRange = Field(
         default=ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40),
-        description="How far the bodies are pressed together.",
+        description="Approaches of the bodies from first contact.",
     )
     onset: OnsetTable | None = Field(
         default=None,
-        description="Whether it is kept how each pair begins to slide, and at which strengths, as in `{ mu0 = 0.4 }`.",
+        description="Friction parameters for which the onset of sliding of each pair is stored, as in `{ mu0 = 0.4 }`.",
     )
 
     @model_validator(mode="after")
-    def _has_an_onset(self) -> Self:
+    def _has_valid_onset(self) -> Self:
         if self.onset is not None and isinstance(as_law(self.model().law), HertzCylinder):
-            raise fault_at("onset", "must not be given with cylinders: a line load moves far points without limit")
+            raise fault_at("onset", "must not be given with cylinders: the displacement under a line load has no limit")
         return self
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """What a pair is pressed to, one after the other."""
+        """Quantity that is prescribed at each step of pressing."""
         return "approach"
 
     def steps(self) -> Floats:
-        """All approaches, µm."""
+        """Return all approaches, µm."""
         return array_of(self.approach)
 
     def motion(self) -> dict[str, Any]:
-        """Return the direction that a contact model takes."""
+        """Return the direction arguments of a contact model."""
         return {"shear": self.shear, "direction": self.direction}
 
 
@@ -495,7 +505,7 @@ Contact = (
     | HalfSpaceOfMeasuredLines
     | HalfSpaceOfMeasuredAreas
 )
-"""The table `[contact]` of a study."""
+"""Table `[contact]` of a study."""
 
 CONTACTS: dict[str, dict[str, type[Contact]]] = {
     "generated lines": {"asperities": AsperitiesOfGeneratedLines, "half-space": HalfSpaceOfGeneratedLines},
@@ -503,12 +513,12 @@ CONTACTS: dict[str, dict[str, type[Contact]]] = {
     "measured lines": {"asperities": AsperitiesOfMeasuredLines, "half-space": HalfSpaceOfMeasuredLines},
     "measured areas": {"half-space": HalfSpaceOfMeasuredAreas, "asperities": AsperitiesOfMeasuredAreas},
 }
-"""Cases of the table by the bodies and by the key `mechanics`, the first of which is the default."""
+"""Cases of the table by kind of bodies and by the key `mechanics`; the first value is the default."""
 
 SHARED: tuple[type[ContactTable], ...] = (
     Asperities, GeneratedAsperities, MeasuredContact, GeneratedContact, MeasuredAreasContact, HalfSpace, GeneratedLoads,
 )  # fmt: skip
-"""Classes of keys that several cases share, by whose names messages say where a key belongs."""
+"""Classes of keys that several cases share; messages about misplaced keys name them."""
 
 
 def contact_case(surfaces: type[Generated | Measured], table: Mapping[str, Any]) -> type[Contact]:
@@ -518,7 +528,7 @@ def contact_case(surfaces: type[Generated | Measured], table: Mapping[str, Any])
 
 
 def read_contact(value: Mapping[str, Any], surfaces: Generated | Measured) -> Contact:
-    """Read a table that goes with the surfaces."""
+    """Read the table and check it against the surfaces."""
     case = contact_case(type(surfaces), value)
     check_keys(value, case, SHARED)
     contact = case.model_validate(value)
@@ -538,21 +548,23 @@ def read_contact(value: Mapping[str, Any], surfaces: Generated | Measured) -> Co
             raise fault_at(key, why) from None
     if isinstance(contact, HalfSpace) and contact.hardness is not None and not isinstance(surfaces, Measured):
         area = float(surfaces.extent) * THICKNESS if isinstance(surfaces, Profiles) else math.prod(surfaces.extents())
-        if not contact.steps()[-1] < (most := float(contact.hardness) * area):
-            raise fault_at("load", f"must be below hardness times area, {most:g} mN")
+        if not contact.steps()[-1] < (max_load := float(contact.hardness) * area):
+            raise fault_at(
+                "load", f"must be below hardness times area, {max_load:g} mN, got {contact.steps()[-1]:g} mN"
+            )
     return contact
 
 
-def _around(given: Floats, ratio: float, steps: int) -> Floats:
-    """Given loads (mN), and enough others around them in equal ratios for a curve."""
-    others = np.geomspace(given.min() / ratio, given.max() * ratio, steps)
-    # Given ones stay to the bit; others next to them would be the same again.
-    apart = np.abs(others[:, np.newaxis] / given - 1).min(axis=1) > 1e-6
-    return np.unique(np.concatenate([given, others[apart]]))
+def _extend_loads(given: Floats, ratio: float, steps: int) -> Floats:
+    """Return given loads (mN) with a curve of loads in equal ratios around them."""
+    curve = np.geomspace(given.min() / ratio, given.max() * ratio, steps)
+    # Given loads stay exact; curve loads almost equal to them are dropped.
+    is_new = np.abs(curve[:, np.newaxis] / given - 1).min(axis=1) > 1e-6
+    return np.unique(np.concatenate([given, curve[is_new]]))
 
 
-def _filled(given: Floats) -> Floats:
-    """Return given loads (mN) with others between, in equal ratios of at most `AREAL_LOAD_FACTOR` and a little more."""
+def _fill_loads(given: Floats) -> Floats:
+    """Return given loads (mN) and loads between them, in ratios of at most about `AREAL_LOAD_FACTOR`."""
     given = np.unique(given)
     steps = np.ceil(np.log(given[1:] / given[:-1]) / np.log(1.01 * AREAL_LOAD_FACTOR)).astype(int)
     between = [
@@ -563,23 +575,24 @@ def _filled(given: Floats) -> Floats:
 
 
 def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None = None, lighter: int = 1) -> Floats:
-    """Return loads (mN) to solve a measured pair at, all below `most`: the given ones, and others around and between.
+    """Return the loads (mN) at which a measured pair is solved: the given loads with loads around and between them.
 
-    Areas get `lighter` loads below the given loads, and intermediate loads in ratios of at most `AREAL_LOAD_FACTOR`.
+    All loads are below `most`. Areas have `lighter` loads below the given loads, and ratios of at most
+    `AREAL_LOAD_FACTOR` between successive loads.
     """
     given = np.atleast_1d(float_array("loads", loads))
     if not given.size or not (given > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     if press == "lines" and mechanics == "asperities":
-        around = _around(given, LINE_LOAD_FACTOR, LOAD_STEPS)
+        around = _extend_loads(given, LINE_LOAD_FACTOR, NUM_LINES_LOADS)
     elif press == "lines":
-        around = _around(given, HALF_SPACE_LOAD_FACTOR, HALF_SPACE_STEPS)
+        around = _extend_loads(given, HALF_SPACE_LOAD_FACTOR, NUM_HALF_PLANE_LOADS)
     else:
         below = given.min() / AREAL_LOAD_FACTOR ** np.arange(1, lighter + 1)
-        around = np.unique(np.concatenate([_filled(given), below, [given.max() * AREAL_LOAD_FACTOR]]))
-    # Those that are asked for stay to the bit, the others are written in few digits.
-    asked = set(given.tolist())
-    short = np.array([load if load in asked else float(f"{load:.6g}") for load in around.tolist()])
+        around = np.unique(np.concatenate([_fill_loads(given), below, [given.max() * AREAL_LOAD_FACTOR]]))
+    # Given loads stay exact; other loads are rounded to six digits.
+    exact = set(given.tolist())
+    rounded = np.array([load if load in exact else float(f"{load:.6g}") for load in around.tolist()])
     lowest, highest = MAGNITUDES["force"]
-    short = short[(lowest <= short) & (short <= highest)]
-    return short if most is None else short[short < most]
+    rounded = rounded[(lowest <= rounded) & (rounded <= highest)]
+    return rounded if most is None else rounded[rounded < most]

@@ -1,4 +1,4 @@
-"""What both bodies of a pair are made of, from arguments that say it: numbers, or materials by their names."""
+"""Elasticity of a pair of bodies from arguments: numbers, or names of materials."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ from stiction.mechanics.materials import compliance_fraction, is_name_of, materi
 
 @dataclass(frozen=True)
 class Elasticity:
-    """Elasticity of a pair, and what is known of its softer body."""
+    """Elasticity of a pair, with the properties of its softer body."""
 
     effective_modulus: float  # GPa
-    compliance_share: float = 0.5  # the lower body's fraction, one half unless both bodies are known
+    compliance_share: float = 0.5  # fraction of the lower body, 0.5 unless both bodies are given
     poisson_ratio: float | None = None  # of the softer body
     hardness: float | None = None  # of the softer body, GPa
-    source: str = ""  # where the modulus is from, if it is that of materials
+    source: str = ""  # source of the modulus, if materials are given
     hardness_source: str = ""
-    materials: tuple[str, str] | None = None  # what the upper and the lower body are made of
+    materials: tuple[str, str] | None = None  # of the upper and the lower body
     poisson_ratios: tuple[float, float] | None = None  # of the upper and the lower body
-    renamed: str = ""  # which materials were given by another of their names
+    renamed: str = ""  # note about materials given by alternative names
 
 
 def elasticity_of(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> Elasticity:  # fmt: skip
-    """What a modulus, or Young's moduli and Poisson's ratios, or materials say, of which one is needed.
+    """Return the elasticity of a pair from E*, from Young's moduli and Poisson's ratios, or from materials.
 
-    Raises a `ValueError` if none or several of these are given, or a value is none.
+    Raises a `ValueError` if not exactly one of these is given, or if a value is invalid.
     """
     modulus, upper, lower = effective_modulus, upper_material, lower_material
     for place, name in (("upper", upper), ("lower", lower)):
@@ -43,63 +43,68 @@ def elasticity_of(
             raise ArgumentError(
                 f"{{{place}_material}} must be the name of a material, got {{got}}", got=short_repr(name)
             )
-    named = "{upper_material} and {lower_material}"
-    ways = {"{effective_modulus}": modulus, "{young}": young, named: upper or lower}
-    chosen = [way for way, value in ways.items() if value is not None]
+    materials_text = "{upper_material} and {lower_material}"
+    sources = {"{effective_modulus}": modulus, "{young}": young, materials_text: upper or lower}
+    given = [source for source, value in sources.items() if value is not None]
     if young is not None and bool(upper) != bool(lower):
-        return _of_one_material(upper, lower, young, poisson)
-    if len(chosen) != 1:
+        return _from_one_material(upper, lower, young, poisson)
+    if len(given) != 1:
         raise ArgumentError(
-            f"give {{effective_modulus}}, or {{young}} and {{poisson}}, or {named}"
-            + (f", not both {' and '.join(chosen)}" if chosen else "")
+            f"give {{effective_modulus}}, or {{young}} and {{poisson}}, or {materials_text}"
+            + (f", not both {' and '.join(given)}" if given else "")
         )
     if upper or lower:
         if poisson is not None:
-            raise ArgumentError(f"{{poisson}} must not be given beside {named}, which say it")
-        return _of_materials(str(upper or lower), str(lower or upper))
+            raise ArgumentError(
+                f"{{poisson}} must not be given together with {materials_text}, which have Poisson's ratios"
+            )
+        return _from_materials(str(upper or lower), str(lower or upper))
     ratios = None if poisson is None else parse_numbers("poisson", poisson)
     if ratios is not None and (len(ratios) > 2 or not all(0 <= ratio <= 0.5 for ratio in ratios)):
         raise ArgumentError("{poisson} must be one or two numbers from 0 to 0.5, got {got}", got=repr(poisson))
     if modulus is not None:
         if ratios is not None and len(ratios) > 1:
             raise ArgumentError(
-                "{poisson} beside {effective_modulus} is of the softer body alone, got {got}", got=repr(poisson)
+                "{poisson} must be one number (of the softer body) with {effective_modulus}, got {got}",
+                got=repr(poisson),
             )
         value = float(parse_quantity("effective_modulus", modulus, "pressure"))
         if not value > 0:
             raise ArgumentError("{effective_modulus} must be above 0, got {got}", got=repr(modulus))
         return Elasticity(value, poisson_ratio=None if ratios is None else ratios[0])
-    moduli = [float(each) for each in parse_quantities("young", young, "pressure")]
+    moduli = [float(value) for value in parse_quantities("young", young, "pressure")]
     if len(moduli) > 2:
         raise ArgumentError("{young} must be one modulus or two, got {got}", got=repr(young))
     if ratios is None:
-        raise ArgumentError("{young} needs {poisson}, of both bodies or of one after the other")
-    (of_upper, of_lower), (upper_ratio, lower_ratio) = (2 * moduli)[:2], (2 * ratios)[:2]
-    return _of_two(of_upper, upper_ratio, of_lower, lower_ratio)
+        raise ArgumentError(
+            "{young} needs {poisson}: one value for both bodies, or the values of the upper and the lower body"
+        )
+    (upper_modulus, lower_modulus), (upper_ratio, lower_ratio) = (2 * moduli)[:2], (2 * ratios)[:2]
+    return _from_moduli(upper_modulus, upper_ratio, lower_modulus, lower_ratio)
 
 
-def _of_one_material(upper: str | None, lower: str | None, young: Any, poisson: Any) -> Elasticity:
-    moduli = [float(each) for each in parse_quantities("young", young, "pressure")]
+def _from_one_material(upper: str | None, lower: str | None, young: Any, poisson: Any) -> Elasticity:
+    moduli = [float(value) for value in parse_quantities("young", young, "pressure")]
     ratios = [] if poisson is None else parse_numbers("poisson", poisson)
     if len(moduli) != 1 or len(ratios) != 1 or not 0 <= ratios[0] <= 0.5:
         raise ArgumentError(
-            'beside one material {young} and {poisson} are of the other body, as in "3 MPa" and "0.5", one of each'
+            '{young} and {poisson} must be one value each, of the body without a material, as in "3 MPa" and "0.5"'
         )
     name = "upper_material" if upper else "lower_material"
-    known = _material(name, str(upper or lower))
-    bodies = [(_rounded(known.young_modulus), _rounded(known.poisson_ratio)), (moduli[0], ratios[0])]
-    (one, one_ratio), (other, other_ratio) = bodies if upper else bodies[::-1]
-    softer = known.hardness is not None and known.young_modulus <= moduli[0]
+    body = _load_material(name, str(upper or lower))
+    bodies = [(_round(body.young_modulus), _round(body.poisson_ratio)), (moduli[0], ratios[0])]
+    (upper_modulus, upper_ratio), (lower_modulus, lower_ratio) = bodies if upper else bodies[::-1]
+    is_softer = body.hardness is not None and body.young_modulus <= moduli[0]
     return replace(
-        _of_two(one, one_ratio, other, other_ratio),
-        hardness=_rounded(known.hardness) if softer else None,
-        source=f"{known.name}: E {bodies[0][0]:g} GPa, ν {bodies[0][1]:g}",
-        hardness_source=f"hardness {_rounded(known.hardness):g} GPa ({known.hardness.source})"
-        if softer else "the other body's hardness is not known",
+        _from_moduli(upper_modulus, upper_ratio, lower_modulus, lower_ratio),
+        hardness=_round(body.hardness) if is_softer else None,
+        source=f"{body.name}: E {bodies[0][0]:g} GPa, ν {bodies[0][1]:g}",
+        hardness_source=f"hardness {_round(body.hardness):g} GPa ({body.hardness.source})"
+        if is_softer else "the other body's hardness is not known",
     )  # fmt: skip
 
 
-def _of_two(upper: float, upper_ratio: float, lower: float, lower_ratio: float) -> Elasticity:
+def _from_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio: float) -> Elasticity:
     modulus = float(effective_modulus(upper, upper_ratio, lower, lower_ratio))
     return Elasticity(
         modulus, compliance_share=modulus * (1 - lower_ratio**2) / lower,
@@ -107,43 +112,45 @@ def _of_two(upper: float, upper_ratio: float, lower: float, lower_ratio: float) 
     )  # fmt: skip
 
 
-def _of_materials(upper: str, lower: str) -> Elasticity:
-    """Elasticity of two bodies by the names of their materials, and the hardness of the softer one if it yields."""
-    above, below = _material("upper_material", upper), _material("lower_material", lower)
-    modulus = _rounded(effective_modulus(above, below))
+def _from_materials(upper: str, lower: str) -> Elasticity:
+    """Return the elasticity of two materials, with the hardness of the softer material if it yields."""
+    above, below = _load_material("upper_material", upper), _load_material("lower_material", lower)
+    modulus = _round(effective_modulus(above, below))
     softer = softer_material(above, below) or min((above, below), key=lambda body: body.young_modulus)
-    hardness, said = softer.hardness, f"{softer.name} does not yield"
+    hardness, hardness_source = softer.hardness, f"{softer.name} does not yield"
     if hardness is not None:
-        ends = "" if hardness.low == hardness.high else f", of {hardness.low:g} to {hardness.high:g} GPa"
-        said = f"hardness {_rounded(hardness):g} GPa{ends} ({hardness.source})"
+        limits = "" if hardness.low == hardness.high else f", of {hardness.low:g} to {hardness.high:g} GPa"
+        hardness_source = f"hardness {_round(hardness):g} GPa{limits} ({hardness.source})"
     return Elasticity(
-        modulus, compliance_share=_rounded(compliance_fraction(above, below)),
-        poisson_ratio=float(softer.poisson_ratio), hardness=None if hardness is None else _rounded(hardness),
-        source=f"{above.name} on {below.name}: E* {modulus:g} GPa", hardness_source=said,
+        modulus, compliance_share=_round(compliance_fraction(above, below)),
+        poisson_ratio=float(softer.poisson_ratio), hardness=None if hardness is None else _round(hardness),
+        source=f"{above.name} on {below.name}: E* {modulus:g} GPa", hardness_source=hardness_source,
         materials=(above.name, below.name),
-        poisson_ratios=(_rounded(above.poisson_ratio), _rounded(below.poisson_ratio)),
-        renamed=_renamed(dict.fromkeys(((upper, above.name), (lower, below.name)))),
+        poisson_ratios=(_round(above.poisson_ratio), _round(below.poisson_ratio)),
+        renamed=_format_renamed(dict.fromkeys(((upper, above.name), (lower, below.name)))),
     )  # fmt: skip
 
 
-def _renamed(names: Iterable[tuple[str, str]]) -> str:
-    """Return which materials are meant by names, as given, that are not their own; empty if all are."""
-    others = [f'"{given}"{{}} as {name}' for given, name in names if not is_name_of(given, name)]
-    words = ", ".join(text.format("" if index else " is taken") for index, text in enumerate(others))
-    return f"{words} (stiction materials lists others)" if len(others) == 1 else words
+def _format_renamed(names: Iterable[tuple[str, str]]) -> str:
+    """Return a note about alternative names, from pairs of given and standard name; empty if there are none."""
+    aliases = [f'"{given}"{{}} as {name}' for given, name in names if not is_name_of(given, name)]
+    text = ", ".join(alias.format("" if index else " is taken") for index, alias in enumerate(aliases))
+    return f"{text} (stiction materials lists others)" if len(aliases) == 1 else text
 
 
-def _material(argument: str, name: str) -> Any:
-    """A material by its name, or an error that calls the argument by its own; a file is none."""
+def _load_material(argument: str, name: str) -> Any:
+    """Return a material by its name; errors name the argument, and a file name is an error."""
     try:
         return material(name)
     except ValueError as error:
         if (Path(name).suffix and not name.endswith(".")) or "/" in name:
-            why = "is a material, such as steel; the files come first"
-            raise ArgumentError(f"{{{argument}}} {why}, got {{got}}", got=repr(name)) from None
+            raise ArgumentError(
+                f"{{{argument}}} must be the name of a material such as steel (the files come first), got {{got}}",
+                got=repr(name),
+            ) from None
         raise ArgumentError(f"{{{argument}}} {{why}}", why=str(error).removeprefix("name ")) from None
 
 
-def _rounded(value: float) -> float:
-    """A number in three digits, of which more are not known of a material."""
+def _round(value: float) -> float:
+    """Round a number to three significant digits, the accuracy of material data."""
     return float(f"{value:.3g}")

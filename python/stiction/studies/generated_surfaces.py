@@ -1,4 +1,4 @@
-"""The table `[surfaces]` of a study whose surfaces are generated: fractal profiles, and two kinds of areas."""
+"""Table `[surfaces]` of a study of generated surfaces: fractal profiles and two kinds of areas."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from stiction._checks import Floats
 from stiction._units import exact_text, quantity, short_repr
 from stiction.studies.values import (
-    MOST_VALUES,
+    MAX_VALUES,
     Case,
     DimensionRange,
     DimensionsOrRange,
@@ -27,33 +27,35 @@ from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, AmplitudeMeasure
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import SurfaceAmplitude
 
-LengthScale = Annotated[Length, Field(description="L of Eq. 1, the scale of its longest waves.")]
+LengthScale = Annotated[Length, Field(description="L of Eq. 1, which sets the longest wavelength.")]
 Gamma = Annotated[float, Field(gt=1, description="Ratio of neighbouring frequencies in Eq. 1.")]
-WaveDirections = Annotated[int, Field(ge=1, le=MOST_VALUES, description="M of Eq. 1: directions of its waves.")]
-Frequencies = Annotated[int, Field(ge=1, le=MOST_VALUES, description="n_max of Eq. 1: frequencies of each direction.")]
+WaveDirections = Annotated[int, Field(ge=1, le=MAX_VALUES, description="M of Eq. 1: number of directions.")]
+Frequencies = Annotated[
+    int, Field(ge=1, le=MAX_VALUES, description="n_max of Eq. 1: number of frequencies per direction.")
+]
 BandLimit = Annotated[
     Literal["none", "nyquist"],
-    Field(description="Whether waves that the grid cannot carry fold back, as in the paper, or are left out."),
+    Field(description="Treatment of wavelengths below two grid points: aliased, as in the paper, or omitted."),
 ]
 ConventionOfEquation = Annotated[
-    Convention, Field(description="The paper's D, H = 4 - 2D, or the textbooks', H = 2 - D.")
+    Convention, Field(description="Definition of D: that of the paper, H = 4 - 2D, or the classical one, H = 2 - D.")
 ]
-AreaExtent = Annotated[tuple[Length, Length], as_tuple, Field(description="Lengths of a surface along y and along x.")]
+AreaExtent = Annotated[tuple[Length, Length], as_tuple, Field(description="Lengths of a surface along y and x.")]
 Shape = Annotated[tuple[Side, Side], as_tuple, Field(description="Rows and columns of a surface.")]
 AreaAmplitude = Annotated[
-    SurfaceAmplitude, Field(description="Which height the amplitude is: total, mean (Sa) or root mean square (Sq).")
+    SurfaceAmplitude, Field(description="Measure of the amplitude: total height, mean (Sa) or root mean square (Sq).")
 ]
 
 
-MAX_HARMONICS = 1_000_000  # largest product of directions and frequencies; each takes a phase, and time at every point
+MAX_HARMONICS = 1_000_000  # largest product of directions and frequencies, which limits the run time per point
 
 
 class FractalParameters(Case):
-    """Fractal dimension and amplitude, which the members of every generated ensemble are made for."""
+    """Keys that all generated ensembles share: fractal dimension and amplitude."""
 
-    bodies: ClassVar[str] = "generated areas"  # as the places of keys have them
+    bodies: ClassVar[str] = "generated areas"  # name in `place` of contact tables
     is_areal: ClassVar[bool] = True
-    """Whether members are pairs of areas, and not of lines."""
+    """Whether members are pairs of areas rather than lines."""
 
     press: ClassVar[None] = None
     level: ClassVar[None] = None
@@ -65,11 +67,11 @@ class FractalParameters(Case):
 
     fractal_dimension: DimensionsOrRange = Field(
         default=DimensionRange(start=1.0, stop=1.7, count=50),
-        description="D, in the measure of `convention`; of surfaces that of a section.",
+        description="D, as defined by `convention`; for surfaces that of a section.",
     )
     amplitude: Lengths = Field(
         default=(quantity("0.1 um", "length"),),
-        description="Height that each profile or surface is scaled to, in the measure of `amplitude_measure`.",
+        description="Amplitude to which each profile or surface is scaled, measured as `amplitude_measure`.",
     )
 
     @model_validator(mode="after")
@@ -80,38 +82,38 @@ class FractalParameters(Case):
         return self
 
     def longest(self) -> float:
-        """The longest wavelength, µm: of Eq. 1 its length scale."""
+        """Return the longest wavelength, µm (for Eq. 1 its length scale)."""
         return float(self.length_scale)  # type: ignore[attr-defined]
 
     def fractal_dimensions(self) -> Floats:
-        """All values of the fractal dimension."""
+        """Return all values of the fractal dimension."""
         return array_of(self.fractal_dimension)
 
     def amplitudes(self) -> Floats:
-        """All amplitudes, µm."""
+        """Return all amplitudes, µm."""
         return array_of(self.amplitude)
 
     def cells(self) -> dict[str, Floats]:
-        """The dimensions of a result that come before its members, and their values."""
+        """Return the dimensions of a result before its members, with their values."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
 class Profiles(FractalParameters):
-    """Pairs of fractal profiles by Eq. 1 of the paper."""
+    """Keys for pairs of fractal profiles by Eq. 1 of the paper."""
 
     place: ClassVar[str] = "fractal profiles"
     bodies: ClassVar[str] = "generated lines"
     is_areal: ClassVar[bool] = False
 
-    kind: Literal["profile"] = Field(default="profile", description="What is pressed together: lines or areas.")
+    kind: Literal["profile"] = Field(default="profile", description="Kind of surfaces: lines or areas.")
     amplitude_measure: AmplitudeMeasure = Field(
-        default="height", description="Which height the amplitude is: total, mean (Ra) or root mean square (Rq)."
+        default="height", description="Measure of the amplitude: total height, mean (Ra) or root mean square (Rq)."
     )
     length_scale: LengthScale = quantity("1 um", "length")
     extent: Length = Field(default=quantity("40 um", "length"), description="Length of a profile.")
     points: int = Field(
         default=150_000, ge=MIN_POINTS, le=MAX_POINTS,
-        description="Points of a profile; the spacing is the extent over the points.",
+        description="Number of points of a profile; the spacing is the extent divided by it.",
     )  # fmt: skip
     gamma: Gamma = 1.5
     directions: WaveDirections = 40
@@ -121,41 +123,41 @@ class Profiles(FractalParameters):
 
     @property
     def spacing(self) -> float:
-        """Distance of neighbouring points, µm."""
+        """Distance between neighbouring points, µm."""
         return float(self.extent) / self.points
 
 
 class Areas(FractalParameters):
-    """A grid over an area."""
+    """Keys that all generated areas share: extent and shape of the grid."""
 
-    kind: Literal["surface"] = Field(default="surface", description="What is pressed together: lines or areas.")
+    kind: Literal["surface"] = Field(default="surface", description="Kind of surfaces: lines or areas.")
     extent: AreaExtent = (quantity("10 um", "length"), quantity("10 um", "length"))
     shape: Shape = (512, 512)
 
     @model_validator(mode="after")
     def _check_points(self) -> Areas:
         if self.shape[0] * self.shape[1] > MAX_POINTS:
-            raise fault_at("shape", f"must hold at most {MAX_POINTS} points, got {list(self.shape)}")
+            raise fault_at("shape", f"must have at most {MAX_POINTS} points, got {list(self.shape)}")
         return self
 
     def extents(self) -> tuple[float, float]:
-        """Lengths along y and x, µm."""
+        """Return the lengths along y and x, µm."""
         along_y, along_x = self.extent
         return float(along_y), float(along_x)
 
     def spacings(self) -> tuple[float, float]:
-        """Distances between rows and between columns, µm."""
+        """Return the distances between rows and between columns, µm."""
         (along_y, along_x), (rows, columns) = self.extents(), self.shape
         return along_y / rows, along_x / columns
 
 
 class WeierstrassMandelbrotSurfaces(Areas):
-    """Pairs of fractal surfaces by Eq. 1 of the paper."""
+    """Keys for pairs of fractal surfaces by Eq. 1 of the paper."""
 
     place: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
 
     generator: Literal["weierstrass-mandelbrot"] = Field(
-        default="weierstrass-mandelbrot", description="The paper's Eq. 1 over an area."
+        default="weierstrass-mandelbrot", description="Generator: Eq. 1 of the paper over an area."
     )
     amplitude_measure: AreaAmplitude = "height"
     length_scale: LengthScale = quantity("1 um", "length")
@@ -167,45 +169,51 @@ class WeierstrassMandelbrotSurfaces(Areas):
 
 
 def _to_fractal_dimensions(exponents: Any) -> Any:
-    """Return D = 2 - H of one Hurst exponent, a list or a range, in rising order."""
+    """Convert a Hurst exponent, a list or a range to D = 2 - H in increasing order."""
     try:
         if isinstance(exponents, Mapping):
-            ends = {"start": round(2 - exponents["stop"], 12), "stop": round(2 - exponents["start"], 12)}
-            return {**exponents, **ends}
-        several = exponents if isinstance(exponents, (list, tuple)) else [exponents]
-        return sorted(round(2 - each, 12) for each in several)
+            limits = {"start": round(2 - exponents["stop"], 12), "stop": round(2 - exponents["start"], 12)}
+            return {**exponents, **limits}
+        values = exponents if isinstance(exponents, (list, tuple)) else [exponents]
+        return sorted(round(2 - value, 12) for value in values)
     except (TypeError, KeyError):
         raise fault_at("hurst_exponent", f"must be numbers above 0, at most 1, got {short_repr(exponents)}") from None
 
 
 class SelfAffineSurfaces(Areas):
-    """Pairs of surfaces with Gaussian heights and a spectrum that is a power law."""
+    """Keys for pairs of surfaces with Gaussian heights and a power-law spectrum."""
 
     place: ClassVar[str] = "self-affine surfaces"
 
     generator: Literal["self-affine"] = Field(
-        default="self-affine", description="Gaussian roughness with a power-law spectrum."
+        default="self-affine", description="Generator: Gaussian roughness with a power-law spectrum."
     )
     amplitude_measure: AreaAmplitude = "height"
     longest_wavelength: Length | None = Field(
-        default=None, description="Roll-off of the spectrum: the longer side unless given."
+        default=None, description="Roll-off wavelength of the spectrum; by default the longer side."
     )
     shortest_wavelength: Length | None = Field(
-        default=None, description="Cut-off of the spectrum: twice the larger spacing unless given."
+        default=None, description="Cutoff wavelength of the spectrum; by default twice the larger spacing."
     )
-    convention: Literal["classical"] = Field(default="classical", description="The textbooks' D, H = 2 - D.")
+    convention: Literal["classical"] = Field(default="classical", description="Definition of D: H = 2 - D.")
 
     other_keys: ClassVar[dict[str, tuple[str, str]]] = {
-        "hurst_exponent": ("a list or a range of numbers above 0, at most 1", "H = 2 - D, for `fractal_dimension`."),
-        "rms": ("a list of lengths above 0", "Sq of each surface, for `amplitude` with `amplitude_measure`."),
-        "spacing": ("a length above 0 or a list of two", "Distance of rows and of columns, for `extent`."),
+        "hurst_exponent": (
+            "a list or a range of numbers above 0, at most 1",
+            "Hurst exponent H = 2 - D, instead of `fractal_dimension`.",
+        ),
+        "rms": ("a list of lengths above 0", "Sq of each surface, instead of `amplitude` and `amplitude_measure`."),
+        "spacing": (
+            "a length above 0 or a list of two",
+            "Distance between rows and between columns, instead of `extent`.",
+        ),
     }
-    """Keys by which `self_affine_surface` calls its arguments: what is allowed, and what they stand for."""
+    """Alternative keys, named as the arguments of `self_affine_surface`: allowed values and meaning."""
 
     @model_validator(mode="before")
     @classmethod
     def _translate_argument_names(cls, given: Any) -> Any:
-        """Replace keys that are named as the arguments of `self_affine_surface`; they come before the others."""
+        """Replace keys named as the arguments of `self_affine_surface`; they override the standard keys."""
         if not isinstance(given, Mapping) or not cls.other_keys.keys() & given.keys():
             return given
         table = {key: value for key, value in given.items() if key not in cls.other_keys}
@@ -216,11 +224,11 @@ class SelfAffineSurfaces(Areas):
             table |= {"amplitude": rms if isinstance(rms, (list, tuple)) else [rms], "amplitude_measure": "Sq"}
         if "spacing" in given:
             spacing, shape = given["spacing"], table.get("shape", cls.model_fields["shape"].default)
-            both = spacing if isinstance(spacing, (list, tuple)) else [spacing, spacing]
-            if len(both) != 2 or len(shape) != 2:
+            spacings = spacing if isinstance(spacing, (list, tuple)) else [spacing, spacing]
+            if len(spacings) != 2 or len(shape) != 2:
                 raise fault_at("spacing", f"must be a length or a list of two, got {short_repr(spacing)}")
             try:
-                steps = [float(read_length(each)) for each in both]
+                steps = [float(read_length(text)) for text in spacings]
             except ValueError as error:
                 raise fault_at("spacing", str(error)) from None
             table["extent"] = [
@@ -230,22 +238,24 @@ class SelfAffineSurfaces(Areas):
 
     @model_validator(mode="after")
     def _check_wavelengths(self) -> SelfAffineSurfaces:
-        longer, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.longest()
+        side, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.longest()
         shortest = finest if self.shortest_wavelength is None else float(self.shortest_wavelength)
-        if longest > longer * ROUND_OFF_FACTOR:
-            raise fault_at("longest_wavelength", f"must be at most the longer side, {longer:g} um, got {longest:g} um")
+        if longest > side * ROUND_OFF_FACTOR:
+            raise fault_at("longest_wavelength", f"must be at most the longer side, {side:g} um, got {longest:g} um")
         if shortest * ROUND_OFF_FACTOR < finest:
             raise fault_at(
                 "shortest_wavelength", f"must be at least twice the larger spacing, {finest:g} um, got {shortest:g} um"
             )
         if not shortest < longest:
-            raise fault_at("shortest_wavelength", f"must be below the longest, {longest:g} um, got {shortest:g} um")
+            raise fault_at(
+                "shortest_wavelength", f"must be below the longest wavelength, {longest:g} um, got {shortest:g} um"
+            )
         return self
 
     def longest(self) -> float:
-        """The longest wavelength, µm."""
+        """Return the longest wavelength, µm."""
         return max(self.extents()) if self.longest_wavelength is None else float(self.longest_wavelength)
 
 
 Generated = Profiles | WeierstrassMandelbrotSurfaces | SelfAffineSurfaces
-"""The table `[surfaces]` of a generated ensemble."""
+"""Table `[surfaces]` of a generated ensemble."""

@@ -1,4 +1,4 @@
-"""What is known of the moduli of a pair: E* itself, or Young's moduli and Poisson's ratios of both bodies."""
+"""Uncertainty of the moduli of a pair: of E* itself, or of Young's moduli and Poisson's ratios of both bodies."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ NAMES = ("young", "poisson")
 
 @dataclass(frozen=True)
 class Moduli:
-    """What is known of E*.
+    """Estimate of E* with its uncertainty.
 
     Attributes
     ----------
     middle : float, GPa
-        E* at the middle of what is known.
+        E* at the central values of its inputs.
     effective_modulus : UncertainInput or None
-        E*, GPa, where it is known itself.
+        E*, GPa, if it is given itself.
     bodies : tuple of mapping of str to UncertainInput
-        Otherwise "young" (GPa) and "poisson" of the upper and the lower body, if they are known.
+        Otherwise "young" (GPa) and "poisson" of the upper and the lower body, if they are given.
     is_one_material : bool
-        Whether both bodies are one material, whose moduli are drawn once.
+        Whether both bodies are the same material, whose moduli are sampled once.
     """
 
     middle: float
@@ -46,24 +46,26 @@ class Moduli:
 
     @property
     def inputs(self) -> dict[str, UncertainInput]:
-        """What is not known exactly, by names such as "young_upper"."""
+        """Uncertain inputs, by names such as "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
-        found = {f"{name}_{side}": body[name] for side, body in zip(sides, self.bodies, strict=False) for name in NAMES}
+        inputs = {
+            f"{name}_{side}": body[name] for side, body in zip(sides, self.bodies, strict=False) for name in NAMES
+        }
         if self.effective_modulus is not None:
-            found["effective_modulus"] = self.effective_modulus
-        return {name: each for name, each in found.items() if not each.is_exact}
+            inputs["effective_modulus"] = self.effective_modulus
+        return {name: value for name, value in inputs.items() if not value.is_exact}
 
-    def relative(self, drawn: Mapping[str, Floats]) -> Floats | float:
-        """E* over that at the middle, of values by the names of `inputs`."""
-        if "effective_modulus" in drawn:
-            return drawn["effective_modulus"] / self.middle
+    def relative(self, samples: Mapping[str, Floats]) -> Floats | float:
+        """Return the ratio of E* to its central value for samples of `inputs`."""
+        if "effective_modulus" in samples:
+            return samples["effective_modulus"] / self.middle
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
         middle = [_compliance(body["young"].value, body["poisson"].value) for body in self.bodies]
-        now = [
-            _compliance(*(drawn.get(f"{name}_{side}", body[name].value) for name in NAMES))
+        sampled = [
+            _compliance(*(samples.get(f"{name}_{side}", body[name].value) for name in NAMES))
             for side, body in zip(sides, self.bodies, strict=False)
         ]
-        return sum(middle) / sum(now) if self.bodies else 1.0
+        return sum(middle) / sum(sampled) if self.bodies else 1.0
 
 
 def _compliance(young: Any, poisson: Any) -> Any:
@@ -71,62 +73,62 @@ def _compliance(young: Any, poisson: Any) -> Any:
 
 
 def moduli_of_material(body: Material) -> dict[str, UncertainInput]:
-    """Young's modulus (GPa) and Poisson's ratio of a material as the ranges of their source."""
-    poisson = replace(_of_source(body.poisson_ratio, "normal"), maximum=MAX_POISSON)
-    return {"young": _of_source(body.young_modulus, "log-normal"), "poisson": poisson}
+    """Return Young's modulus (GPa) and Poisson's ratio of a material with the ranges of their sources."""
+    poisson = replace(_input_from_range(body.poisson_ratio, "normal"), maximum=MAX_POISSON)
+    return {"young": _input_from_range(body.young_modulus, "log-normal"), "poisson": poisson}
 
 
-def _of_source(value: MaterialValue, distribution: Distribution) -> UncertainInput:
+def _input_from_range(value: MaterialValue, distribution: Distribution) -> UncertainInput:
     low, high = float(value.low), float(value.high)
     return UncertainInput(float(value), low, high, distribution if low < high else "exact", f"{low:g}..{high:g}")
 
 
 def hardness_of_material(value: MaterialValue) -> UncertainInput:
-    """Hardness (GPa) of a material as the range of its source."""
-    return _of_source(value, "log-normal")
+    """Return the hardness (GPa) of a material with the range of its source."""
+    return _input_from_range(value, "log-normal")
 
 
 def elasticity_and_moduli(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> tuple[Elasticity, Moduli]:  # fmt: skip
-    """Return what both bodies are made of at the middle of what is known, and what is known of it.
+    """Return the elasticity of a pair at the central values of the arguments, and the uncertainty of its moduli.
 
-    Arguments are those of `elasticity_of`; numbers may be ranges or have an uncertainty. Raises a `ValueError` if it is
-    too much or too little, or a value is none.
+    Arguments are those of `elasticity_of`; numbers may be ranges or have an uncertainty. Raises a `ValueError` if
+    arguments are missing, contradictory or invalid.
     """
-    asked = {"effective_modulus": effective_modulus, "young": young, "poisson": poisson}
-    found = {name: _known(name, value) for name, value in asked.items() if value is not None}
+    arguments = {"effective_modulus": effective_modulus, "young": young, "poisson": poisson}
+    inputs = {name: _parse_inputs(name, value) for name, value in arguments.items() if value is not None}
     middle = {
-        name: [each.value for each in values]
-        if any(UNCERTAIN_TEXT.search(each.text) for each in values)
-        else asked[name]
-        for name, values in found.items()
+        name: [item.value for item in values]
+        if any(UNCERTAIN_TEXT.search(item.text) for item in values)
+        else arguments[name]
+        for name, values in inputs.items()
     }
-    one = {
+    numbers = {
         name: values[0] if isinstance(values, list) and len(values) == 1 else values for name, values in middle.items()
     }
-    elasticity = elasticity_of(**one, upper_material=upper_material, lower_material=lower_material)
+    elasticity = elasticity_of(**numbers, upper_material=upper_material, lower_material=lower_material)
     value = elasticity.effective_modulus
-    if "effective_modulus" in found:
-        return elasticity, Moduli(value, found["effective_modulus"][0])
-    if "young" in found:
-        pairs = zip((2 * found["young"])[:2], (2 * found["poisson"])[:2], strict=True)
+    if "effective_modulus" in inputs:
+        return elasticity, Moduli(value, inputs["effective_modulus"][0])
+    if "young" in inputs:
+        pairs = zip((2 * inputs["young"])[:2], (2 * inputs["poisson"])[:2], strict=True)
         bodies = [{"young": e, "poisson": nu} for e, nu in pairs]
         if upper_material or lower_material:
             bodies[0 if upper_material else 1] = moduli_of_material(material(str(upper_material or lower_material)))
         return elasticity, Moduli(value, bodies=tuple(bodies))
     materials = [material(str(name)) for name in (upper_material or lower_material, lower_material or upper_material)]
-    bodies = [moduli_of_material(each) for each in materials]
+    bodies = [moduli_of_material(body) for body in materials]
     is_one_material = materials[0] == materials[1]
     return elasticity, Moduli(value, bodies=tuple(bodies), is_one_material=is_one_material)
 
 
-def _known(name: str, value: Any) -> list[UncertainInput]:
-    several = [value] if name == "effective_modulus" else split_values(value)
-    if not several:
+def _parse_inputs(name: str, value: Any) -> list[UncertainInput]:
+    values = [value] if name == "effective_modulus" else split_values(value)
+    if not values:
         raise ArgumentError(f"{{{name}}} must have at least one value, got {{got}}", got=repr(value))
     try:
-        return [parse_study_input(name, each) for each in several]
+        return [parse_study_input(name, item) for item in values]
     except ValueError as error:
         raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None

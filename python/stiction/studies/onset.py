@@ -14,7 +14,7 @@ from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, attributes_of
-from stiction.studies.contact_picture import MOST_PICTURED
+from stiction.studies.contact_picture import MAX_MAP_SIZE
 from stiction.studies.evaluation import OverMembers
 from stiction.studies.executors import share_threads
 from stiction.studies.member_solution import OneLoad
@@ -189,7 +189,7 @@ def slip_map(pressed: OneLoad, onset: Onset) -> Variables:
     if not isinstance(lower, Surface):
         return {}
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
-    step = -(-max(rows, columns) // MOST_PICTURED)
+    step = -(-max(rows, columns) // MAX_MAP_SIZE)
     found: Variables = {
         "slip_y": ("slip_y", np.arange(0, rows, step) * dy, _LENGTH),
         "slip_x": ("slip_x", np.arange(0, columns, step) * dx, _LENGTH),

@@ -1,4 +1,4 @@
-"""Values of a study file: quantities with units, lists that increase, ranges."""
+"""Values of a study file: quantities with units, increasing lists, ranges."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import Direction, Sliding
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
-MOST_VALUES = 10_000  # largest number of values of one parameter of a study
-MOST_MATERIALS = 100  # largest number of mu0, of tau0 and of cut-off wavelengths
-MOST_DEGREES = 360  # largest direction, to either side
+MAX_VALUES = 10_000  # of one parameter of a study
+MAX_SHORT_LIST_LENGTH = 100  # of lists of mu0, tau0, cutoffs, loads of interest and times
+MAX_DEGREES = 360  # limit of directions, of either sign
 
 
 def _reader(kind: str, *, zero: bool = False) -> Callable[[object], Quantity]:
@@ -91,10 +91,10 @@ def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
     return values
 
 
-# TOML has lists; a study is immutable.
+# Lists of TOML become tuples because a study is immutable.
 as_tuple = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
-_values = (as_tuple, Field(min_length=1, max_length=MOST_VALUES), AfterValidator(_increasing))
-_few_values = (as_tuple, Field(min_length=1, max_length=MOST_MATERIALS), AfterValidator(_increasing))
+_values = (as_tuple, Field(min_length=1, max_length=MAX_VALUES), AfterValidator(_increasing))
+_few_values = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_increasing))
 Dimensions = Annotated[tuple[Dimension, ...], *_values]
 Lengths = Annotated[tuple[Length, ...], *_values]
 Approaches = Annotated[tuple[LengthOrZero, ...], *_values]
@@ -104,37 +104,37 @@ Coefficients = Annotated[tuple[Coefficient, ...], *_few_values]
 CutOffs = Annotated[
     tuple[LengthOrZero, ...],
     as_tuple,
-    Field(min_length=1, max_length=MOST_MATERIALS),
+    Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH),
     AfterValidator(require_different),
 ]
-_none_or_few = (as_tuple, Field(max_length=MOST_MATERIALS), AfterValidator(_increasing))
+_none_or_few = (as_tuple, Field(max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_increasing))
 LoadsOfInterest = Annotated[tuple[Force, ...], *_none_or_few]
 Times = Annotated[tuple[Time, ...], *_none_or_few]
 
 
-def _one_or_several(name: str, one: Callable[[object], Any], same: Callable[[Any], Any]) -> PlainValidator:
+def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]) -> PlainValidator:
     """Return a validator of one value, or of a tuple of different values."""
 
-    def values(value: object) -> Any:
+    def validate(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
-            return one(value)
-        if not 1 <= len(value) <= MOST_VALUES:
-            raise ValueError(f"must have from 1 to {MOST_VALUES} {name}s, got {len(value)}")
-        several = tuple(map(one, value))
-        if len(set(map(same, several))) < len(several):
-            raise ValueError(f"must have each {name} once, got {short_repr(list(several))}")
-        return several
+            return read(value)
+        if not 1 <= len(value) <= MAX_VALUES:
+            raise ValueError(f"must have from 1 to {MAX_VALUES} {name}s, got {len(value)}")
+        values = tuple(map(read, value))
+        if len(set(map(identity, values))) < len(values):
+            raise ValueError(f"must have each {name} once, got {short_repr(list(values))}")
+        return values
 
-    return PlainValidator(values)
+    return PlainValidator(validate)
 
 
 def _read_direction(value: object) -> Any:
     if isinstance(value, str) and value in ("+x", "-x"):
         return value
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= MOST_DEGREES:
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= MAX_DEGREES:
         return float(value)
     raise ValueError(
-        f'must be "+x", "-x" or degrees from {-MOST_DEGREES} to {MOST_DEGREES}, or a list of these, '
+        f'must be "+x", "-x" or degrees from {-MAX_DEGREES} to {MAX_DEGREES}, or a list of these, '
         f"got {short_repr(value)}"
     )
 
@@ -151,9 +151,9 @@ def _read_sliding(value: object) -> Any:
 
 
 Directions = (
-    Annotated[Direction | tuple[Direction, ...], _one_or_several("direction", _read_direction, degrees_of)] | None
+    Annotated[Direction | tuple[Direction, ...], _one_or_tuple("direction", _read_direction, degrees_of)] | None
 )
-Rules = Annotated[Sliding | tuple[Sliding, ...], _one_or_several("rule", _read_sliding, str)]
+Rules = Annotated[Sliding | tuple[Sliding, ...], _one_or_tuple("rule", _read_sliding, str)]
 
 
 class Table(BaseModel):
@@ -165,11 +165,11 @@ class Table(BaseModel):
 class Case(Table):
     """Case of a table whose keys depend on the case."""
 
-    place: ClassVar[str]  # as messages call the case
+    place: ClassVar[str]  # name of the case in messages
 
 
 def fault_at(key: str, message: str) -> PydanticCustomError:
-    """Return the error of a fault at a key of a table."""
+    """Return the error for an invalid key of a table."""
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
@@ -187,12 +187,12 @@ class _Range(Table):
 
     start: Any
     stop: Any
-    count: int = Field(ge=1, le=MOST_VALUES)
+    count: int = Field(ge=1, le=MAX_VALUES)
 
     @model_validator(mode="after")
     def _is_a_range(self) -> Self:
         if self.count == 1 and self.start != self.stop:
-            raise ValueError("a range of count 1 must stop where it starts")
+            raise ValueError("a range with count 1 must have equal start and stop")
         if self.count > 1 and not self.stop > self.start:
             raise ValueError(f"must stop above its start, got {written(self.start)} to {written(self.stop)}")
         return self
@@ -241,7 +241,7 @@ class LoadRange(_Steps):
     stop: Force
 
 
-# Which of a range or a list a value is, told before it is read, so that its faults are those of one kind.
+# Tags of ranges and lists, determined before validation so that messages refer to a single type.
 RANGE, LIST = "a range", "a list"
 
 
@@ -270,17 +270,17 @@ def array_of(values: _Range | tuple[float, ...]) -> Floats:
 
 
 def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type[Case]]) -> None:
-    """Raise a fault at a key that belongs to other cases of a table, or that the case requires and the table lacks.
+    """Raise an error for a key that belongs to other cases of a table, or for a missing key that the case requires.
 
-    `shared` are classes of keys that cases share; each has a `place`, by which messages call it.
+    `shared` contains classes of keys that cases share; messages name them by their `place`.
     """
     for key in table:
         if key in case.model_fields:
             continue
-        owners = [each for each in shared if key in each.model_fields]
-        first = [each for each in owners if not any(each is not other and issubclass(each, other) for other in owners)]
-        if first:
-            places = " and ".join(dict.fromkeys(each.place for each in first))
+        owners = [kind for kind in shared if key in kind.model_fields]
+        bases = [kind for kind in owners if not any(kind is not base and issubclass(kind, base) for base in owners)]
+        if bases:
+            places = " and ".join(dict.fromkeys(kind.place for kind in bases))
             raise fault_at(str(key), f"belongs to {places}, not to {case.place}")
     for key, field in case.model_fields.items():
         if field.is_required() and key not in table:
@@ -290,7 +290,7 @@ def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type
 _Kind = TypeVar("_Kind", bound=Table)
 
 
-MAX_LISTED_FAULTS = 5  # faults of a study in a message
+MAX_LISTED_FAULTS = 5  # in a message about a study
 
 
 class StudyError(ValueError):
@@ -299,7 +299,7 @@ class StudyError(ValueError):
     Attributes
     ----------
     faults : tuple of (str, str)
-        A dotted key, empty for the whole study, and the message about it, of each fault.
+        Dotted key (empty for the whole study) and message of each fault.
     """
 
     def __init__(self, message: str, faults: tuple[tuple[str, str], ...] = ()) -> None:
@@ -321,22 +321,22 @@ def as_toml(value: Any) -> str:
         case float():
             return repr(value)
         case dict():
-            written = [f"{key} = {as_toml(item)}" for key, item in value.items() if key != "body"]  # which is in memory
-            return "{ " + ", ".join(written) + " }"
+            items = [f"{key} = {as_toml(item)}" for key, item in value.items() if key != "body"]  # body: in memory only
+            return "{ " + ", ".join(items) + " }"
         case _:
             return "[" + ", ".join(as_toml(item) for item in value) + "]"
 
 
 def toml(text: str) -> dict[str, Any]:
-    """Parse a TOML text; a `ValueError` if it is invalid or nested too deeply."""
+    """Parse a TOML text; `ValueError` if it is invalid or nested too deeply."""
     try:
         return tomllib.loads(text)
     except RecursionError:
-        raise ValueError("it is too deep") from None
+        raise ValueError("is nested too deeply") from None
 
 
 def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
-    """Return a validated table; errors name its source."""
+    """Validate a table; errors name its source."""
     try:
         return kind.model_validate(data)
     except ValidationError as error:
@@ -350,7 +350,7 @@ def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
         raise StudyError("\n".join(lines), tuple(faults)) from None
 
 
-_WORDS = {
+_ERROR_MESSAGES = {
     "finite_number": "must be a finite number", "float_type": "must be a number", "int_type": "must be a whole number",
     "bool_type": "must be true or false", "string_type": "must be text", "literal_error": "must be {expected}",
     "greater_than": "must be above {gt:g}", "greater_than_equal": "must be at least {ge:g}",
@@ -361,11 +361,11 @@ _WORDS = {
     "string_too_short": "must have at least {min_length} characters",
     "string_too_long": "must have at most {max_length} characters",
 }  # fmt: skip
-"""Messages of the kinds of faults that pydantic finds."""
+"""Messages for the types of errors of pydantic."""
 
 
 def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
-    """Return the key of a fault and the message about it."""
+    """Convert an error of pydantic to a key and a message."""
     location = [part for part in fault["loc"] if part not in (RANGE, LIST)]
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).removeprefix(".")
     if fault["type"] == "key":
@@ -379,33 +379,33 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
     if fault["type"] == "tuple_type":
         message = "must be a list"
     if fault["type"] == "string_unicode":
-        message = "must be text in UTF-8, as the study that keeps it is (rename a file that is not)"
-    if (words := _WORDS.get(fault["type"])) is not None:
-        message = words.format_map(fault.get("ctx", {}))
+        message = "must be UTF-8 text, because studies are stored as UTF-8 (rename files with other names)"
+    if (template := _ERROR_MESSAGES.get(fault["type"])) is not None:
+        message = template.format_map(fault.get("ctx", {}))
     if fault["type"] not in ("value_error", "missing", "range_or_list", "key", "too_short", "too_long"):
         message = f"{message[0].lower()}{message[1:]}, got {short_repr(fault['input'])}"
     return key, message
 
 
-MAX_SUGGESTIONS = 3  # largest number of keys that are suggested in place of an unknown one
+MAX_SUGGESTIONS = 3  # of keys similar to an unknown key
 
 
 def _suggestion(kind: type[Table], location: list[int | str]) -> str:
-    """Return the nearest keys of all cases that a table may be of, or where to read about all."""
+    """Return text that suggests similar keys of all cases of the table, or refers to the list of keys."""
     tables = [kind]
     for part in location[:-1]:
         fields = [table.model_fields[str(part)] for table in tables if str(part) in table.model_fields]
         tables = [table for field in fields for table in tables_of(field.annotation)]
-    known = dict.fromkeys(name for table in tables for name in table.model_fields)
-    known |= dict.fromkeys(name for table in tables for name in getattr(table, "other_keys", ()))
+    keys = dict.fromkeys(name for table in tables for name in table.model_fields)
+    keys |= dict.fromkeys(name for table in tables for name in getattr(table, "other_keys", ()))
     word = str(location[-1])[:MAX_WORD_LENGTH]
-    near = [*difflib.get_close_matches(word, known, n=3), *(name for name in known if word in name)]
-    names = " or ".join(map(repr, list(dict.fromkeys(near))[:MAX_SUGGESTIONS]))
+    similar = [*difflib.get_close_matches(word, keys, n=3), *(name for name in keys if word in name)]
+    names = " or ".join(map(repr, list(dict.fromkeys(similar))[:MAX_SUGGESTIONS]))
     return f"; is it {names}?" if names else "; stiction studies --keys lists all"
 
 
 def tables_of(annotation: Any) -> list[type[Table]]:
-    """Return the classes of tables that an annotation allows."""
+    """Return the table classes that a field of this type accepts."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, Table) else []
     return [table for part in get_args(annotation) for table in tables_of(part)]

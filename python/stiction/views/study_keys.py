@@ -31,7 +31,7 @@ _QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
 )
 """Allowed values of the quantity types of a study."""
 
-_DEGREES = f"degrees from {-values.MOST_DEGREES} to {values.MOST_DEGREES}"
+_DEGREES = f"degrees from {-values.MAX_DEGREES} to {values.MAX_DEGREES}"
 _ALLOWED_VALUES = {
     "law": " or ".join(
         [*(f'`"{name}"`' for name in LAWS_BY_NAME), *(f'a table of name `"{name}"`' for name in LAW_TABLES)]

@@ -16,7 +16,7 @@ from stiction._checks import Floats
 from stiction._drawing import add_scale_bar
 from stiction._number_format import with_unit
 from stiction.studies.assessment import HALF
-from stiction.studies.contact_picture import AROUND_LARGEST, FEWEST_POINTS
+from stiction.studies.contact_picture import MIN_WINDOW_SIZE, WINDOW_DIVISOR
 from stiction.studies.contact_tables import Asperities
 from stiction.studies.evaluation import at_load, reached_loads
 from stiction.studies.point import STATISTICS
@@ -167,7 +167,7 @@ def _busiest_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[f
     from scipy.ndimage import gaussian_filter
 
     touching = np.isfinite(onset["slip"].values)
-    size = [min(max(n // AROUND_LARGEST, FEWEST_POINTS), n) for n in touching.shape]
+    size = [min(max(n // WINDOW_DIVISOR, MIN_WINDOW_SIZE), n) for n in touching.shape]
     density = gaussian_filter(touching.astype(np.float64), [item / 4 for item in size], mode="constant")
     middle = np.unravel_index(int(density.argmax()), density.shape)
     rows, columns = (
