@@ -126,5 +126,5 @@ def test_changed_scan_file_is_rejected(tmp_path):
     study = study_of(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
     load_bodies(study)
     np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)
-    with pytest.raises(ValueError, match=r"upper\.npy: is another file"):
+    with pytest.raises(ValueError, match=r"upper\.npy: has changed since"):
         load_bodies(study.with_changes({"ensemble.seed": 5}))

@@ -323,7 +323,7 @@ class TestMeasured:
         assert known.surfaces.lower.read().heights.shape == (24, 20)
         np.save(tmp_path / "scan.npy", heights[:, ::-1])
         assert study.surfaces.upper.read().heights.shape == (24, 20)
-        with pytest.raises(ValueError, match=r"scan\.npy: is another file"):
+        with pytest.raises(ValueError, match=r"scan\.npy: has changed since"):
             known.surfaces.upper.read()
         assert known.with_checksums() == known
         monkeypatch.chdir(tmp_path)

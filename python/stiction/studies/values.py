@@ -192,7 +192,7 @@ class _Range(Table):
     @model_validator(mode="after")
     def _is_a_range(self) -> Self:
         if self.count == 1 and self.start != self.stop:
-            raise ValueError("a range with count 1 must have equal start and stop")
+            raise ValueError("a range of count 1 must have equal start and stop")
         if self.count > 1 and not self.stop > self.start:
             raise ValueError(f"must stop above its start, got {written(self.start)} to {written(self.stop)}")
         return self
