@@ -40,7 +40,7 @@ def test_units_are_added_to_bare_numbers_of_quantities_alone():
             '"work of adhesion" is for "contact model" half-space',
             "adhesion",
         ),
-        ("--offsets is for lines; of maps give --lines", "--offsets is for lines; of maps give --lines", ""),
+        ("--offsets is for lines; for maps give --lines", "--offsets is for lines; for maps give --lines", ""),
         ("a.csv: cannot be read", "a.csv: cannot be read", ""),
     ],
 )

@@ -320,7 +320,7 @@ def test_smallest_load_has_no_lower_steps(where):
         ([], ["give UPPER and LOWER, or the --gap between them"]),
         ([*MAPS, "--gap", MAPS[0]], ["give UPPER and LOWER, or the --gap between them"]),
         (["--gap", "upper.csv"], ["--gap must be one map"]),
-        (["--gap", *MAPS[1:], "--shifts", "3"], ["--shifts is not for the --gap of two faces"]),
+        (["--gap", *MAPS[1:], "--shifts", "3"], ["--shifts must not be combined with --gap"]),
         ([*MAPS, "--direction", "north"], ["--direction"]),
         ([*MAPS, "--direction", "0,360"], ["direction"]),
     ],

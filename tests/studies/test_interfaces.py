@@ -111,10 +111,10 @@ def test_named_interface_has_kind_and_source_and_is_accepted(name) -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({}, "give mu0, or the interface"),
-        ({"mu0": 0.2, "interface": "steel on ice"}, "mu0 must not be given beside interface"),
+        ({}, "give mu0, or an interface"),
+        ({"mu0": 0.2, "interface": "steel on ice"}, "mu0 must not be combined with interface"),
         ({"interface": "steel on butter"}, "interface must be a file or one of"),
-        ({"interface": 3}, "interface must be a name or a file"),
+        ({"interface": 3}, "interface must be a name, or a file"),
     ],
 )
 def test_pair_rejects_interface_with_mu0(options, words) -> None:
@@ -132,8 +132,8 @@ def test_interfaces_command_lists_and_pair_accepts_one(tmp_path) -> None:
     options = ("pair", "upper.csv", "lower.csv", "--load", "20 MPa", "--effective-modulus", "3 GPa", "--shifts", "2")
     completed = check_stiction(*options, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path)
     assert "interface steel on ice (lumped, kinetic)" in " ".join(completed.stdout.split())
-    assert_rejected(call_stiction(*options, cwd=tmp_path), "give --mu0, or the --interface")
-    assert_rejected(call_stiction(*options, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be given")
+    assert_rejected(call_stiction(*options, cwd=tmp_path), "give --mu0, or an --interface")
+    assert_rejected(call_stiction(*options, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be combined")
 
 
 def test_calibrated_interface_is_accepted_and_stored_alongside(film, result) -> None:
@@ -155,7 +155,7 @@ DAMAGED = {
 @pytest.mark.parametrize("kind", DAMAGED)
 def test_damaged_interface_is_rejected_by_name_and_skipped_in_directory(film, tmp_path, kind) -> None:
     (tmp_path / "bad").write_text(DAMAGED[kind](film.read_text()))
-    with pytest.raises(ValueError, match=r"bad: is (no|a damaged) interface"):
+    with pytest.raises(ValueError, match=r"bad: is (not an|a damaged) interface"):
         read_interface(tmp_path / "bad")
     shutil.copy(film, tmp_path / "good")
     completed = check_stiction("interfaces", ".", "--json", cwd=tmp_path)

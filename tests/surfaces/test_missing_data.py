@@ -170,9 +170,9 @@ def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(whole
     assert any(doubt in caveat.text for caveat in filled.caveats)
     assert not any("interpolated" in caveat.text for caveat in masked.caveats)
     for refused, why in (
-        ({"mechanics": "asperities"}, "take whole scans"),
-        ({"surrogates": 2}, "surrogates makes surfaces of a spectrum, which takes whole scans"),
-        ({"work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion takes whole scans.*missing interpolate"),
+        ({"mechanics": "asperities"}, "needs scans without masked points"),
+        ({"surrogates": 2}, "surrogates generates surfaces from a spectrum and needs scans without"),
+        ({"work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion needs scans without.*missing interpolate"),
     ):
         options = READ | ASKED | refused
         options.pop("onset")

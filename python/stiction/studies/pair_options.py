@@ -1,4 +1,4 @@
-"""Options of a pair of measured bodies, each declared once: type, unit, default, help, and where it applies."""
+"""Options of a measured pair. Each option is declared once with its type, unit, default, help and conditions."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ Level = Literal["mean", "line", "plane", "quadratic", "none"]
 
 
 class PairFacts(Protocol):
-    """Facts about a pair, by which it is decided whether an option applies."""
+    """Properties of a pair on which the conditions of options depend."""
 
     @property
     def options(self) -> PairOptions:
@@ -168,27 +168,27 @@ class PairFacts(Protocol):
 
     @property
     def press(self) -> str:
-        """How members are made: "areas", "lines" or "surrogates"."""
+        """Kind of the members: "areas", "lines" or "surrogates"."""
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models, the first of which gives the result."""
+        """Contact models; the first gives the result."""
 
     @property
     def contact_law(self) -> str:
-        """Name of the contact law of asperities."""
+        """Name of the contact law of the asperity model."""
 
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition under which an option applies, and the message where it does not hold."""
+    """A condition of an option, and the error message if the condition is not met."""
 
     holds: Callable[[PairFacts], bool]
     message: str  # follows the name of the option; other options are written as {name}
 
 
 def condition(message: str) -> Callable[[Callable[[PairFacts], bool]], Condition]:
-    """Make a condition of a named function and a message."""
+    """Return a decorator that converts a function to a condition with a message."""
 
     def make(holds: Callable[[PairFacts], bool]) -> Condition:
         return Condition(holds, message)
@@ -202,43 +202,43 @@ def is_one_map(pair: PairFacts) -> bool:
     return pair.are_maps and pair.scan_counts == (1, 1)
 
 
-@condition("is not for the {gap} of two faces, which belong together")
+@condition("must not be combined with {gap}: its two faces belong together")
 def has_two_bodies(pair: PairFacts) -> bool:
     """Return whether two bodies are given, and not the gap between them."""
     return pair.options.gap is None
 
 
-@condition("is for two profiles; a map has its lay in it")
+@condition("is for two profiles; a map contains its lay")
 def has_two_profiles(pair: PairFacts) -> bool:
     """Return whether both bodies are profiles."""
     return pair.are_profiles
 
 
-@condition("is for two profiles, which are pressed as lines; other bodies have an area")
+@condition("is for two profiles that are pressed as lines; other bodies have an area")
 def presses_profiles_as_lines(pair: PairFacts) -> bool:
     """Return whether two profiles are pressed as lines, which have no width."""
     return pair.are_profiles and pair.press == "lines"
 
 
-@condition("makes surfaces of a spectrum, which takes whole scans: points of one are masked")
+@condition("generates surfaces from a spectrum and needs scans without masked points")
 def makes_surrogates_of_whole_scans(pair: PairFacts) -> bool:
     """Return whether no surrogates are made of scans with masked points."""
     return not (pair.has_missing and pair.has_surrogates)
 
 
-@condition("presses asperities, which take whole scans: points of one are masked")
+@condition("uses the asperity model and needs scans without masked points")
 def presses_asperities_of_whole_scans(pair: PairFacts) -> bool:
     """Return whether asperities are not pressed on scans with masked points."""
     return not pair.has_missing or "asperities" not in pair.contact_models
 
 
-@condition("takes whole scans: points of one are masked; {missing} interpolate fills them, and {crop} leaves them out")
+@condition("needs scans without masked points; {missing} interpolate fills them, and {crop} excludes them")
 def has_whole_scans(pair: PairFacts) -> bool:
     """Return whether no points are masked."""
     return not pair.has_missing
 
 
-@condition("is not for a spectrum, of which surfaces are made")
+@condition("must not be combined with a spectrum, from which surfaces are generated")
 def has_no_spectrum(pair: PairFacts) -> bool:
     """Return whether no body is a spectrum of several scans."""
     return not pair.has_spectrum
@@ -250,7 +250,7 @@ def has_several_pairs_of_lines(pair: PairFacts) -> bool:
     return not pair.are_profiles or (pair.press == "lines" and pair.has_surrogates)
 
 
-@condition("is for lines; of maps give {lines} as well")
+@condition("is for lines; for maps give {lines} as well")
 def presses_lines(pair: PairFacts) -> bool:
     """Return whether lines are pressed."""
     return pair.press == "lines"
@@ -292,7 +292,7 @@ def presses_surrogates(pair: PairFacts) -> bool:
     return pair.has_surrogates
 
 
-@condition("must not be given beside {check}, which is both")
+@condition("must not be combined with {check}, which uses both contact models")
 def presses_by_one_model(pair: PairFacts) -> bool:
     """Return whether the pair is not pressed by both contact models."""
     return not pair.options.check
@@ -322,7 +322,7 @@ def presses_asperities(pair: PairFacts) -> bool:
     return "asperities" in pair.contact_models
 
 
-@condition("must not be given beside {lay} grooves, which presses cylinders")
+@condition("must not be combined with {lay} grooves, which needs the law of cylinders")
 def suits_grooves(pair: PairFacts) -> bool:
     """Return whether the contact law is that of cylinders where the lay is grooves."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
@@ -334,7 +334,7 @@ def has_law_with_yield(pair: PairFacts) -> bool:
     return pair.contact_law == JacksonGreen.name
 
 
-@condition("must not be given beside {hardness}, which says it")
+@condition("must not be combined with {hardness}, which determines it")
 def has_no_hardness_for_asperities(pair: PairFacts) -> bool:
     """Return whether no hardness sets the yield strength of asperities."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
@@ -364,7 +364,7 @@ def has_work_of_adhesion(pair: PairFacts) -> bool:
     return pair.options.work_of_adhesion is not None
 
 
-@condition("must not be given beside {interface}, which has both")
+@condition("must not be combined with {interface}, which contains mu0 and tau0")
 def has_no_interface(pair: PairFacts) -> bool:
     """Return whether no interface gives mu0 and tau0 jointly."""
     return pair.options.interface is None
@@ -387,7 +387,7 @@ UNITS: dict[Kind, str] = {
 
 @dataclass(frozen=True, kw_only=True)
 class FormField:
-    """The field of an option in the form of the app."""
+    """Form field of an option in the app."""
 
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"
@@ -402,7 +402,7 @@ class FormField:
 
 @dataclass(frozen=True)
 class Option:
-    """An option of a pair, as the command, the function, the study file and the app present it."""
+    """Declaration of a pair option for the command line, Python, the study file and the app."""
 
     value: str  # metavariable of the command line, "PRESSURE"; empty for a switch
     help: str  # a sentence or two; other options are written as {name}
@@ -480,7 +480,7 @@ class SurfaceOptions(Options):
 
 
 class ReadingOptions(Options):
-    """Options of how files are read; each is for both files, or given twice for one after the other."""
+    """Options for reading files. Each is given once for both files, or once for each file."""
 
     title: ClassVar[str] = "Reading files"
 
@@ -705,7 +705,7 @@ class EnsembleOptions(Options):
 
 
 class ComputingOptions(Options):
-    """Options of what is computed besides."""
+    """Options for additional computations."""
 
     title: ClassVar[str] = "Computing"
 
@@ -743,7 +743,7 @@ OPTIONS: dict[str, Option] = {
 """Every option by the name of its field."""
 
 READING: tuple[str, ...] = tuple(name for name in ReadingOptions.model_fields if name not in ("texture", "tip"))
-"""Options that `read_measurement` takes."""
+"""Options that are arguments of `read_measurement`."""
 
 
 def split_list(name: str, text: str) -> str | tuple[str, ...]:
@@ -756,11 +756,11 @@ CHECK_ORDER: tuple[str, ...] = tuple(
     for group in (SurfaceOptions, ContactOptions, EnsembleOptions, FrictionOptions, MaterialOptions)
     for name in group.model_fields
 )
-"""Options in the order in which it is checked whether they apply: bodies and model before what depends on them."""
+"""Options in the order in which their conditions are checked: surfaces and contact model come first."""
 
 
 def list_choices(name: str) -> tuple[str, ...]:
-    """Return the values that an option may have, if these are a few words."""
+    """Return the allowed words of an option, or an empty tuple if its values are not words."""
     annotation = PairOptions.model_fields[name].annotation
     literal = next((each for each in get_args(annotation) if get_args(each)), annotation)
     return tuple(each for each in get_args(literal) if isinstance(each, str))
@@ -770,18 +770,18 @@ def list_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Arguments of functions of surfaces that an option sets."""
+"""Options by the name of the surface function's argument that they set."""
 
 
 def name_on_command_line(name: str) -> str:
-    """Return how a command line names an option: "--hardness"."""
+    """Return the name of an option on the command line, such as "--hardness"."""
     name = _OPTION_ALIASES.get(name, name)
     option = OPTIONS.get(name)
     return option.flag if option and option.flag else f"--{name.replace('_', '-')}"
 
 
 def name_in_python(name: str) -> str:
-    """Return how a call of `stiction.pair` names an option: "hardness"."""
+    """Return the name of an option in a call of `stiction.pair`, such as "hardness"."""
     name = _OPTION_ALIASES.get(name, name)
     option = OPTIONS.get(name)
     return option.argument if option and option.argument else name
@@ -789,7 +789,7 @@ def name_in_python(name: str) -> str:
 
 @contextmanager
 def argument_errors() -> Iterator[None]:
-    """Raise the first fault that pydantic finds in options as an `ArgumentError`."""
+    """Raise the first validation error of pydantic as an `ArgumentError`."""
     try:
         yield
     except ValidationError as error:
@@ -816,6 +816,6 @@ def argument_errors() -> Iterator[None]:
 
 
 def read_options(values: dict[str, object]) -> PairOptions:
-    """Return options from values by the names of their fields; an `ArgumentError` if one is wrong."""
+    """Return options from values by field name. Raises an `ArgumentError` if a value is invalid."""
     with argument_errors():
         return PairOptions.model_validate(values)
