@@ -1,58 +1,58 @@
-// Controls, files and the address: what every page has.
+// Controls, file output and the address of a page.
 
 const facts = JSON.parse(document.getElementById("facts").textContent);
 const byId = (id) => document.getElementById(id);
 const PERCENT = facts.percent;
 
-// A number that people see shortened, and programs in full.
+// Element with a shortened number as text and the full number as value.
 const data = (value, text) => element("data", {value: String(value)}, text);
 
 // ---- Drawing --------------------------------------------------------------------------------------------------------
 
-const REST = 150; // ms without a change, after which what nobody sees, or what takes long, is drawn as well
-const wanted = new Set();
-let drawings = {}; // what draws each place on the page, by its id
-let slow = () => false; // whether a place is to be drawn at rest alone
+const REDRAW_DELAY = 150; // ms without a change after which hidden and slow plots are drawn
+const pending = new Set();
+let drawings = {}; // drawing functions by the id of their element
+let slow = () => false; // whether a plot is drawn only after the delay
 let atRest = () => {};
 let frame = 0;
-let rest = 0;
+let redrawTimer = 0;
 
 function redraw(...places) {
-  places.filter((place) => drawings[place]).forEach((place) => wanted.add(place));
+  places.filter((place) => drawings[place]).forEach((place) => pending.add(place));
   cancelAnimationFrame(frame);
-  frame = requestAnimationFrame(drawSeen);
+  frame = requestAnimationFrame(drawVisible);
 }
 
-function drawSeen() {
-  drawSome((place) => {
+function drawVisible() {
+  drawPending((place) => {
     const {top, bottom} = byId(place).getBoundingClientRect();
     return top < innerHeight && bottom > 0 && !slow(place);
   });
-  clearTimeout(rest);
-  rest = setTimeout(() => {
+  clearTimeout(redrawTimer);
+  redrawTimer = setTimeout(() => {
     atRest();
-    drawSome(() => true);
-  }, REST);
+    drawPending(() => true);
+  }, REDRAW_DELAY);
 }
 
-function drawSome(isChosen) {
-  for (const place of [...wanted].filter(isChosen)) {
+function drawPending(isChosen) {
+  for (const place of [...pending].filter(isChosen)) {
     drawings[place]();
-    wanted.delete(place);
+    pending.delete(place);
   }
 }
 
 // ---- Controls -------------------------------------------------------------------------------------------------------
 
-/** A slider and a number that mean the same, between 0 and the most that was evaluated. */
+/** Connect a slider and a number field for one value between 0 and the maximum that was evaluated. */
 function amount(id, {value, most, step, unit, changed}) {
   const [slider, number] = [byId(id), byId(`${id}-number`)];
   Object.assign(slider, {min: 0, max: most, step});
   number.max = most;
   byId(`${id}-wrong`).textContent = `Only numbers from 0 to ${tickText(Number(most.toPrecision(4)))}; the last one stands.`;
-  const show = (given) => {
-    slider.value = given;
-    slider.setAttribute("aria-valuetext", `${given}${unit}`);
+  const show = (text) => {
+    slider.value = text;
+    slider.setAttribute("aria-valuetext", `${text}${unit}`);
   };
   number.value = value;
   show(value);
@@ -70,7 +70,7 @@ function amount(id, {value, most, step, unit, changed}) {
   });
 }
 
-/** A slider over the indices of a list. */
+/** Connect a slider over the indices of a list. */
 function index(id, {value, count, name, changed}) {
   const slider = byId(id);
   slider.max = count - 1;
@@ -86,10 +86,10 @@ function index(id, {value, count, name, changed}) {
     show();
   });
   show();
-  return {set: (given) => { slider.value = given; show(); }};
+  return {set: (position) => { slider.value = position; show(); }};
 }
 
-/** A list to choose from; hidden where there is nothing to choose. */
+/** Fill a list of choices; hide it if there is only one. */
 function choice(id, names, value, changed) {
   const list = byId(id);
   list.append(...names.map((name, i) => element("option", {value: i}, name)));
@@ -107,23 +107,23 @@ function save(name, blob) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** Buttons behind a plot: to look closer or at all of it, between a linear and a logarithmic scale of values, and to save
- * its picture with a title and its caption, and its numbers; `rows` makes the table. */
+/** Add the buttons of a plot: zoom, scale of the values, and output of the figure with title and caption, or of the
+ * numbers; `rows` returns the table. */
 function toolbar(place, rows, {hasAxes = true, hasScales = false} = {}) {
-  const called = place.getAttribute("aria-label").split(";")[0];
-  const title = () => `${document.title.split(" – ")[0]}: ${called}`;
+  const plotName = place.getAttribute("aria-label").split(";")[0];
+  const title = () => `${document.title.split(" – ")[0]}: ${plotName}`;
   const words = () => [byId("parameters").textContent, place.parentNode.querySelector(".caption")?.textContent ?? ""].join(" ");
   const name = `${document.title.split(" – ")[0].replaceAll(/[^\w-]+/g, "_")}_${place.id}`;
   const redrawn = () => redraw(place.id);
   const button = (text, label, action) => {
-    const made = element("button", {type: "button", "aria-label": `${label}: ${called}`, title: label}, text);
-    made.addEventListener("click", action);
-    return made;
+    const control = element("button", {type: "button", "aria-label": `${label}: ${plotName}`, title: label}, text);
+    control.addEventListener("click", action);
+    return control;
   };
   const list = element("p", {class: "saves"});
   if (hasAxes) list.append(
-    button("+", "Look closer", () => look(place, redrawn, {times: 1.5})),
-    button("−", "Look from farther", () => look(place, redrawn, {times: 1 / 1.5})),
+    button("+", "Look closer", () => zoom(place, redrawn, {times: 1.5})),
+    button("−", "Look from farther", () => zoom(place, redrawn, {times: 1 / 1.5})),
     button("⟲", "All of it", () => { place.view = null; redrawn(); }));
   if (hasScales) list.append(button("log", "log or linear scale", () => {
     place.isLog = !(place.axes?.y.isLog ?? false);
@@ -139,13 +139,13 @@ function toolbar(place, rows, {hasAxes = true, hasScales = false} = {}) {
 
 // ---- The address ----------------------------------------------------------------------------------------------------
 
-/** What the address says, name -> text. */
-const addressed = () => Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
+/** Return the fields of the address, name -> text. */
+const addressFields = () => Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
 
-/** A number of the address, if it is one between two others. */
-function numberOf(text, low, high, otherwise) {
+/** Return a number of the address if it is within limits, otherwise a default. */
+function parseNumber(text, low, high, fallback) {
   const value = text === undefined || text === "" ? NaN : Number(text);
-  return value >= low && value <= high ? value : otherwise;
+  return value >= low && value <= high ? value : fallback;
 }
 
 function address(values) {
@@ -153,9 +153,10 @@ function address(values) {
   if (location.hash !== text) history.replaceState(null, "", text);
 }
 
-// ---- Beginning ------------------------------------------------------------------------------------------------------
+// ---- Start ----------------------------------------------------------------------------------------------------------
 
-function say(text) {
+/** Show a notice at the top of the page. */
+function showNotice(text) {
   byId("trouble").hidden = false;
   byId("trouble").textContent = text;
 }
@@ -169,10 +170,11 @@ async function unpacked(id) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-function start(begin) {
+/** Run the script of a page, and show an error that it throws. */
+function start(main) {
   const isOld = typeof DecompressionStream === "undefined";
   for (const form of document.forms) form.addEventListener("submit", (event) => event.preventDefault());
-  if (isOld) say("This page needs a browser of 2023 or later.");
-  else begin().then(() => byId("main").setAttribute("aria-busy", "false"))
-    .catch((error) => say(`This page could not be drawn: ${error.message}`));
+  if (isOld) showNotice("This page needs a browser of 2023 or later.");
+  else main().then(() => byId("main").setAttribute("aria-busy", "false"))
+    .catch((error) => showNotice(`This page could not be drawn: ${error.message}`));
 }

@@ -1,29 +1,29 @@
-// How numbers are drawn, as SVG: every function takes the element it draws in and what it draws, and knows nothing of the
-// state of the page. Colours are variables of the style sheet, so that dark and print need no drawing anew.
+// SVG plots. Every function takes the element to draw in and the data, and does not use the state of the page. Colours
+// are variables of the style sheet, so that dark mode and print need no redrawing.
 
 // ---- Elements -------------------------------------------------------------------------------------------------------
 
-/** An element with attributes and children; text is never markup. */
+/** Return a function that creates elements with attributes and children; text is never markup. */
 const maker = (space) => (name, attributes = {}, ...children) => {
-  const one = document.createElementNS(`http://www.w3.org/${space}`, name);
-  for (const [key, value] of Object.entries(attributes)) one.setAttribute(key, value);
-  one.append(...children);
-  return one;
+  const node = document.createElementNS(`http://www.w3.org/${space}`, name);
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  node.append(...children);
+  return node;
 };
 const [element, shape] = [maker("1999/xhtml"), maker("2000/svg")];
 
-/** An empty picture of a size in pixels. */
+/** Return an empty SVG of a size in pixels. */
 const pictureOf = (width, height) => shape("svg", {width, height, viewBox: `0 0 ${width} ${height}`,
   "font-size": 0.8125 * rem(), "font-family": "system-ui, 'DejaVu Sans', sans-serif", style: "fill: var(--ink)",
   "aria-hidden": "true"});
 
-/** Where an event is in a place, pixels. */
+/** Return the position of an event in an element, pixels. */
 function positionIn(place, {clientX, clientY}) {
   const {left, top} = place.getBoundingClientRect();
   return [clientX - left, clientY - top];
 }
 
-/** Words of an axis: _F_ is in italics, ~N~ below the line. */
+/** Return a text element in which _F_ is in italics and ~N~ a subscript. */
 function rich(words, attributes) {
   const text = shape("text", attributes);
   let drop = 0;
@@ -41,7 +41,7 @@ const rem = () => parseFloat(getComputedStyle(document.documentElement).fontSize
 
 const path = (points) => points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
 
-/** Runs of points that are all known. */
+/** Split points into runs of known points. */
 function runs(points, isKnown) {
   const found = [[]];
   for (const point of points) isKnown(point) ? found.at(-1).push(point) : found.push([]);
@@ -58,7 +58,7 @@ function superscript(exponent) {
 }
 
 
-/** Round numbers of an axis, with texts; on a logarithmic one also those without. */
+/** Return the ticks of an axis with their texts; a logarithmic axis also has ticks without text. */
 function ticksOf(low, high, isLog, most) {
   if (!(high > low)) return [{value: low, text: tickText(low)}];
   if (isLog && high / low > 4) {
@@ -95,10 +95,10 @@ function edges(centres) {
   return [2 * centres[0] - middles[0], ...middles, 2 * centres.at(-1) - middles.at(-1)];
 }
 
-/** Edges [x, y, x, y] between the cells that are true and those that are false; others have none. */
+/** Return the edges [x, y, x, y] between true and false cells; other cells have no edges. */
 function boundary(cells, x, y) {
   const lines = [];
-  const differ = (one, other) => typeof one === "boolean" && typeof other === "boolean" && one !== other;
+  const differ = (first, second) => typeof first === "boolean" && typeof second === "boolean" && first !== second;
   cells.forEach((row, l) => row.forEach((cell, d) => {
     if (differ(cell, row[d + 1])) lines.push([x[d + 1], y[l], x[d + 1], y[l + 1]]);
     if (differ(cell, cells[l + 1]?.[d])) lines.push([x[d], y[l + 1], x[d + 1], y[l + 1]]);
@@ -106,15 +106,15 @@ function boundary(cells, x, y) {
   return lines;
 }
 
-/** Position in a list of the number that is nearest to another one. */
+/** Return the index of the nearest number in a list. */
 function nearest(list, value) {
-  const distances = list.map((each) => Math.abs(each - value));
+  const distances = list.map((item) => Math.abs(item - value));
   return distances.indexOf(Math.min(...distances));
 }
 
 // ---- Axes -----------------------------------------------------------------------------------------------------------
 
-/** Positions of values on an axis {low, high, isLog} between two ends, pixels. */
+/** Return a function from values on an axis {low, high, isLog} to positions between two ends, pixels. */
 function scaleOf({low, high, isLog}, from, to) {
   const on = isLog ? Math.log : (value) => value;
   const off = isLog ? Math.exp : (value) => value;
@@ -124,10 +124,10 @@ function scaleOf({low, high, isLog}, from, to) {
   return at;
 }
 
-/** An axis as it is looked at: between the ends of a view, where there is one. */
+/** Return an axis limited to the ends of its view, if it has one. */
 const viewed = (axis, view) => (view ? {...axis, low: view[0], high: view[1]} : axis);
 
-/** Axes {low, high, isLog, title} in an element: what is drawn with the scales x and y into `inside` is clipped. */
+/** Draw axes {low, high, isLog, title} in an element and return their scales; the group `inside` is clipped. */
 function axes(place, wholeX, wholeY, top = 0) {
   const unit = rem();
   const [x, y] = [viewed(wholeX, place.view?.x), viewed(wholeY, place.view?.y)];
@@ -163,12 +163,12 @@ function axes(place, wholeX, wholeY, top = 0) {
   return Object.assign(place, {axes: {X, Y, x, y, wholeX, wholeY, box, frame, picture, inside, unit, small}}).axes;
 }
 
-// ---- Looking closer -------------------------------------------------------------------------------------------------
+// ---- Zoom -----------------------------------------------------------------------------------------------------------
 
-const CLOSEST = 1e-3; // of an axis, the least that is looked at
+const CLOSEST = 1e-3; // minimum fraction of an axis in a view
 
-/** Look at an axis times as close about a position between 0 and 1 of it, or move by a share of it; never beyond its ends. */
-function lookAt({low, high, isLog}, {low: from, high: to}, times, about, move = 0) {
+/** Zoom an axis by a factor about a position from 0 to 1, or move it by a fraction, within its ends. */
+function zoomedEnds({low, high, isLog}, {low: from, high: to}, times, about, move = 0) {
   const [on, off] = isLog ? [Math.log, Math.exp] : [(value) => value, (value) => value];
   const [start, span] = [on(from), on(to) - on(from)];
   const whole = on(high) - on(low);
@@ -177,19 +177,19 @@ function lookAt({low, high, isLog}, {low: from, high: to}, times, about, move = 
   return size >= whole * (1 - 1e-9) ? null : [off(begin), off(begin + size)];
 }
 
-/** Look at the axes of a plot closer, or move along them. */
-function look(place, redrawn, {times = 1, x = 0.5, y = 0.5, moveX = 0, moveY = 0}) {
+/** Zoom the axes of a plot, or move along them. */
+function zoom(place, redrawn, {times = 1, x = 0.5, y = 0.5, moveX = 0, moveY = 0}) {
   if (!place.axes?.X) return;
   const {wholeX, wholeY} = place.axes;
-  const {view} = place; // what is drawn is older, where several events come before a frame
-  place.view = {x: lookAt(wholeX, viewed(wholeX, view?.x), times, x, moveX), y: lookAt(wholeY, viewed(wholeY, view?.y), times, y, moveY)};
+  const {view} = place; // the drawn view may be older if several events precede a frame
+  place.view = {x: zoomedEnds(wholeX, viewed(wholeX, view?.x), times, x, moveX), y: zoomedEnds(wholeY, viewed(wholeY, view?.y), times, y, moveY)};
   redrawn();
 }
 
-const isNear = (event) => event.ctrlKey || event.metaKey; // a pinch on a touch pad comes as a wheel with Ctrl
+const isNear = (event) => event.ctrlKey || event.metaKey; // a pinch on a touch pad is sent as a wheel event with Ctrl
 
-/** What people do on axes: point, leave, pick (which returns how to undo it), and look closer by dragging a rectangle, by
- * Ctrl and the wheel, by two fingers, by Shift and dragging, and by keys. Called once; the axes may change. */
+/** Connect the events of a plot: point, leave, pick (which returns a function to undo it), and zoom by dragging a
+ * rectangle, by Ctrl and the wheel, by two fingers, by Shift and dragging, and by keys. Called once; the axes may change. */
 function interactive(place, {point, leave, pick, redrawn}) {
   let from = null;
   let rectangle = null;
@@ -213,10 +213,10 @@ function interactive(place, {point, leave, pick, redrawn}) {
     const before = [...fingers.values()];
     fingers.set(event.pointerId, at(event));
     const after = [...fingers.values()];
-    const size = ([one, other]) => Math.hypot(one[0] - other[0], one[1] - other[1]) || 1;
-    const middle = ([one, other]) => parts([(one[0] + other[0]) / 2, (one[1] + other[1]) / 2]);
+    const size = ([first, second]) => Math.hypot(first[0] - second[0], first[1] - second[1]) || 1;
+    const middle = ([first, second]) => parts([(first[0] + second[0]) / 2, (first[1] + second[1]) / 2]);
     const [was, is] = [middle(before), middle(after)];
-    look(place, redrawn, {times: size(after) / size(before), ...is, moveX: was.x - is.x, moveY: was.y - is.y});
+    zoom(place, redrawn, {times: size(after) / size(before), ...is, moveX: was.x - is.x, moveY: was.y - is.y});
   };
   const rectangleTo = (here) => {
     const {box, picture} = place.axes;
@@ -236,7 +236,7 @@ function interactive(place, {point, leave, pick, redrawn}) {
       const [was, is] = [parts(from), parts(here)];
       from = here;
       from.moved = true;
-      return look(place, redrawn, {moveX: was.x - is.x, moveY: was.y - is.y});
+      return zoom(place, redrawn, {moveX: was.x - is.x, moveY: was.y - is.y});
     }
     if (isInside(here) && event.pointerType !== "touch") point?.(...values(here), here);
     else leave?.();
@@ -246,7 +246,7 @@ function interactive(place, {point, leave, pick, redrawn}) {
     fingers.delete(event.pointerId);
     if (from && rectangle) {
       const [[x0, y0], [x1, y1]] = [values(from), values(rectangle.to)];
-      const ends = (one, other) => [Math.min(one, other), Math.max(one, other)];
+      const ends = (first, second) => [Math.min(first, second), Math.max(first, second)];
       place.view = {x: ends(x0, x1), y: ends(y0, y1)};
       rectangle.remove();
       redrawn();
@@ -260,7 +260,7 @@ function interactive(place, {point, leave, pick, redrawn}) {
   window.addEventListener("pointerup", release);
   window.addEventListener("pointercancel", (event) => { fingers.delete(event.pointerId); from = null; });
   place.addEventListener("dblclick", () => {
-    undo?.of?.(); // two clicks look at all, and pick nothing
+    undo?.of?.(); // a double click resets the view and picks nothing
     undo = null;
     place.view = null;
     redrawn();
@@ -268,7 +268,7 @@ function interactive(place, {point, leave, pick, redrawn}) {
   place.addEventListener("wheel", (event) => {
     if (!isNear(event) || !isInside(at(event))) return;
     event.preventDefault();
-    look(place, redrawn, {times: Math.exp(-event.deltaY / 300), ...parts(at(event))});
+    zoom(place, redrawn, {times: Math.exp(-event.deltaY / 300), ...parts(at(event))});
   }, {passive: false});
   place.addEventListener("keydown", (event) => {
     const times = {"+": 1.5, "=": 1.5, "-": 1 / 1.5}[event.key];
@@ -277,11 +277,11 @@ function interactive(place, {point, leave, pick, redrawn}) {
     event.preventDefault();
     event.stopImmediatePropagation();
     if (event.key === "0") { place.view = null; redrawn(); }
-    else look(place, redrawn, times ? {times} : {moveX: move[0], moveY: move[1]});
+    else zoom(place, redrawn, times ? {times} : {moveX: move[0], moveY: move[1]});
   });
 }
 
-/** Words beside a position in a plot, in place of those that were there; none take them away. */
+/** Show a tooltip at a position in a plot; an empty text removes it. */
 function tip(place, words, [x, y] = [0, 0]) {
   place.tip ??= element("div", {class: "tip", "aria-hidden": "true"});
   place.tip.hidden = !words;
@@ -293,7 +293,7 @@ function tip(place, words, [x, y] = [0, 0]) {
   place.tip.style.top = `${Math.max(0, y - height - 10)}px`;
 }
 
-/** The words of the nearest of what a plot has drawn, where it is near enough: place.hits are {x, y, words}. */
+/** Show the tooltip of the nearest point of a plot, if it is close; place.hits are {x, y, words}. */
 function tipOfNearest(place, here) {
   const hits = place.hits ?? [];
   const apart = ({x, y}) => Math.hypot(x - here[0], y - here[1]);
@@ -435,25 +435,25 @@ function colourBar(id, frame, low, high, ticks, title, unit) {
 
 // ---- Curves ---------------------------------------------------------------------------------------------------------
 
-const MOST_BAND = 2.5; // times the highest value, of a band on a linear scale
-const MOST_BAND_LOG = 100; // times the highest or lowest value, on a logarithmic one
-const LEAST_LOG = 10; // of a logarithmic scale, its ends' ratio
+const MAX_BAND = 2.5; // maximum end of a band on a linear scale, relative to the highest value
+const MAX_LOG_BAND = 100; // maximum ratio of an end to the highest or lowest value on a logarithmic scale
+const MIN_LOG_RANGE = 10; // minimum ratio of the ends of a logarithmic scale
 
-/** Range of an axis of values with intervals: a band may be cut off, or a wide one would make a flat line of the rest. */
+/** Return the range of an axis of values with intervals. Wide bands are cut off, so that the curves remain visible. */
 function rangeOf(points, isLog) {
   const ok = points.filter((point) => Number.isFinite(point.value));
   const ends = ok.flatMap((point) => [point.value, point.lower, point.upper]).filter((value) => value > 0);
   const values = ok.map((point) => point.value).filter((value) => value > 0);
   if (!values.length) return [isLog ? 0.1 : 0, 1];
   const [least, most] = [Math.min(...values), Math.max(...values)];
-  if (!isLog) return [0, Math.min(1.05 * Math.max(...ends), MOST_BAND * most)];
-  const low = Math.max(Math.min(...ends) / 1.3, least / MOST_BAND_LOG);
-  const high = Math.min(Math.max(...ends) * 1.3, most * MOST_BAND_LOG);
-  const missing = Math.max(1, Math.sqrt((1.01 * LEAST_LOG) / (high / low)));
+  if (!isLog) return [0, Math.min(1.05 * Math.max(...ends), MAX_BAND * most)];
+  const low = Math.max(Math.min(...ends) / 1.3, least / MAX_LOG_BAND);
+  const high = Math.min(Math.max(...ends) * 1.3, most * MAX_LOG_BAND);
+  const missing = Math.max(1, Math.sqrt((1.01 * MIN_LOG_RANGE) / (high / low)));
   return [low / missing, high * missing];
 }
 
-/** Names of series in one row above axes, or in several where they do not fit; returns the rows, in rem. */
+/** Arrange the names of series in rows above the axes; return the rows. */
 function legendRows(place, series) {
   const [unit, wide] = [rem(), Math.max(place.clientWidth, 8 * rem()) - 5.4 * rem()];
   const rows = [[]];
@@ -479,9 +479,8 @@ function drawLegend({picture, box, unit}, rows) {
   }));
 }
 
-/** Series {points of {x, value, lower, upper, trusted}, colour, name} with bands over an axis, one x of them ringed, and
- * level lines {value, name, colour}. The points that are known are marked if there are few. Returns the range of values
- * that is drawn. */
+/** Draw series {points of {x, value, lower, upper, trusted}, colour, name} with bands over an axis, a ring around the picked
+ * x, and level lines {value, name, colour}. Points are marked if there are few. Return the range of the values. */
 function drawCurves(place, series, x, {title, isLog, picked, levels = []}) {
   const all = series.flatMap(({points}) => points);
   const isUsed = (place.isLog ?? isLog) && all.some(({value}) => value > 0);
@@ -490,7 +489,7 @@ function drawCurves(place, series, x, {title, isLog, picked, levels = []}) {
   const drawn = axes(place, x, {low, high, isLog: isUsed, title}, rows.length ? 0.4 + 1.25 * rows.length : 0);
   const {X, Y, y: shownY, box, inside, unit} = drawn;
   drawLegend(drawn, rows);
-  const room = 0.05 * (isUsed ? 1 : shownY.high - shownY.low); // far out of the view a path is cut, not drawn
+  const room = 0.05 * (isUsed ? 1 : shownY.high - shownY.low); // paths are cut off beyond this margin
   const inRange = (value) => (isUsed ? Math.min(Math.max(value, low / 2), high * 2) : Math.min(Math.max(value, low - room), high + room));
   const at = ({x: value}, y) => [X(value), Y(inRange(y))];
   const isDrawn = ({value}) => Number.isFinite(value) && !(isUsed && value <= 0);
@@ -522,7 +521,7 @@ function drawCurves(place, series, x, {title, isLog, picked, levels = []}) {
 
 // ---- Measured surfaces ----------------------------------------------------------------------------------------------
 
-/** A smooth closed path through points (Catmull-Rom), so that no corner looks like data. */
+/** Return a smooth closed path through points (Catmull-Rom), so that no corner looks like data. */
 function smooth(points) {
   const at = (i) => points[(i + points.length) % points.length];
   const bend = (from, before, after) => [from[0] + (after[0] - before[0]) / 6, from[1] + (after[1] - before[1]) / 6];
@@ -531,8 +530,9 @@ function smooth(points) {
     `C${text(bend(at(i), at(i - 1), at(i + 1)))} ${text(bend(at(i + 1), at(i + 2), at(i)))} ${text(at(i + 1))}`).join("")}z`;
 }
 
-/** Friction in every direction, by series {points of {value, lower, upper}, colour, name}; one direction is ringed. */
-function drawCompass(place, directions, series, picked, said) {
+/** Draw friction over directions for series {points of {value, lower, upper}, colour, name}, with a ring around the picked
+ * direction. */
+function drawCompass(place, directions, series, picked, describe) {
   const unit = rem();
   const [width, height] = [Math.max(place.clientWidth, 12 * unit), Math.max(place.clientHeight, 12 * unit)];
   const [x, y, radius] = [width / 2, height / 2, Math.min(width, height) / 2 - 2.2 * unit];
@@ -560,7 +560,7 @@ function drawCompass(place, directions, series, picked, said) {
     directions.forEach((angle, d) => {
       if (!Number.isFinite(points[d].value)) return;
       const [cx, cy] = at(angle, points[d].value);
-      hits.push({x: cx, y: cy, words: said(points[d], angle, name)});
+      hits.push({x: cx, y: cy, words: describe(points[d], angle, name)});
       picture.append(shape("circle", {cx, cy, r: 3, style: `fill: ${colour}`}));
       if (d === picked) picture.append(...ringed(cx, cy, 0.35 * unit));
     });
@@ -579,18 +579,17 @@ function drawCompass(place, directions, series, picked, said) {
 
 // ---- Files ----------------------------------------------------------------------------------------------------------
 
-/** Words in lines of at most so many letters. */
-function wrapped(words, most) {
+/** Wrap a text into lines of limited length. */
+function wrapped(words, maxLength) {
   const lines = [""];
   for (const word of words.split(/\s+/).filter(Boolean)) {
-    if (lines.at(-1) && lines.at(-1).length + word.length >= most) lines.push("");
+    if (lines.at(-1) && lines.at(-1).length + word.length >= maxLength) lines.push("");
     lines[lines.length - 1] += `${lines.at(-1) ? " " : ""}${word}`;
   }
   return lines.filter(Boolean);
 }
 
-/** A picture of axes as text of SVG that stands by itself, in the colours of paper, with a title, words below, and the
- * address of the view. */
+/** Return a plot as the text of an SVG file in the colours of print, with a title, a caption and the address of the view. */
 function pictureText(place, title, words) {
   const picture = place.querySelector("svg").cloneNode(true);
   const [width, height] = ["width", "height"].map((name) => Number(picture.getAttribute(name)));
@@ -614,7 +613,7 @@ function pictureText(place, title, words) {
     .replaceAll(/var\((--\w+)\)/g, (_, name) => paper.getPropertyValue(name).trim());
 }
 
-/** The text of an SVG as PNG, so many times as fine as the screen. */
+/** Render the text of an SVG file as PNG, at a multiple of the screen resolution. */
 async function pictureBytes(text, times) {
   const image = new Image();
   image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
@@ -624,7 +623,7 @@ async function pictureBytes(text, times) {
   return new Promise((done) => canvas.toBlob(done, "image/png"));
 }
 
-/** A table as CSV; no text of it can be taken for a formula. */
+/** Return a table as CSV; no text is interpreted as a formula. */
 function csvText(rows) {
   const field = (value) => {
     if (typeof value === "number") return Number.isFinite(value) ? String(value) : "";

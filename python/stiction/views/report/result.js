@@ -1,4 +1,4 @@
-// The page of a result: its state, its controls, and its words.
+// Page of a result: state, controls and texts.
 
 // ---- State ----------------------------------------------------------------------------------------------------------
 
@@ -25,31 +25,31 @@ const hasBothRules = facts.rules.length > 1;
 const amplitudeCount = Math.max(1, facts.amplitudes.length);
 const place = () => placeAt(nodeAxes, state.mu0, state.tau0);
 
-/** Number of a coefficient in the tables. */
+/** Return the index of a coefficient in the tables. */
 function indexOf(rule, cell, load, way = state.way) {
   const [R, W, L] = [facts.rules.length, facts.ways.length, loads.length];
   const lead = (state.kind * cells.values.length + cell) * amplitudeCount + state.amplitude;
   return ((lead * R + facts.rules.indexOf(rule)) * W + way) * L + load;
 }
 
-/** Friction by a rule: value, interval, status and what the interval is of. A value without a combined interval has that of
- * the sampling of positions, which is drawn and not printed with it. */
+/** Return friction for a rule: value, interval, status and kind of interval. A value without a combined interval has the
+ * sampling interval of positions, which is drawn but not printed. */
 function frictionAt(rule, cell, load, at = place(), way = state.way) {
   const index = indexOf(rule, cell, load, way);
   const first = index * at.size;
   const status = facts.statuses[statusAt(numbers.small, numbers.offsets.status + first, at, facts.statuses)];
-  const said = {load: loads[load], status: status.name, value: NaN, lower: NaN, upper: NaN, trusted: status.isTrusted, index};
-  if (!status.isOk) return said;
-  if (!at.isNode && !numbers.small[numbers.offsets.fine + first + at.panel]) return {...said, status: "between-nodes", trusted: false};
+  const result = {load: loads[load], status: status.name, value: NaN, lower: NaN, upper: NaN, trusted: status.isTrusted, index};
+  if (!status.isOk) return result;
+  if (!at.isNode && !numbers.small[numbers.offsets.fine + first + at.panel]) return {...result, status: "between-nodes", trusted: false};
   const point = pointAt(numbers, "friction", index, at);
   const isCombined = facts.combined[state.kind] && facts.ways[way].isWhole;
-  if (!isMeasured) return {...said, ...point, isCombined};
+  if (!isMeasured) return {...result, ...point, isCombined};
   const sampling = pointAt(numbers, "sampling", index, at);
   const ends = isCombined ? {} : {lower: sampling.lower, upper: sampling.upper};
-  return {...said, ...point, ...ends, sampling, isCombined};
+  return {...result, ...point, ...ends, sampling, isCombined};
 }
 
-/** A quantity beside friction, by the name of its plot. */
+/** Return another quantity than friction by the name of its plot. */
 function quantityAt(id, cell, load, at = place()) {
   if (isMeasured) {
     const own = facts.quantities.find(({name}) => name === facts.curves[id].of);
@@ -61,11 +61,11 @@ function quantityAt(id, cell, load, at = place()) {
   return friction.status === "ok" ? {...friction, ...pointAt(numbers, id, friction.index, at)} : friction;
 }
 
-/** What is drawn as one curve each. */
+/** Return rule, colour and name of each curve. */
 const curves = () => (hasBothRules ? facts.rules : [facts.rules[state.rule]])
   .map((rule) => ({rule, colour: RULE_COLOURS[rule], name: hasBothRules ? ruleName(rule) : ""}));
 
-// ---- Words ----------------------------------------------------------------------------------------------------------
+// ---- Texts ----------------------------------------------------------------------------------------------------------
 
 const ruleName = (rule) => facts.ruleNames[rule];
 const loadName = (l) => facts.loads.texts[l];
@@ -76,19 +76,19 @@ const wayName = () => `the upper body moves ${facts.ways[state.way].words}`;
 const motionWords = () => (facts.ways[state.way].directions.length > 1 ? facts.ways[state.way].words : wayName());
 const counted = (count, thing) => `${count} ${thing}${count === 1 ? "" : "s"}`;
 
-function sayParameters() {
+function showParameters() {
   byId("parameters").textContent = [`${materialName()}`, ...(loads.length ? [`load ${loadName(state.load)}`] : []),
     ...dimensionIfAny(), ...amplitudeIfAny(), motionWords()].join(", ") + ".";
 }
 
-/** Name of an interval; of generated surfaces there is nothing but the sampling of repetitions. */
+/** Return the name of an interval. Generated surfaces have the sampling interval of repetitions only. */
 function intervalName(isCombined) {
   if (!isMeasured) return "interval";
   if (!isCombined) return "interval of the sampling of positions alone";
   return `interval, combined uncertainty${facts.ranged && !isAtRange() ? ", μ0 and τ0 exact where the study has other values" : ""}`;
 }
 
-/** Whether mu0 and tau0 have the ranges of the study. */
+/** Return whether mu0 and tau0 have the ranges of the study. */
 const isAtRange = () => [["mu0", state.mu0], ["tau0", state.tau0]].every(([name, value]) => !nodeAxes[name].bounds.length ||
   nodeAxes[name].bounds.some(([low, high]) => low <= value && value <= high));
 
@@ -100,15 +100,15 @@ function whyNoInterval() {
 // ---- Result ---------------------------------------------------------------------------------------------------------
 
 function showReadout() {
-  sayParameters();
+  showParameters();
   const [d, l] = [state.pointed?.[0] ?? state.dimension, state.pointed?.[1] ?? state.load];
   const where = [...(isMeasured && cells.values.length < 2 ? [] : [cells.texts[d]]), loadName(l), motionWords()];
   const answers = [element("p", {class: "hint"}, `${state.pointed ? "Under the pointer" : "At"}: ${where.join(", ")}`)];
-  const points = curves().map((curve) => ({...curve, at: frictionAt(curve.rule, d, l), alone: slopesAlone(curve.rule, d)}));
+  const points = curves().map((curve) => ({...curve, at: frictionAt(curve.rule, d, l), alone: slopeEstimate(curve.rule, d)}));
   const judged = judgement(points, d, l);
   for (const [i, {at, colour, rule, alone}] of points.entries()) {
     answers.push(element("p", {class: i ? "of other" : "of", style: `color: ${colour}`}, facts.ruleWords[rule]), ...answerOf(at, rule, judged.saysSlopes ? null : alone));
-    if (judged.said?.bar && rule === "all" && at.isCombined) answers.push(barOf(judged.said.bar), ...(judged.said.most ? [element("p", {class: "hint"}, judged.said.most)] : []));
+    if (judged.answer?.bar && rule === "all" && at.isCombined) answers.push(contributionBar(judged.answer.bar), ...(judged.answer.most ? [element("p", {class: "hint"}, judged.answer.most)] : []));
   }
   if (points.length > 1 && isMeasured)
     answers.push(element("p", {class: "hint"}, "If μ0 was measured on smooth surfaces, friction acts at all contacts. Which rule holds elsewhere is not known."));
@@ -120,10 +120,10 @@ function showReadout() {
   byId("figures").replaceChildren(figuresOf(points[0].at, d, l));
 }
 
-const isSame = (one, other) => Math.abs(one - other) <= 1e-9 * Math.max(Math.abs(one), Math.abs(other), 1e-300);
+const isSame = (first, second) => Math.abs(first - second) <= 1e-9 * Math.max(Math.abs(first), Math.abs(second), 1e-300);
 
-/** The parts of a coefficient as one bar, with its interval. */
-function barOf({parts, ends: [low, high], value, texts}) {
+/** Draw the contributions to a coefficient as a bar, with its interval. */
+function contributionBar({parts, ends: [low, high], value, texts}) {
   const most = 1.05 * Math.max(value, high ?? value);
   const percent = (part) => `${(100 * part) / most}%`;
   const bar = shape("svg", {class: "bar", role: "img", width: "100%", height: 34});
@@ -135,7 +135,7 @@ function barOf({parts, ends: [low, high], value, texts}) {
     from += part;
   });
   if (low !== null) {
-    const to = high ?? most; // an interval without an upper end goes on beyond the bar
+    const to = high ?? most; // an unbounded interval extends to the end of the bar
     bar.append(shape("line", {x1: percent(low), x2: percent(to), y1: 14, y2: 14, stroke: "var(--ink)", "stroke-width": 2}));
     for (const end of high === null ? [low] : [low, high]) bar.append(shape("line", {x1: percent(end), x2: percent(end), y1: 8, y2: 20, stroke: "var(--ink)", "stroke-width": 2}));
   }
@@ -148,61 +148,61 @@ function answerOf(at, rule, alone) {
     return [element("p", {class: "value"}, at.status), element("p", {class: "interval"}, facts.why[at.status]?.why ?? "")];
   const ends = endsOf(at);
   const sampled = at.sampling && endsOf(at.sampling);
-  const [said] = at.isCombined || !isMeasured
+  const [interval] = at.isCombined || !isMeasured
     ? [ends ? [`${PERCENT} ${intervalName(at.isCombined)} `, element("span", {"data-lower": at.lower, "data-upper": at.upper}, ends)] : [`No interval: ${whyNoInterval()}`]]
     : [["No combined interval: the library has it for the mean over all directions"]];
   return [
     element("p", {class: "value", "data-rule": rule}, element("i", {}, "μ"), element("sub", {}, "s"), " = ", data(at.value, inDecimals(at.value, at.decimals))),
-    element("p", {class: "interval"}, ...said),
+    element("p", {class: "interval"}, ...interval),
     ...(sampled && (!at.isCombined || sampled !== ends) ? [element("p", {class: "hint"}, `Sampling of positions alone: ${sampled}`)] : []),
     ...(alone ? [element("p", {class: "hint"}, "The slopes alone predict ", data(alone.value, quoted(alone)))] : []),
   ];
 }
 
-/** Friction by the slopes of the gap alone, if there is one. */
-function slopesAlone(rule, cell) {
+/** Return the small-slope estimate, or null if there is none. */
+function slopeEstimate(rule, cell) {
   if (numbers.offsets.slopes_value === undefined) return null;
   const index = ((state.kind * cells.values.length + cell) * facts.rules.length + facts.rules.indexOf(rule)) * facts.ways.length + state.way;
   const point = pointAt(numbers, "slopes", index, place());
   return Number.isFinite(point.value) ? point : null;
 }
 
-/** How the style calls each verdict. */
-const KIND = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
+/** CSS class of each assessment. */
+const VERDICT_CLASSES = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"};
 
-/** The verdict of the library, and its reasons. */
+/** Return the elements of the assessment and its caveats. */
 function judgement(points, d, l) {
-  const saying = (elements, saysSlopes = false, said = null) => ({elements, saysSlopes, said,
-    more: said ? [element("p", {class: "sentence"}, said.sentence), ...(saysSlopes ? [element("p", {class: "hint"}, said.slopes)] : [])] : []});
+  const assessment = (elements, saysSlopes = false, answer = null) => ({elements, saysSlopes, answer,
+    more: answer ? [element("p", {class: "sentence"}, answer.sentence), ...(saysSlopes ? [element("p", {class: "hint"}, answer.slopes)] : [])] : []});
   if (!isMeasured) {
     const at = place();
     const index = ((d * amplitudeCount + state.amplitude) * facts.ways.length + state.way) * loads.length + l;
     const {verdict, doubts} = facts.judgements[atNearest(numbers.floats, numbers.offsets.judgement + index * at.size, at)];
     const number = (of) => of && between(numbers.floats, numbers.offsets[`number_${of.table}`] + index * at.size, at);
-    return saying(saidVerdict(verdict, doubts.map((doubt) => ({...doubt, text: filled(doubt.text, doubt.number, number(doubt.number))}))));
+    return assessment(verdictElements(verdict, doubts.map((doubt) => ({...doubt, text: filled(doubt.text, doubt.number, number(doubt.number))}))));
   }
   const isWhole = facts.ways[state.way].isWhole;
   const isHere = ({at}) => isSame(at.load, loads[l]) && (at.cut_off === undefined || isSame(at.cut_off, cells.values[d]));
-  const said = facts.answers.find((each) => isHere(each) && isSame(each.at.mu0, state.mu0) && isSame(1000 * each.at.tau0, state.tau0));
-  if (said) return saying(saidVerdict(said.verdict, said.doubts), isWhole && said.slopes !== "", isWhole ? said : null);
+  const answer = facts.answers.find((each) => isHere(each) && isSame(each.at.mu0, state.mu0) && isSame(1000 * each.at.tau0, state.tau0));
+  if (answer) return assessment(verdictElements(answer.verdict, answer.doubts), isWhole && answer.slopes !== "", isWhole ? answer : null);
   const near = facts.answers.reduce((best, each) => {
     const apart = ({at}) => Math.abs(Math.log(at.load / loads[l])) + (at.cut_off !== undefined && !isSame(at.cut_off, cells.values[d]) ? 10 : 0);
     return !best || apart(each) < apart(best) ? each : best;
   }, null);
   const back = element("button", {type: "button"}, "Back to what was asked for");
   back.addEventListener("click", () => goTo(near.at));
-  return saying(near ? [element("p", {class: "hint"}, "The verdict is about the loads, μ0 and τ0 that the study asks for; at " +
+  return assessment(near ? [element("p", {class: "hint"}, "The verdict is about the loads, μ0 and τ0 that the study asks for; at " +
     `${near.loadText} it is: ${near.verdict}. `, back)] : []);
 }
 
-const MOST_DOUBTS = 3; // that are open below the verdict
+const MAX_OPEN_CAVEATS = 3; // caveats shown without opening the list
 
-function saidVerdict(verdict, doubts) {
-  const kind = KIND[verdict];
+function verdictElements(verdict, doubts) {
+  const kind = VERDICT_CLASSES[verdict];
   const list = (some) => (some.length ? [element("ul", {class: "doubts"}, ...some.map(({text, cure, severity}) =>
-    element("li", {class: severity}, `${text.replace(/^[a-z]/, (one) => one.toUpperCase())}; ${cure}.`)))] : []);
-  const rest = doubts.slice(MOST_DOUBTS);
-  return [element("div", {class: `said ${kind}`}, element("p", {class: `verdict ${kind}`}, verdict), ...list(doubts.slice(0, MOST_DOUBTS)),
+    element("li", {class: severity}, `${text.replace(/^[a-z]/, (letter) => letter.toUpperCase())}; ${cure}.`)))] : []);
+  const rest = doubts.slice(MAX_OPEN_CAVEATS);
+  return [element("div", {class: `said ${kind}`}, element("p", {class: `verdict ${kind}`}, verdict), ...list(doubts.slice(0, MAX_OPEN_CAVEATS)),
     ...(rest.length ? [element("details", {}, element("summary", {}, `${rest.length} more`), ...list(rest))] : []))];
 }
 
@@ -238,7 +238,7 @@ function figuresOf(at, d, l) {
 
 const TITLES = {friction: "_μ_~s~", width: "±", area: "_A_ (µm²)", stiffness: "mN/µm"};
 
-/** Value, status and whether it is trusted, over (load, dimension), of the quantity of the map. */
+/** Return value, status and trust of the quantity of the map, over (load, dimension). */
 function mapAt() {
   const [at, rule] = [place(), facts.rules[state.rule]];
   const of = {
@@ -282,7 +282,7 @@ const QUANTITY = {
 const hasQuantity = (id) => (isMeasured ? facts.quantities.some(({name}) => name === facts.curves[id]?.of)
   : id === "area" || (id === "stiffness" && facts.hasStiffness));
 
-/** One curve for each of `curves`; one of what has nothing to do with friction. */
+/** Return a series for each curve; quantities other than friction have one. */
 function seriesOf(id, points) {
   const drawn = id === "friction" ? curves() : [{...curves()[0], name: "", colour: "var(--area)"}];
   return drawn.map((curve) => ({...curve, points: points(curve.rule)}));
@@ -293,7 +293,7 @@ function showCurve(id) {
   const series = seriesOf(id, (rule) => loads.map((load, l) => ({
     ...(id === "friction" ? frictionAt(rule, state.dimension, l, at) : quantityAt(id, state.dimension, l, at)), x: load})));
   const levels = id === "friction" && isMeasured ? series.flatMap(({rule, colour}) => {
-    const alone = slopesAlone(rule, state.dimension);
+    const alone = slopeEstimate(rule, state.dimension);
     return alone ? [{value: alone.value, colour, name: `small-slope estimate, ${rule}`}] : [];
   }) : [];
   const room = isMeasured ? 1.15 : 1;
@@ -363,25 +363,25 @@ const mapRows = () => [["fractal dimension", "load (mN)", state.quantity, "statu
 
 // ---- Controls -------------------------------------------------------------------------------------------------------
 
-let sliders = {}; // of load and dimension
+let sliders = {}; // sliders of load and dimension
 
-function sayIfStrong() {
+function showStrengthNotice() {
   const isStrong = state.tau0 > facts.tau0Sane;
   byId("strong").hidden = !isStrong;
   byId("strong").textContent = `τ0 is above a tenth of the effective modulus, ${facts.saneText}.`;
 }
 
-/** Pick a dimension and a load; returns what undoes it. */
+/** Pick a dimension and a load; return a function that undoes the choice. */
 function pick(d, l) {
   const before = [state.dimension, state.load];
-  Object.assign(state, {dimension: d, load: l, pointed: null}); // a finger that taps never leaves
+  Object.assign(state, {dimension: d, load: l, pointed: null}); // a touch sends no leave event
   sliders.dimension.set(d);
   sliders.load.set(l);
   redraw(...FRICTION);
   return () => pick(...before);
 }
 
-/** Set everything to a point that was asked for. */
+/** Set all controls to a point of the study. */
 function goTo({load, mu0, tau0: strength, cut_off: cutOff}) {
   for (const [id, value] of [["mu0", mu0], ["tau0", Number((1000 * strength).toPrecision(12))]]) {
     byId(`${id}-number`).value = value;
@@ -391,21 +391,21 @@ function goTo({load, mu0, tau0: strength, cut_off: cutOff}) {
 }
 
 function connect() {
-  const said = addressed();
-  const whole = (text, count, otherwise) => Math.floor(numberOf(text, 0, count - 1, otherwise));
+  const fields = addressFields();
+  const whole = (text, count, fallback) => Math.floor(parseNumber(text, 0, count - 1, fallback));
   if (nodeAxes) {
-    state.mu0 = numberOf(said.mu0, 0, nodeAxes.mu0.most, state.mu0);
-    state.tau0 = numberOf(said.tau0, 0, nodeAxes.tau0.most, state.tau0);
+    state.mu0 = parseNumber(fields.mu0, 0, nodeAxes.mu0.most, state.mu0);
+    state.tau0 = parseNumber(fields.tau0, 0, nodeAxes.tau0.most, state.tau0);
   }
   for (const [key, count] of [["rule", facts.rules.length], ["way", facts.ways.length], ["amplitude", facts.amplitudes.length],
-    ["kind", facts.kinds.length]]) state[key] = whole(said[key], count, state[key]);
+    ["kind", facts.kinds.length]]) state[key] = whole(fields[key], count, state[key]);
   const changed = () => {
-    sayIfStrong();
+    showStrengthNotice();
     redraw(...FRICTION);
   };
   for (const [name, unit] of [["mu0", ""], ["tau0", " MPa"]])
     amount(name, {value: state[name], ...(nodeAxes?.[name] ?? {most: 1, step: 1}), unit, changed: (value) => { state[name] = value; changed(); }});
-  sayIfStrong();
+  showStrengthNotice();
   const set = (key) => (value) => {
     state[key] = value;
     redraw(...FRICTION);
@@ -417,7 +417,7 @@ function connect() {
   choice("amplitude", facts.amplitudes, state.amplitude, set("amplitude"));
   byId("dimension-label").textContent = isMeasured ? "Cut-off wavelength" : facts.cell.label;
   byId("dimension-control").hidden = cells.values.length < 2;
-  const d = Number(said.d ?? NaN);
+  const d = Number(fields.d ?? NaN);
   if (Number.isFinite(d)) state.dimension = nearest(cells.values, d);
   sliders.dimension = index("dimension", {value: state.dimension, count: cells.values.length,
     name: (at) => cells.texts[at], changed: (at) => { state.dimension = at; redraw(...FRICTION); }});
@@ -426,23 +426,23 @@ function connect() {
   });
   window.addEventListener("resize", () => redraw(...Object.keys(drawings)));
   if (!loads.length) return;
-  connectLoad(said);
-  connectMap(said);
+  connectLoad(fields);
+  connectMap(fields);
   for (const id of ["friction", "area", "stiffness", "unloading", "over"]) if (drawings[id]) connectCurve(id);
   if (drawings.compass) connectCompass();
   atRest = () => address(addressOf());
-  sayParameters();
+  showParameters();
   address(addressOf());
 }
 
-function connectLoad(said) {
-  const at = numberOf(said.load, 1e-300, 1e300, NaN);
+function connectLoad(fields) {
+  const at = parseNumber(fields.load, 1e-300, 1e300, NaN);
   if (Number.isFinite(at)) state.load = nearest(loads.map(Math.log), Math.log(at));
   sliders.load = index("load", {value: state.load, count: loads.length, name: loadName,
     changed: (l) => { state.load = l; redraw(...FRICTION); }});
 }
 
-/** What arrow keys do on a plot: a step for each. */
+/** Connect arrow keys on a plot, with a step for each key. */
 function onArrows(place, steps, move) {
   place.addEventListener("keydown", (event) => {
     if (!(event.key in steps)) return;
@@ -451,11 +451,11 @@ function onArrows(place, steps, move) {
   });
 }
 
-function connectMap(said) {
+function connectMap(fields) {
   if (!drawings.map) return;
   const list = byId("quantity");
   for (const option of [...list.options]) if (!facts.maps.includes(option.value)) option.remove();
-  if ([...list.options].some(({value}) => value === said.show)) state.quantity = said.show;
+  if ([...list.options].some(({value}) => value === fields.show)) state.quantity = fields.show;
   list.value = state.quantity;
   list.addEventListener("change", () => {
     state.quantity = list.value;
@@ -489,7 +489,7 @@ function connectMap(said) {
   });
 }
 
-/** The value of a cell of the map with its interval, or why there is none. */
+/** Return the value of a cell of the map with its interval, or its status. */
 function textOfCell(d, l) {
   if (mapped.value[l][d] === null) return mapped.status[l][d];
   if (state.quantity === "width") return `±${inDecimals(100 * mapped.value[l][d], 0)} %`;
@@ -501,7 +501,7 @@ function connectCurve(id) {
   const over = id === "over";
   toolbar(place, curveRows(id, over ? facts.cell.name : "load (mN)"), {hasScales: true});
   const all = () => (over ? cells.values : loads.map(Math.log));
-  const take = (at) => (over ? pick(at, state.load) : pick(state.dimension, at));
+  const pickAt = (at) => (over ? pick(at, state.load) : pick(state.dimension, at));
   interactive(place, {
     point: (x, _, here) => {
       const words = place.drawn.series.map(({points, name}) => {
@@ -511,11 +511,11 @@ function connectCurve(id) {
       tip(place, words.length ? `${words.map(({text}) => text).join("; ")} at ${over ? cells.texts[cells.values.indexOf(words[0].at)] : loadName(loads.indexOf(words[0].at))}` : "", here);
     },
     leave: () => tip(place, ""),
-    pick: (x) => take(nearest(all(), over ? x : Math.log(x))),
+    pick: (x) => pickAt(nearest(all(), over ? x : Math.log(x))),
     redrawn: () => redraw(id),
   });
   onArrows(place, {ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1}, (step) => {
-    take(Math.min(Math.max((over ? state.dimension : state.load) + step, 0), all().length - 1));
+    pickAt(Math.min(Math.max((over ? state.dimension : state.load) + step, 0), all().length - 1));
   });
 }
 
@@ -538,8 +538,8 @@ function connectCompass() {
     const [x, y] = positionIn(compass, event);
     const {centre} = compass.axes;
     const angle = (Math.atan2(centre[1] - y, x - centre[0]) * 180) / Math.PI;
-    const apart = (one) => Math.abs(((one - angle + 540) % 360) - 180);
-    set(wayOf(facts.directions.reduce((best, each, d) => (apart(each) < apart(facts.directions[best]) ? d : best), 0)));
+    const difference = (direction) => Math.abs(((direction - angle + 540) % 360) - 180);
+    set(wayOf(facts.directions.reduce((best, direction, d) => (difference(direction) < difference(facts.directions[best]) ? d : best), 0)));
   });
   compass.addEventListener("dblclick", () => { if (facts.ways[0].directions.length > 1) set(0); });
 }
@@ -552,16 +552,16 @@ function addressOf() {
   return values;
 }
 
-// ---- Beginning ------------------------------------------------------------------------------------------------------
+// ---- Start ----------------------------------------------------------------------------------------------------------
 
 async function unpackAll() {
   numbers.floats = doubles(await unpacked("floats"), facts.leading);
   numbers.small = new Int8Array((await unpacked("small")).buffer);
 }
 
-/** Take away what a result has nothing for. */
-function hideOthers() {
-  const lacking = {
+/** Hide the plots and controls for which the result has no values. */
+function hideUnavailable() {
+  const isMissing = {
     map: isMeasured || !loads.length,
     readout: !loads.length,
     over: cells.values.length < 2 || !loads.length,
@@ -571,11 +571,11 @@ function hideOthers() {
     unloading: !isMeasured || !hasQuantity("unloading"),
     compass: facts.directions.length < 3 || !loads.length,
   };
-  for (const id of Object.keys(lacking).filter((each) => lacking[each])) {
+  for (const id of Object.keys(isMissing).filter((name) => isMissing[name])) {
     byId(id === "readout" ? "top" : id).closest("section, .panel").hidden = true;
     delete drawings[id];
   }
-  byId("top").classList.toggle("alone", lacking.map && !byId("top").querySelector(".figure"));
+  byId("top").classList.toggle("alone", isMissing.map && !byId("top").querySelector(".figure"));
   if (isMeasured) {
     byId("main").classList.add("pair");
     byId("top").after(byId("controls"));
@@ -593,12 +593,12 @@ start(async () => {
   await unpackAll();
   drawings = {map: showMap, readout: showReadout, over: showOver, friction: () => showCurve("friction"),
     area: () => showCurve("area"), stiffness: () => showCurve("stiffness"), unloading: () => showCurve("unloading"), compass: showCompass};
-  hideOthers();
+  hideUnavailable();
   if (!loads.length) {
-    say("No pair of this study touches within its approaches: there is no load, no area and no friction to show.");
+    showNotice("No pair of this study touches within its approaches: there is no load, no area and no friction to show.");
     byId("controls").hidden = true;
   } else if (facts.steps === 1 && !isMeasured) {
-    say("This study has one approach. Values at a load are read off between two, so there are none to show.");
+    showNotice("This study has one approach. Values at a load are read off between two, so there are none to show.");
   }
   connect();
   Object.keys(drawings).forEach((place) => drawings[place]());
