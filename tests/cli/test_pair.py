@@ -587,7 +587,7 @@ def test_run_rejects_changed_scan_file(where):
     check_stiction(*arguments, "--shifts", 1, cwd=where)
     np.save(where / "scan.npy", -surface("upper", 48).heights)
     more = ["run", "other", "--set", "ensemble.repetitions=2"]
-    assert_rejected(call_stiction(*more, cwd=where), "scan.npy", "another file")
+    assert_rejected(call_stiction(*more, cwd=where), "scan.npy", "has changed since")
 
 
 # ---- Measured data --------------------------------------------------------------------------------------------------
