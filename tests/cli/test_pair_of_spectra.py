@@ -137,7 +137,7 @@ def test_pair_accepts_spectrum_and_scan(where, surfaces, spectra):
     command = ["pair", "upper.csv", "lower.csv", *OPTIONS, "--surrogates", "2"]
     check_stiction(*command, cwd=changed, without_figures=True)
     (changed / "upper.csv").write_bytes((where / "lower.csv").read_bytes())
-    assert_rejected(call_stiction("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed), "another file")
+    assert_rejected(call_stiction("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed), "has changed since")
 
 
 REFUSED = ["--output", "refused"]

@@ -81,7 +81,7 @@ class Table:
     cells: Floats  # number of grid cells
     at_edge: NDArray[np.bool_]  # whether the contact reaches the edge of the grid
     pressure: Floats  # (p,), GPa
-    weight: Floats  # (p,), fraction of the true contact area at each pressure
+    weight: Floats  # (p,), relative weight of each pressure in the true contact area
 
     def statistics(self) -> dict[str, Any]:
         """Compute the stored statistics: load fractions, and quantiles of contact area and pressure."""

@@ -402,7 +402,7 @@ class Asperities(ContactTable):
         )  # fmt: skip
 
 
-# ---- Each contact model on each kind of surfaces ---------------------------------------------------------------------
+# ---- Combinations of contact model and kind of surfaces --------------------------------------------------------------
 
 
 class GeneratedAsperities(Asperities, GeneratedContact):
