@@ -263,11 +263,13 @@ def budget_text(point: PointSummary) -> str:
     largest = point.most
     if largest is None or any(fault.text != WIDE_INTERVAL for fault in point.faults):
         return ""
-    now, then = (from_to(low, high) for low, high in ((point.lower, point.upper), (largest.lower, largest.upper)))
-    if now == then:
+    current, reduced = (
+        from_to(low, high) for low, high in ((point.lower, point.upper), (largest.lower, largest.upper))
+    )
+    if current == reduced:
         return ""
-    how = _ACTIONS.get(largest.words, f"Measuring {largest.words}")
-    return f"{how} would give [{then.replace(' to ', ', ')}]."
+    action = _ACTIONS.get(largest.words, f"Measuring {largest.words}")
+    return f"{action} would give [{reduced.replace(' to ', ', ')}]."
 
 
 _ACTIONS = {
@@ -282,22 +284,22 @@ def single_test_text(point: PointSummary) -> str:
     first = point.rules[0]
     if not math.isfinite(first.next_test[0]) or first.next_test == (first.lower, first.upper):
         return ""
-    what = "positions" if point.scans == (1, 1) else "scans and positions"
+    sampled_items = "positions" if point.scans == (1, 1) else "scans and positions"
     selected = math.isfinite(first.positions[0]) and first.positions != (first.lower, first.upper)
-    alone = f"; {what} alone: {from_to(*first.positions)}" if selected else ""
-    return f"Single test in one direction: {from_to(*first.next_test)}{alone}."
+    sampling_text = f"; {sampled_items} alone: {from_to(*first.positions)}" if selected else ""
+    return f"Single test in one direction: {from_to(*first.next_test)}{sampling_text}."
 
 
 def dwell_time_text(point: PointSummary) -> str:
     """Return the coefficient after the dwell times of the study; empty without dwell times."""
-    after = [f"{duration(aged.seconds)} {quoted(aged.value, aged.lower, aged.upper)}" for aged in point.waited]
+    entries = [f"{duration(aged.seconds)} {quoted(aged.value, aged.lower, aged.upper)}" for aged in point.waited]
     reason = (
         "; none if the hardness falls below the pressure"
         if any(math.isnan(aged.value) for aged in point.waited)
         else ""
     )
     rate = f"; {significant(point.ageing)} for each factor e of time" if math.isfinite(point.ageing) else ""
-    return f"After a dwell time: {', '.join(after)}{reason}{rate}." if after else ""
+    return f"After a dwell time: {', '.join(entries)}{reason}{rate}." if entries else ""
 
 
 def assessment_text(headlines: Sequence[PointSummary], max_lines: int | None = None) -> str:
