@@ -379,7 +379,7 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
     if fault["type"] == "tuple_type":
         message = "must be a list"
     if fault["type"] == "string_unicode":
-        message = "must be UTF-8 text, because studies are stored as UTF-8 (rename files with other names)"
+        message = "must be text in UTF-8, the encoding of studies (rename a file with another name)"
     if (template := _ERROR_MESSAGES.get(fault["type"])) is not None:
         message = template.format_map(fault.get("ctx", {}))
     if fault["type"] not in ("value_error", "missing", "range_or_list", "key", "too_short", "too_long"):
