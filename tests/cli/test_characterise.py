@@ -258,7 +258,7 @@ def test_characterise_applies_cutoff_and_checks_tip(folder, profile):
     assert table(characterisation_text(level, tip_radius=1.0)) == words(message)
     _, blunt, _ = characterise("scan.csv", "--tip", "100 um", cwd=folder)
     assert "use a sharper tip" in blunt
-    assert "sharper than the tip follows" in blunt
+    assert "sharper than the tip resolves" in blunt
     assert_rejected(call_stiction("characterise", "scan.csv", "--cutoff", "20 um", cwd=folder), "--cutoff")
 
 

@@ -566,7 +566,7 @@ def test_pair_in_parts_completes_result(where):
         check_stiction(*arguments, "--part", part, cwd=where)
     assert store.open_stored(where / "parts").finished.size == 4
     completed = check_stiction(*arguments, cwd=where)
-    assert "not in percent" in completed.stdout, "what is seldom meant is said, and it goes on"
+    assert "not in per cent" in completed.stdout, "the caveat is printed, and the command continues"
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -167,7 +167,7 @@ def test_sticking_follows_interval_of_pull_off_pressure(pressure, is_bound, stic
 
 
 def test_explicit_zero_adhesion_changes_nothing_and_has_no_caveat(sticky):
-    words = "would add"
+    words = "would increase"
     silent, none = pressed(), pressed(work_of_adhesion="0 mJ/m^2")
     for name in silent.dataset.data_vars:
         assert (silent.dataset[name].values == none.dataset[name].values).all() or name in ("patch_area", "pressure")

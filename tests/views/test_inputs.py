@@ -53,7 +53,7 @@ def test_spikes_are_counted(rough):
     heights[[500, 1200]] += 2 * SPIKE * np.abs(np.diff(heights, 2)).max()
     message = texts(Profile(heights, spacing=rough.spacing), rough)
     assert [text for text in message if "as sharp as usual" in text] == [
-        "upper: 6 points are more than 12 times as sharp as usual, and would touch first"
+        "upper: 6 points are more than 12 times as sharp as usual, and would come into contact first"
     ]
 
 
@@ -76,7 +76,7 @@ def test_noise_and_peaks_are_caveats_without_cutoff():
     created = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
     noisy = Profile(created.heights + 2e-4 * rng.normal(size=4096), spacing=0.01)
     humming = Profile(created.heights + 5e-4 * np.sin(2 * np.pi * np.arange(4096) / 8), spacing=0.01)
-    for body, word in ((noisy, "like noise"), (humming, "a line stands")):
+    for body, word in ((noisy, "as for noise"), (humming, "has a line")):
         doubt = next(item for item in doubts_of_inputs(body, body, measured_study()) if word in item.text)
         limit = instrument_limit(body)
         assert doubt.cut_off == limit.cut_off < limit.noise < 0.6
@@ -112,7 +112,7 @@ def test_wavelengths_below_the_tip_are_a_caveat():
     # Without them it would be smoother still, and further from the surface that the tip smoothed.
     assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
     (doubt,) = doubts_of_inputs(scan, scan, study)
-    assert "too sharp for the tip: the surface is steeper" in doubt.text
+    assert "does not resolve: the surface is steeper" in doubt.text
     assert instrument_limit(scan, tip_radius=20.0).slope_fraction > 0.1
     assert doubt.severity == "fault"  # an elastic answer has no limit
     plastic = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})

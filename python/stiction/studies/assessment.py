@@ -383,10 +383,10 @@ def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
         added = added_by_adhesion(point, study)
         least = ADDED if study.uses_half_space else 1.0  # asperities cannot say that there is none
         if study.is_measured and study.contact.work_of_adhesion is None and added > least:
-            more = f"at least {percent(added)} of the load" if added < 1 else "more than the load"
-            text = f"adhesion of {1e6 * TYPICAL_WORK:g} mJ/m² would add {more} to the load on the contacts"
+            more = f"at least {percent(added)}" if added < 1 else "more than 100 %"
+            text = f"adhesion of {1e6 * TYPICAL_WORK:g} mJ/m² would increase the load on the contacts by {more}"
             also = "" if study.uses_half_space else "--mechanics half-space and "
-            yield Doubt(text, f"give {also}--adhesion, '0 mJ/m^2' if there is none", "caution")
+            yield Doubt(text, f"specify {also}--adhesion ('0 mJ/m^2' if there is none)", "caution")
         return
     asked, taken = range_of(point, study)
     if taken > asked:

@@ -1,4 +1,4 @@
-"""Doubts about what was given: heights, spikes, loads and coefficients that are seldom meant."""
+"""Caveats about inputs: implausible heights, spikes, noise, loads and coefficients."""
 
 from __future__ import annotations
 
@@ -27,41 +27,41 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 REASONS = {
-    "noise floor": "the spectrum ends flat, like noise",
-    "quantisation": "the spectrum ends flat, by the steps of the heights",
-    "line": "a line stands in the spectrum",
-    "roll-up": "the spectrum rises at its end",
-    "hump": "the spectrum has a hump that no surface has",
-    "tip": "sharper than the tip follows",
+    "noise floor": "the spectrum is flat, as for noise",
+    "quantisation": "the spectrum is flat, as for quantised heights",
+    "line": "the spectrum has a line",
+    "roll-up": "the spectrum rises",
+    "hump": "the spectrum has a hump",
+    "tip": "features are sharper than the tip resolves",
 }
-"""Words for what ends the waves to be trusted."""
+"""Descriptions of the reasons for a wavelength limit."""
 
-IMPOSSIBLE = 10.0  # height over extent from which on no scan has it
-HIGHEST_MU0 = 2.0  # above it a molecular friction coefficient is a slip: clean metals in vacuum come near
+IMPOSSIBLE = 10.0  # height over extent above which the unit of heights is wrong
+HIGHEST_MU0 = 2.0  # clean metals in vacuum have lower molecular friction coefficients
 
 FORM = 0.6
-"""Fraction of the mean square height in a parabola, from which on it is form: of the longest waves it is half."""
+"""Fraction of the mean square height in a parabola above which it is form; it is a half for the longest wavelengths."""
 
 SPIKE = 12.0
-"""Ratio to the usual second difference (median over 0.67) above which a point stands out: by chance none does at 5."""
+"""Second difference over its robust standard deviation (median over 0.67) above which a point is a spike."""
 
-NOISE = 0.01  # fraction of the mean square slope in waves of an instrument, from which on it is said
-PEAK = 0.1  # fraction of the fourth spectral moment in one peak, from which on it is said
+NOISE = 0.01  # fraction of the mean square slope from the instrument above which there is a caveat
+PEAK = 0.1  # fraction of the fourth spectral moment in one peak above which there is a caveat
 CURE = (
-    " if they are the instrument's; use --texture turned, milled, ground, ... or --cutoff none if they are the "
-    "surface's; scan one place twice to find out (stiction characterise --repeated)"
+    " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
+    "the surface; two scans of one place show which (stiction characterise --repeated)"
 )
-MUCH = 2.0  # factor between spectra of one surface, above which it is said
-WHOLE_PART = 0.1  # nominal pressure over E* from which on a load is that of a larger body
+MUCH = 2.0  # factor between spectra of one surface above which there is a caveat
+WHOLE_PART = 0.1  # nominal pressure over E* above which the load probably refers to a larger body
 
 
 def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Doubt, ...]:
-    """A doubt for each thing that is seldom meant, of two bodies as they were read, their study, and loads (mN)."""
-    bowed = study.surfaces.level == "quadratic"  # what is taken off is no doubt
+    """Return caveats about two bodies as read from files, their study, and loads (mN)."""
+    bowed = study.surfaces.level == "quadratic"  # a subtracted form is no caveat
     vouched = bool(study.surfaces.vouched)
 
     def of_part(file: MeasuredFile, body: Body) -> list[Doubt]:
-        """Doubts about the scans of a part, of one kind that of the longest waves."""
+        """Return caveats about the scans of a part; of each kind, the one with the longest wavelength."""
         kinds: dict[str, Doubt] = {}
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             found = [Doubt(each.text, f"{each.cure} ({each.name})", "caution") for each in of_scan.caveats]
@@ -92,23 +92,23 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > HIGHEST_MU0:
         text = f"μ0 = {mu0:g} is larger than that of any pair of materials"
-        doubts.append(Doubt(text, "give it as a fraction, not in percent", "caution"))
+        doubts.append(Doubt(text, "specify it as a fraction, not in per cent", "caution"))
     area = float(np.prod(np.minimum(_extent(upper), _extent(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:
         if load / area > WHOLE_PART * modulus:
             text = f"{with_unit(load, 'mN')} is {with_unit(load / area, 'GPa')} on {area:.3g} µm², above a tenth of E*"
-            doubts.append(Doubt(text, "give the load on this area, not on the whole part", "caution"))
+            doubts.append(Doubt(text, "specify the load on this area, not on the whole part", "caution"))
     return tuple(doubts)
 
 
 def _without_cutoff(doubt: Doubt, longest: float) -> str:
-    """Return the cure of a doubt, which is no filter if its cutoff is above the longest one of both scans (µm)."""
+    """Return the remedy of a caveat; filtering is none if its cutoff exceeds the longest one of both scans (µm)."""
     if not longest < doubt.cut_off < math.inf:
         return doubt.cure
     return (
         f"scan a longer part, as the longest cutoff of both scans is {with_unit(longest, 'um')}; "
-        "--cutoff none keeps these waves"
+        "--cutoff none keeps these wavelengths"
     )
 
 
@@ -121,12 +121,12 @@ _NUMBER = re.compile(r"\d[\d.]*")
 
 
 def _kind(doubt: Doubt) -> str:
-    """The text without its numbers."""
+    """Return the text without its numbers."""
     return _NUMBER.sub("", doubt.text)
 
 
 def _joined(upper: Doubt, lower: Doubt) -> str:
-    """The text of two doubts of a kind, with both numbers where they differ."""
+    """Return the text of two caveats of a kind, with both numbers where they differ."""
     others = iter(_NUMBER.findall(lower.text))
 
     def number(own: re.Match[str]) -> str:
@@ -140,10 +140,10 @@ def doubts_of_scan(
     body: Profile | Surface, *, form: bool = True, instrument: bool = True, tip_radius: float | None = None,
     textured: bool = False, has_readings: bool = False, elastic: bool = False,
 ) -> list[Doubt]:  # fmt: skip
-    """Return doubts about a scan: heights, form unless it is taken off, spikes, and waves that are not the surface's.
+    """Return caveats about a scan: heights, form, spikes, and wavelengths not attributed to the surface.
 
-    `textured` scans have lines and humps of their own; `has_readings` if the scan is pressed filtered as well;
-    `elastic` if it is pressed without a limit of the pressure.
+    `textured` scans may have lines and humps. `has_readings` is true if the filtered scan is pressed as well, and
+    `elastic` if there is no hardness.
     """
     return [
         *_of_body(body, form=form),
@@ -152,7 +152,7 @@ def doubts_of_scan(
 
 
 def doubts_of_study(study: Study) -> tuple[Doubt, ...]:
-    """`doubts_of_inputs` of a study of measured bodies, of which the files are read; none where they are gone."""
+    """Return the caveats about the files of a measured study; none if the files are missing."""
     surfaces = study.surfaces
     if surfaces.kind != "measured":
         return ()
@@ -164,31 +164,31 @@ def doubts_of_study(study: Study) -> tuple[Doubt, ...]:
 
 
 def _extent(body: Body) -> tuple[float, float]:
-    """Along both axes; a profile is 1 µm thick, and a spectrum has as many waves as it likes."""
+    """Return the extents along both axes, µm; a profile is 1 µm wide, and a spectrum has no bounds."""
     if isinstance(body, JoinedSpectrum):
         return np.inf, np.inf
     return (1.0, body.extent) if isinstance(body, Profile) else body.extent
 
 
 def spectra_differ(joined: JoinedSpectrum) -> bool:
-    """Whether a scan is off the others by more than a factor of two in power, whatever chance does."""
+    """Return whether the power of a scan differs significantly from that of others, by more than a factor of two."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MUCH)).any())
 
 
 def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Doubt]:
-    """What several scans of one surface do not agree on, or leave open."""
+    """Yield caveats about several scans of one surface: disagreement, or missing wavelengths."""
     if spectra_differ(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
-        yield Doubt(text, "compare them with characterise --together, and leave out the wrong one", "caution")
+        yield Doubt(text, "compare them with characterise --together, and exclude the wrong one", "caution")
     if (spectrum.count == 0).any():
-        yield Doubt("some wavelengths are in no scan", "scan the missing wavelengths", "caution")
+        yield Doubt("no scan contains some of the wavelengths", "scan the missing wavelengths", "caution")
 
 
 def _of_instrument(
     body: Profile | Surface, tip_radius: float | None, textured: bool, has_readings: bool, elastic: bool
 ) -> Iterator[Doubt]:
-    """Yield doubts about waves that may be the instrument's, and those that a tip blurs."""
+    """Yield caveats about wavelengths from the instrument, and about those that the tip does not resolve."""
     try:
         limit = instrument_limit(body, texture=textured)
         blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
@@ -197,30 +197,31 @@ def _of_instrument(
     shortest = limit.wavelength if limit.slope_fraction > NOISE else 0.0
     if shortest:
         is_known = limit.origin == "instrument"
-        text = f"{_waves(limit)}, {'' if is_known else 'perhaps '}not the surface's: {REASONS[limit.reason]}"
+        source = "where" if is_known else "perhaps from the instrument:"
+        text = f"{_waves(limit)}, {source} {REASONS[limit.reason]}"
         cure = f"--cutoff '{with_unit(limit.cut_off, 'um')}' removes them"
         if limit.matters:
             cure += ", --cutoff none keeps them" if is_known else CURE
         severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
         yield Doubt(text, cure, severity, limit.cut_off, has_readings and limit.matters)
     if blunt.reason == "tip" and blunt.slope_fraction > NOISE:
-        text = f"{_waves(blunt)}, too sharp for the tip: the surface is steeper"
+        text = f"{_waves(blunt)}, which the tip does not resolve: the surface is steeper"
         # Without a hardness, steeper slopes reduce the true area without a limit.
         how: Severity = "fault" if elastic and blunt.matters else "caution"
-        cure = "use a sharper tip" + (", or give a hardness" if elastic else "")
+        cure = "use a sharper tip" + (", or specify a hardness" if elastic else "")
         yield Doubt(text, cure, how, blunt.cut_off)
     if not isinstance(body, Profile):
         return
     peak = find_peak(power_spectrum(levelled(body, "line")))
     if peak is not None and peak[1] >= PEAK and peak[0] > shortest:
         part, wave = percent(peak[1]), with_unit(peak[0], "um")
-        text = f"a peak at {wave}, perhaps of the instrument, has {part} of the curvature"
+        text = f"a peak at {wave}, perhaps from the instrument, contributes {part} of the curvature"
         yield Doubt(text, f"--cutoff '{with_unit(CUTOFF_MARGIN * peak[0], 'um')}' removes it", "caution", peak[0])
 
 
 def _waves(limit: InstrumentLimit) -> str:
-    part = f"{100 * limit.slope_fraction:.0f} %"  # in as few digits as make two scans of a kind alike
-    return f"{part} of the mean square slope is below {with_unit(limit.wavelength, 'um')}"
+    part = f"{100 * limit.slope_fraction:.0f} %"  # few digits, so that caveats of two scans are equal
+    return f"{part} of the mean square slope is from wavelengths below {with_unit(limit.wavelength, 'um')}"
 
 
 def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Doubt]:
@@ -240,5 +241,5 @@ def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Doubt]:
     spikes = int(np.count_nonzero(bends > SPIKE * usual)) if usual > 0 else 0
     if spikes:
         points = "1 point is" if spikes == 1 else f"{spikes} points are"
-        text = f"{points} more than {SPIKE:g} times as sharp as usual, and would touch first"
-        yield Doubt(text, "if they are spikes of the instrument, remove them (--outliers mask)", "caution")
+        text = f"{points} more than {SPIKE:g} times as sharp as usual, and would come into contact first"
+        yield Doubt(text, "if they are instrument spikes, remove them (--outliers mask)", "caution")
