@@ -181,7 +181,7 @@ def test_nondimensional_requires_modulus_and_known_units(result):
         nondimensional(without, length=1.0)
     at = at.copy()
     at["contact_area"].attrs["units"] = "acre"
-    with pytest.raises(ValueError, match="contact_area has the unit 'acre'"):
+    with pytest.raises(ValueError, match="contact_area has the unknown unit 'acre'"):
         nondimensional(at, length=1.0)
 
 
