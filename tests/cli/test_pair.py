@@ -164,7 +164,7 @@ def test_closure_is_stored_with_its_stiffness(where, mechanics):
 
 def test_free_tilt_of_periodic_surfaces_is_rejected(where):
     study = study_of(where, *MAPS, *MATERIAL, *LOAD, "--tilt", "free")
-    with pytest.raises(StudyError, match='tilt: must be "fixed" of periodic bodies'):
+    with pytest.raises(StudyError, match='tilt: must be "fixed" with periodic boundaries'):
         study.with_changes({"contact.boundary": "periodic"})
 
 

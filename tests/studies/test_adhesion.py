@@ -211,7 +211,7 @@ def test_generated_surfaces_accept_adhesion(surfaces):
         ({"work_of_adhesion": "-1 mJ/m^2"}, "work_of_adhesion must be at least 0"),
         ({"adhesion_range": "1 nm"}, "adhesion_range is for work_of_adhesion"),
         (WORK | {"mechanics": "asperities"}, "work_of_adhesion is for mechanics half-space alone"),
-        (WORK | {"hardness": "90 MPa"}, "hardness must be above work_of_adhesion over adhesion_range, 0.1 GPa"),
+        (WORK | {"hardness": "90 MPa"}, "hardness must be above work_of_adhesion / adhesion_range = 0.1 GPa"),
     ],
 )
 def test_pair_rejects_bad_adhesion(changes, words):
