@@ -44,10 +44,10 @@ def rows() -> list[tuple[str, str]]:
             time.sleep(5)  # the reading time of a user
             driver.execute_script("document.querySelector('#pair .go').click()")
             first = until(driver, "document.querySelector('#answer .value') !== null")
-            until(driver, "framed !== '' && document.getElementById('progress').value > 0")
-            browser.wait(driver, lambda driver: driver.execute_script("return paged().readyState") == "complete")
+            until(driver, "reportAddress !== '' && document.getElementById('progress').value > 0")
+            until(driver, "reportDocument().readyState === 'complete'")
             whole = first + until(driver, "document.getElementById('job').dataset.state === 'done'")
-            until(driver, "paged().getElementById('main')?.getAttribute('aria-busy') === 'false'")
+            until(driver, "reportDocument().getElementById('main')?.getAttribute('aria-busy') === 'false'")
             memory = int(Path(f"/proc/{server.pid}/statm").read_text().split()[1]) * resource.getpagesize()
         finally:
             server.send_signal(signal.SIGINT)

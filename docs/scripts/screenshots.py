@@ -73,7 +73,7 @@ def draw_app(driver, folder: Path) -> None:
         driver.execute_script("document.querySelector('#pair .go').click()")
         until("document.querySelector('#answer .value') !== null")
         until("document.getElementById('job').dataset.state === 'done'")
-        until("paged().getElementById('main')?.getAttribute('aria-busy') === 'false'")
+        until("reportDocument().getElementById('main')?.getAttribute('aria-busy') === 'false'")
         metrics["height"] = HEIGHTS["app_answer"]
         driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
         driver.execute_script("document.activeElement.blur(); document.getElementById('inputs').scrollTo(0, 0)")

@@ -253,9 +253,9 @@ def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Fi
     `picture` is a result of `contact_picture`, `direction` the motion of the upper body (degrees); 80 mm wide.
     """
     is_opposing, cut = find_opposing_contacts(picture, direction), picture["contact_at_edge"].values > 0
-    kinds = [(OPPOSING, "opposes the motion"), (LEANING, "assists the motion")] + [
-        (EDGE_COLOUR, "cut by the edge")
-    ] * bool(cut.any())
+    kinds = [(OPPOSING, "opposes motion"), (LEANING, "assists motion")] + [(EDGE_COLOUR, "cut by the edge")] * bool(
+        cut.any()
+    )
     if "gap" in picture:
         figure = new_figure(70)
         _draw_lines(
