@@ -11,7 +11,7 @@ SUMS = ("contact_count", "contact_area", "normal_elastic", "tangential_elastic",
         "tangential_frictional", "normal_adhesive", "tangential_adhesive")  # fmt: skip
 
 
-def straightforward() -> list[tuple[str, str]]:
+def compare_plain_program() -> list[tuple[str, str]]:
     study = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
     approaches = study.contact.steps()
     ours = seconds(lambda: member_sums(study, 0), 5) / 50
@@ -115,4 +115,4 @@ def boundary_elements() -> list[tuple[str, str]]:
 
 
 def rows() -> list[tuple[str, str]]:
-    return straightforward() + generators() + boundary_elements()
+    return compare_plain_program() + generators() + boundary_elements()

@@ -55,26 +55,26 @@ def pair(hurst, index, points, longest):
 
 def settling():
     """Compute pairs at their own and coarser resolutions, with and without a hardness."""
-    found = []
+    results = []
     for hurst in HURST:
         for index in range(PAIRS):
             bodies = pair(hurst, index, WHOLE, WHOLE // 4)
-            found.append({"hurst": hurst, **answers(bodies, SEEN, HARDNESS, "plastic")})
-            found[-1] |= answers(bodies, SEEN, None, "elastic")
-            found[-1] |= {"softer": answers(bodies, SEEN[-1:], HARDNESS / 2, "plastic")["plastic"]}
-            print(hurst, index, found[-1]["plastic"]["area"], found[-1]["plastic"]["all"], flush=True)
-            save("settling", found)
+            results.append({"hurst": hurst, **answers(bodies, SEEN, HARDNESS, "plastic")})
+            results[-1] |= answers(bodies, SEEN, None, "elastic")
+            results[-1] |= {"softer": answers(bodies, SEEN[-1:], HARDNESS / 2, "plastic")["plastic"]}
+            print(hurst, index, results[-1]["plastic"]["area"], results[-1]["plastic"]["all"], flush=True)
+            save("settling", results)
 
 
 def bracketing():
     """Compute many smaller pairs with a hardness, to test the brackets of coarse results."""
-    found = []
+    results = []
     for hurst in HURST:
         for index in range(BRACKETED):
             bodies = pair(hurst, 2000 + index, WHOLE // 4, WHOLE // 16)
-            found.append({"hurst": hurst, **answers(bodies, SEEN[:2], HARDNESS, "plastic")})
-            print(hurst, index, found[-1]["plastic"]["area"], flush=True)
-            save("bracketing", found)
+            results.append({"hurst": hurst, **answers(bodies, SEEN[:2], HARDNESS, "plastic")})
+            print(hurst, index, results[-1]["plastic"]["area"], flush=True)
+            save("bracketing", results)
 
 
 def answers(bodies, seen, hardness, name):
@@ -115,7 +115,7 @@ def continuing():
     from stiction.mechanics.brackets import gap_exponent
 
     load = HIGHER * (POINTS * SPACING) ** 2
-    found = []
+    results = []
     for hurst in HURST:
         for index in range(CONTINUED):
             fine = pair(hurst, 1000 + index, POINTS, POINTS)
@@ -147,9 +147,9 @@ def continuing():
                 "at_scan": float(message.friction_coefficient.sel(sliding="all")[0, 0]),
                 "finer_wavelength": float(at.finer_wavelength),
             }  # fmt: skip
-            found.append(one)
+            results.append(one)
             print(hurst, index, one["friction"], one["said_friction"], flush=True)
-            save("continuing", found)
+            save("continuing", results)
 
 
 def joining():
@@ -206,12 +206,12 @@ def joining():
     save("joining", result)
 
 
-def save(name, found):
+def save(name, results):
     RESULTS.mkdir(exist_ok=True)
-    (RESULTS / f"{name}.json").write_text(json.dumps(found), encoding="utf-8")
+    (RESULTS / f"{name}.json").write_text(json.dumps(results), encoding="utf-8")
 
 
-def found(name):
+def load_part(name):
     return json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
 
 
@@ -363,7 +363,9 @@ def joined_lines(together):
 
 
 def page():
-    settled, bracketed, ahead, together = (found(name) for name in ("settling", "bracketing", "continuing", "joining"))
+    settled, bracketed, ahead, together = (
+        load_part(name) for name in ("settling", "bracketing", "continuing", "joining")
+    )
     by_hurst = {hurst: [row for row in settled if row["hurst"] == hurst] for hurst in HURST}
     lines = []
     for rows in by_hurst.values():

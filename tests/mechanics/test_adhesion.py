@@ -20,37 +20,37 @@ from stiction.mechanics import adhesion
 from stiction.mechanics.adhesion import Attraction
 from stiction.mechanics.half_space import resolved_range
 
-OF_GAPS = 1e-3
+GAP_TOLERANCE = 1e-3
 """Tolerance of gaps over the range of adhesion; for soft bodies the energy minimum is flat."""
 
 STABLE = 0.03
 """Relative distance from the pull-off force at which the energy minimum exists or has vanished."""
 
-OF_MEAN_GAP = 1e-4
+MEAN_GAP_TOLERANCE = 1e-4
 """Tolerance of loads at equal mean gap over the contact load; each solution has a tolerance of 1e-5."""
 
-OF_POINTS = 1e-3
+POINT_FRACTION_TOLERANCE = 1e-3
 """Fraction of the grid points, with almost zero pressure, at which two solvers may differ."""
 
 ROUND_OFF = 1e-12
 MAX_BOUNDS = 2  # maximum number of 200 random pairs with only a lower bound of the pull-off force
 
-OF_PERIODS = 0.02
+PERIOD_TOLERANCE = 0.02
 """Relative difference in pull-off force of a ball: period of 20 contact radii against an isolated piece of 10."""
 
-OF_LAWS = 0.06
+LAW_TOLERANCE = 0.06
 """Relative difference in pull-off force: exponential attraction against one that ends at its range."""
 
-OF_MAUGIS = 0.02
+MAUGIS_TOLERANCE = 0.02
 """Relative difference of pull-off force and contact radius of a ball from Maugis' solution."""
 
-OF_GRIDS = 0.005
+GRID_TOLERANCE = 0.005
 """Relative difference in pull-off force of a ball: half the spacing, or a more distant free edge."""
 
-OF_CLOSED_FORMS = 0.02
+CLOSED_FORM_TOLERANCE = 0.02
 """Relative difference of loads and lengths: short-range attraction (at least 4 points) against zero range."""
 
-OF_STEPS = 3e-3
+STEP_SUM_TOLERANCE = 3e-3
 """Relative difference of work: sum over 40 steps against the integral."""
 
 
@@ -72,7 +72,7 @@ def rough(rms, work, *, points=32, modulus=80.0, length=1e-3, spacing=0.02, seed
     return bodies, {"effective_modulus": modulus, "work_of_adhesion": work, "adhesion_range": length}
 
 
-OF_SPACING = 0.03
+SPACING_TOLERANCE = 0.03
 """Relative difference in pull-off force between spacings with at least 8 points in the process zone."""
 
 
@@ -99,8 +99,8 @@ def test_adhesive_contact_minimises_energy_and_separates_where_the_minimum_does(
         contact = half_space(*bodies, [load], boundary="periodic", **adhesive).contact(0)
         near = np.maximum(contact.gap, 0) + noise
         gap, pressure = least_energy(heights, bodies[0].spacing[0], load / area, near, **adhesive)
-        assert np.abs(gap - contact.gap).max() < OF_GAPS * adhesive["adhesion_range"] * (1 if part == 0 else 10)
-        assert pressure.mean() == pytest.approx(contact.pressure.mean(), rel=OF_GAPS)
+        assert np.abs(gap - contact.gap).max() < GAP_TOLERANCE * adhesive["adhesion_range"] * (1 if part == 0 else 10)
+        assert pressure.mean() == pytest.approx(contact.pressure.mean(), rel=GAP_TOLERANCE)
         assert ((gap == 0) != (contact.pressure > 0)).sum() <= 1
     beyond = (-1 - STABLE) * curve.pull_off_bound[0] / area
     gap, _ = least_energy(heights, bodies[0].spacing[0], beyond, near, **adhesive)
@@ -125,8 +125,8 @@ def test_adhesive_contact_agrees_with_tamaas_at_equal_mean_gap(rms, modulus, loa
     solver.max_iter = 20_000
     solver.solve(contact.gap.mean())
     per_contact = curve.contact_load[0] / area
-    assert model.traction.mean() == pytest.approx(load, abs=OF_MEAN_GAP * per_contact)
-    assert ((np.asarray(model["gap"]) <= ROUND_OFF) == (contact.pressure > 0)).mean() > 1 - OF_POINTS
+    assert model.traction.mean() == pytest.approx(load, abs=MEAN_GAP_TOLERANCE * per_contact)
+    assert ((np.asarray(model["gap"]) <= ROUND_OFF) == (contact.pressure > 0)).mean() > 1 - POINT_FRACTION_TOLERANCE
 
 
 @pytest.mark.parametrize("tabor", [0.3, 1.0, 1.7])
@@ -139,11 +139,11 @@ def test_sphere_has_pull_off_of_maugis_for_any_period(tabor):
     free = half_space(*bodies, [unit], **adhesive)
     wide, _ = ball(tabor, points=128, length=20.0)
     periodic = half_space(*wide, [unit], boundary="periodic", **adhesive)
-    assert free.pull_off_bound[0] == pytest.approx(periodic.pull_off, rel=OF_PERIODS)
+    assert free.pull_off_bound[0] == pytest.approx(periodic.pull_off, rel=PERIOD_TOLERANCE)
     radius, pull_off = maugis_dugdale(unit, radius=1.0, **adhesive)
-    assert free.pull_off_bound[0] == pytest.approx(float(pull_off), rel=OF_LAWS)
+    assert free.pull_off_bound[0] == pytest.approx(float(pull_off), rel=LAW_TOLERANCE)
     assert 1.5 * unit < free.pull_off_bound[0] < 2 * unit
-    assert np.sqrt(free.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=OF_LAWS)
+    assert np.sqrt(free.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=LAW_TOLERANCE)
 
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
@@ -154,7 +154,7 @@ def test_sphere_with_dugdale_attraction_equals_maugis_on_any_grid(tabor, monkeyp
         half_space(*bodies, [0.0], **adhesive).pull_off
         for bodies, adhesive in (ball(tabor, points=n, length=c * length) for n, c in ((64, 1), (128, 1), (96, 1.5)))
     ]
-    assert exponential[1:] == pytest.approx(exponential[:1] * 2, rel=OF_GRIDS)
+    assert exponential[1:] == pytest.approx(exponential[:1] * 2, rel=GRID_TOLERANCE)
     edge = 0.05  # fraction of the range over which the attraction ends
 
     def ends(self, gap):
@@ -164,8 +164,8 @@ def test_sphere_with_dugdale_attraction_equals_maugis_on_any_grid(tabor, monkeyp
     bodies, adhesive = ball(tabor, points=128, length=length)
     curve = half_space(*bodies, [0.0], **adhesive)
     radius, pull_off = maugis_dugdale(0.0, radius=1.0, **adhesive)
-    assert curve.pull_off == pytest.approx(float(pull_off), rel=OF_MAUGIS)
-    assert np.sqrt(curve.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=OF_MAUGIS)
+    assert curve.pull_off == pytest.approx(float(pull_off), rel=MAUGIS_TOLERANCE)
+    assert np.sqrt(curve.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=MAUGIS_TOLERANCE)
 
 
 def test_cylinder_equals_barquins():
@@ -178,8 +178,8 @@ def test_cylinder_equals_barquins():
     adhesion_range = work ** (2 / 3) / 5  # Tabor's parameter is 5
     curve = half_space(*bodies, [0.0], effective_modulus=1.0, work_of_adhesion=work, adhesion_range=adhesion_range)
     assert curve.adhesion_range == adhesion_range
-    assert curve.pull_off == pytest.approx(0.75 * np.pi * radius**2, rel=OF_CLOSED_FORMS)
-    assert curve.contact_area[0] == pytest.approx(2 * (32 * work / np.pi) ** (1 / 3), rel=OF_CLOSED_FORMS)
+    assert curve.pull_off == pytest.approx(0.75 * np.pi * radius**2, rel=CLOSED_FORM_TOLERANCE)
+    assert curve.contact_area[0] == pytest.approx(2 * (32 * work / np.pi) ** (1 / 3), rel=CLOSED_FORM_TOLERANCE)
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.5, 0.6])
@@ -202,12 +202,12 @@ def test_sinusoid_equals_johnson_and_jumps_into_full_contact(alpha):
     johnson = np.sin(angle) ** 2 - alpha * np.sqrt(np.tan(angle))
     rising = slice(np.argmin(johnson), np.argmin(johnson) + np.argmax(johnson[np.argmin(johnson) :]))
     expected = 2 / np.pi * np.interp(loads / full, johnson[rising], angle[rising])
-    assert curve.contact_area == pytest.approx(expected, abs=OF_CLOSED_FORMS)
-    assert curve.pull_off_bound[0] / full == pytest.approx(-johnson.min(), rel=OF_CLOSED_FORMS)
+    assert curve.contact_area == pytest.approx(expected, abs=CLOSED_FORM_TOLERANCE)
+    assert curve.pull_off_bound[0] / full == pytest.approx(-johnson.min(), rel=CLOSED_FORM_TOLERANCE)
     assert not curve.pull_off_is_bound
 
 
-OF_PULL_OFF = 0.01
+PULL_OFF_TOLERANCE = 0.01
 """Relative difference of the pull-off force from a closed form, or from the largest of many contacts."""
 
 
@@ -222,15 +222,15 @@ def test_pull_off_from_full_contact_of_sinusoid_equals_opening_load(tension):
     curve = half_space(*bodies, [1.2 * full, 0.05 * full], boundary="periodic", **adhesive)
     assert curve.contact(1).pressure.all()
     opening = (tension - 1) * full
-    assert curve.pull_off_bound[0] == pytest.approx(opening, rel=OF_PULL_OFF)
+    assert curve.pull_off_bound[0] == pytest.approx(opening, rel=PULL_OFF_TOLERANCE)
     assert not curve.pull_off_is_bound
     assert (np.diff(curve.parting.load) < 0).all()
-    loads = [1.2 * full, 0.05 * full, -0.5 * opening, (OF_PULL_OFF - 1) * opening]
+    loads = [1.2 * full, 0.05 * full, -0.5 * opening, (PULL_OFF_TOLERANCE - 1) * opening]
     pulled = half_space(*bodies, loads, boundary="periodic", **adhesive)
     assert pulled.normal_elastic == pytest.approx(loads, abs=1e-4 * pulled.contact_load[0])
     assert pulled.contact(3).pressure.all()
     with pytest.raises(RuntimeError, match="bodies"):
-        half_space(*bodies, [*loads, -(1 + OF_PULL_OFF) * opening], boundary="periodic", **adhesive)
+        half_space(*bodies, [*loads, -(1 + PULL_OFF_TOLERANCE) * opening], boundary="periodic", **adhesive)
 
 
 def test_pull_off_of_rough_surfaces_is_the_largest_local_maximum():
@@ -250,7 +250,7 @@ def test_pull_off_of_rough_surfaces_is_the_largest_local_maximum():
     first = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
     assert first > 0.9 * loads.min()  # a local minimum that is not the global one
     largest = attraction.force(-loads.min())
-    assert curve.pull_off == pytest.approx(largest, rel=OF_PULL_OFF)
+    assert curve.pull_off == pytest.approx(largest, rel=PULL_OFF_TOLERANCE)
     borne = half_space(*bodies, [0.0, -0.95 * largest], **adhesive)
     assert borne.normal_elastic[1] == pytest.approx(-0.95 * largest, rel=1e-3)
     assert curve.parting.load[-1] == -curve.pull_off
@@ -277,7 +277,7 @@ def test_attraction_decreases_everywhere_under_smaller_load_until_bodies_part():
         assert following.load == pytest.approx(-fraction * pull_off, abs=1e-4 * following.held)
         assert (following.attraction <= state.attraction + 1e-4 * attraction.max_attraction).all()
         state = following
-    assert not attraction.relax(state, -(1 + OF_PULL_OFF) * pull_off)[1]
+    assert not attraction.relax(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]
 
 
 def test_pull_off_is_lower_bound_if_no_load_is_tried(monkeypatch):
@@ -316,8 +316,8 @@ def test_work_of_loading_and_unloading_equals_change_of_energy(case):
             stuck = adhesive["work_of_adhesion"] * np.exp(-np.maximum(contact.gap, 0) / curve.adhesion_range)
             energies.append(problem.cell * float((elastic - stuck).sum()))
         works.append(float(trapezoid(curve.load, curve.approach)))
-        assert works[-1] == pytest.approx(energies[1] - energies[0], rel=OF_STEPS)
-    assert works[0] == pytest.approx(-works[1], rel=OF_STEPS)
+        assert works[-1] == pytest.approx(energies[1] - energies[0], rel=STEP_SUM_TOLERANCE)
+    assert works[0] == pytest.approx(-works[1], rel=STEP_SUM_TOLERANCE)
     assert works[2] > 0
 
 
@@ -450,4 +450,4 @@ def test_pull_off_is_independent_of_spacing(modulus, length, rms):
         adhesive = {"work_of_adhesion": 5e-5, "adhesion_range": length}
         values.append(half_space(*bodies, [0.0], effective_modulus=modulus, boundary="periodic", **adhesive).pull_off)
     assert values[0] > 0
-    assert values[1:] == pytest.approx(values[:1] * 2, rel=OF_SPACING)
+    assert values[1:] == pytest.approx(values[:1] * 2, rel=SPACING_TOLERANCE)

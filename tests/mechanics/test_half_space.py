@@ -40,12 +40,12 @@ SCATTER_OF_ALL = 0.015  # for two pairs with some tens of contacts, over twelve 
 TIGHT = 1e-10  # solver tolerance for comparisons of two solutions
 
 
-OF_LARGE_GRIDS = 1e-11  # relative to the largest displacement: logarithms of distant cells cancel
+LARGE_GRID_TOLERANCE = 1e-11  # relative to the largest displacement: logarithms of distant cells cancel
 SOON = 2.0  # seconds of processor time; a complete solution takes ten times as long
 SAME = 1e-5  # difference of two solutions with a tolerance of 1e-6
 
 
-OF_STIFFNESS = 1e-6  # relative, for a compliance with an error of 1e-7
+STIFFNESS_TOLERANCE = 1e-6  # relative, for a compliance with an error of 1e-7
 GRID_OF_A_BALL = 2e-3  # of the load at an approach, for a contact radius of 24 points
 
 
@@ -320,7 +320,7 @@ def test_stiffness_agrees_with_dense_matrices(shape, boundary, hardness):
     assert 5 < touching.size < 0.8 * lower.heights.size
     even = np.linalg.solve(matrix[np.ix_(touching, touching)], np.ones(touching.size))
     assert (even > 0).all()
-    assert curve.unloading_stiffness[0] == pytest.approx(even.sum() * np.prod(spacing), rel=OF_STIFFNESS)
+    assert curve.unloading_stiffness[0] == pytest.approx(even.sum() * np.prod(spacing), rel=STIFFNESS_TOLERANCE)
     if hardness is None:
         assert curve.stiffness[0] == curve.unloading_stiffness[0]
     else:
@@ -685,7 +685,7 @@ def test_displacements_equal_direct_sum_for_any_thread_count(periodic):
     pressure[np.random.default_rng(5).permutation(801)[:400]] = 0.0
     expected = dense_half_space.displacement(pressure, (0.1, 0.2), MODULUS, periodic=periodic)
     result = grids.displacement(pressure)
-    np.testing.assert_allclose(result, expected, rtol=0, atol=OF_LARGE_GRIDS * np.abs(expected).max())
+    np.testing.assert_allclose(result, expected, rtol=0, atol=LARGE_GRID_TOLERANCE * np.abs(expected).max())
     for threads in (2, 3):
         assert np.array_equal(grids.displacement(pressure, threads=threads), result)
 

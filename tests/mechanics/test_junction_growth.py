@@ -5,7 +5,7 @@ from stiction import half_space, hardness_under_shear, self_affine_surface, tabo
 
 ROUND_OFF = 1e-12
 
-OF_PLASTIC = 5e-3
+PLASTIC_TOLERANCE = 5e-3
 """Relative difference between a half-space whose contacts all yield and Tabor's closed form."""
 
 
@@ -65,7 +65,7 @@ def test_half_space_at_that_hardness_has_the_coefficient_of_plastic_contacts(alp
     curve = half_space(*bodies, ["2 MPa"], effective_modulus=1e5, hardness=hardness, sliding="all")
     expected = tabor_friction(0.2, **interface, alpha=alpha)
     assert curve.load_share_at_hardness[0] > 0.95
-    assert curve.friction_coefficient(**interface)[0] == pytest.approx(float(expected), rel=OF_PLASTIC)
+    assert curve.friction_coefficient(**interface)[0] == pytest.approx(float(expected), rel=PLASTIC_TOLERANCE)
 
 
 @pytest.mark.parametrize("law", [hardness_under_shear, tabor_friction])

@@ -18,13 +18,13 @@ from stiction.views.text import result_text, values_text
 from support.rough_surfaces import rough_maps
 
 EXACT = 1e-9
-"""Relative: the same contacts, solved with others before them, to a tolerance of 1e-6 of the gap."""
+"""Relative tolerance between solutions of the same contact after different previous solutions."""
 
-OF_SOLUTIONS = 1e-3
-"""Relative, between contacts that were reached from others."""
+SOLUTION_TOLERANCE = 1e-3
+"""Relative tolerance between contacts that were reached from different loads."""
 
-OF_RULE = 2.0
-"""Factor on 5 % beyond which the rule that finds what adhesion adds has never been wrong in 400 solved pairs."""
+RULE_TOLERANCE = 2.0
+"""Largest error, as a factor, of the estimated effect of adhesion around 5 %, in 400 solved pairs."""
 
 ASKED = {"load": ["2 MPa", "20 MPa"], "mu0": 0.3, "tau0": "20 MPa", "effective_modulus": 80.0, "shifts": 3, "onset": 0}
 WORK = {"work_of_adhesion": "50 mJ/m^2"}
@@ -53,7 +53,7 @@ def test_member_equals_half_space_of_its_surfaces(sticky):
     curve = half_space(*bodies, data["load"].values, **contact.solid(), **directions)
     free = half_space(*bodies, [0.0], **contact.solid(), **directions)
     assert data["contact_load"].values == pytest.approx(curve.contact_load, rel=EXACT)
-    assert float(data["pull_off"]) == pytest.approx(free.pull_off, rel=OF_SOLUTIONS)
+    assert float(data["pull_off"]) == pytest.approx(free.pull_off, rel=SOLUTION_TOLERANCE)
     assert float(data["pull_off"]) > 0
     stored = {
         name: data[f"unloaded_{name}"].sel(sliding="all").values for name in ("elastic", "frictional", "adhesive")
@@ -105,10 +105,12 @@ def test_pair_without_load_assesses_sticking(sticky):
     assert answer.unloaded
     assert "at no load" in free.sentence
     assert answer.sticking.sticks == "yes"
-    assert answer.sticking.pull_off == pytest.approx(sticky.summary().points[0].sticking.pull_off, rel=OF_SOLUTIONS)
+    assert answer.sticking.pull_off == pytest.approx(
+        sticky.summary().points[0].sticking.pull_off, rel=SOLUTION_TOLERANCE
+    )
     assert free.dataset["load"].values.max() < 0.01 * float(free.dataset["pull_off"].mean())
     assert [one.unloaded for one in mixed.summary().points] == [True, False]
-    assert mixed.summary().points[1].value == pytest.approx(sticky.summary().points[1].value, rel=OF_SOLUTIONS)
+    assert mixed.summary().points[1].value == pytest.approx(sticky.summary().points[1].value, rel=SOLUTION_TOLERANCE)
     record = json.loads(summary_json("pair", free.summary()))["answers"][0]
     assert record["sticking"]["sticks"] == "yes"
     assert record["sticking"]["pull_off"]["lower"] < record["sticking"]["pull_off"]["value"]
@@ -257,7 +259,7 @@ def test_estimated_effect_of_adhesion_agrees_with_solution():
         if (message > ADDED) != (true > ADDED):
             wrong.append(true)
     assert len(wrong) <= 4
-    assert all(ADDED / OF_RULE < item < ADDED * OF_RULE for item in wrong)
+    assert all(ADDED / RULE_TOLERANCE < item < ADDED * RULE_TOLERANCE for item in wrong)
 
 
 @pytest.mark.filterwarnings("ignore:the pull-off force is at least")

@@ -191,7 +191,7 @@ def test_dwell_times_separate_parameters_of_one_plastic_pair() -> None:
 
 
 def test_calibrate_weighs_ranges_by_the_tests() -> None:
-    # Truth at 1.8 standard deviations of its range, and precise tests on a second body that know A/F.
+    # The true value is 1.8 standard deviations from the centre of its range. Precise tests on a second body fix A/F.
     ranged, exact = Ball("5 mm", "2..4.5 GPa"), Ball("5 mm", "30 GPa")
     modulus = 3.0 * 1.5 ** (1.8 / 1.96)
     truth = Ball("5 mm", modulus)

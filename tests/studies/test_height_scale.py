@@ -27,7 +27,7 @@ from support.generated_studies import TINY
 from support.rough_surfaces import rough_maps
 
 SAME = 1e-9  # relative: the same bodies, made in another way
-OF_SOLUTIONS = 1e-3  # relative, of the true area: equal problems in other units, solved to the same tolerance
+SOLUTION_TOLERANCE = 1e-3  # relative, of the true area: equal problems in other units, solved to the same tolerance
 BETWEEN_FRICTION, BETWEEN_AREA = 0.005, 0.02  # relative errors between solved factors
 QUICK = {"load": "20 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 3, "onset": 0}
 HARD = {"hardness": "2 GPa"}
@@ -93,9 +93,9 @@ def test_scaled_heights_equal_scaled_modulus(hardness):
     at = pair(*flat, **kwargs).at(height_scale=[0.5, 2], compute=True)
     for place, factor in enumerate((0.5, 2)):
         other = pair(*flat, **kwargs | {"effective_modulus": f"{80 * factor} GPa"}).at()
-        assert mean(at["contact_area"])[place] == pytest.approx(mean(other["contact_area"]), rel=OF_SOLUTIONS)
+        assert mean(at["contact_area"])[place] == pytest.approx(mean(other["contact_area"]), rel=SOLUTION_TOLERANCE)
         stiffness = factor * mean(at["normal_stiffness"])[place]
-        assert stiffness == pytest.approx(mean(other["normal_stiffness"]), rel=OF_SOLUTIONS)
+        assert stiffness == pytest.approx(mean(other["normal_stiffness"]), rel=SOLUTION_TOLERANCE)
 
 
 # ---- Against scaled bodies -------------------------------------------------------------------------------------------

@@ -7,10 +7,10 @@ from stiction import Surface, hardness_under_shear, pair, self_affine_surface, t
 from stiction.studies.hardness import _between_loads
 from stiction.studies.interfaces import ShearStrength
 
-OF_PLASTIC = 5e-3
+PLASTIC_TOLERANCE = 5e-3
 """Relative difference of contacts that all yield from Tabor's closed form."""
 
-OF_NODES = {"all": 0.01, "opposing": 0.03}
+NODE_TOLERANCES = {"all": 0.01, "opposing": 0.03}
 """Relative difference of a coefficient from that of a pair pressed at H', by rule: an upper bound of "opposing"."""
 
 STRENGTH = {"mu0": 0.2, "tau0": 0.05}
@@ -42,7 +42,7 @@ def unsheared():
 def test_fully_plastic_contacts_have_coefficient_of_tabor():
     result = pair(*bodies(0.01), **PLASTIC | STRENGTH | {"effective_modulus": 1e4}, junction_growth=27)
     expected = float(tabor_friction(PLASTIC["hardness"], **STRENGTH, alpha=27))
-    assert coefficient(result) == pytest.approx(expected, rel=OF_PLASTIC)
+    assert coefficient(result) == pytest.approx(expected, rel=PLASTIC_TOLERANCE)
 
 
 @pytest.mark.parametrize("rule", ["all", "opposing"])
@@ -53,7 +53,7 @@ def test_coefficient_equals_pair_solved_at_hardness_under_shear(rule, hardness):
     pressure = float(hardness_under_shear(hardness, 0.2, tau0, 27.0))
     direct = pair(*bodies(), **inputs | {"hardness": pressure}, junction_growth=0)
     result = pair(*bodies(), **inputs, junction_growth=27)
-    assert coefficient(result, rule) == pytest.approx(coefficient(direct, rule), rel=OF_NODES[rule])
+    assert coefficient(result, rule) == pytest.approx(coefficient(direct, rule), rel=NODE_TOLERANCES[rule])
     area = result.at()["contact_area_at_onset"].sel(statistic="mean").squeeze()
     assert float(area) == pytest.approx(float(direct.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02)
 

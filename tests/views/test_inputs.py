@@ -117,7 +117,7 @@ def test_wavelengths_below_the_tip_are_a_caveat():
     assert doubt.severity == "fault"  # an elastic answer has no limit
     plastic = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})
     assert [item.severity for item in doubts_of_inputs(scan, scan, plastic)] == ["caution"]
-    # A noise floor is filtered out and in, as without a tip.
+    # With a tip too, the noise floor is evaluated with and without filtering.
     noisy = Profile(scan.heights + 1e-3 * np.random.default_rng(1).normal(size=3000), spacing=0.01)
     study = pair_study(noisy, noisy, tip="20 um", **common)
     assert study.surfaces.cells()["cut_off"].tolist() == [instrument_limit(noisy).cut_off, 0.0]

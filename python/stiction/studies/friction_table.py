@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 TITLE = "stiction table"  # `title` attribute of a friction table
 FEWEST_PRESSURES = 3  # fewest pressures that give a stiffness
 DIRECTIONS = (0.0, 90.0, 180.0, 270.0)  # degrees; surfaces are isotropic, and a coefficient is that of all four
-LIGHT = 0.1  # fraction of the area in contact up to which the laws are fitted
-STRAIGHT = 0.1  # relative deviation above which a fitted law is doubted
+MAX_FITTED_AREA = 0.1  # contact fraction up to which the laws are fitted
+MAX_LAW_DEVIATION = 0.1  # relative deviation above which a fitted law has a caveat
 _ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
@@ -180,7 +180,7 @@ def friction_table(
     approach, touching, stiffness = (each[..., kept] for each in (approach, touching, stiffness))
     pairs = {"contact_area_fraction": touching / area, "normal_stiffness": stiffness, "approach": approach}
     means = {name: np.stack(intervals.sample_mean(each), axis=-1) for name, each in pairs.items()}
-    light = means["contact_area_fraction"][..., 0] <= LIGHT
+    light = means["contact_area_fraction"][..., 0] <= MAX_FITTED_AREA
     light[light.sum(axis=-1) < 2] = True
     laws = _laws(pressure, light, pairs)
     factor, prefactor, exponent = (each[..., :1] for each in laws.values())

@@ -290,7 +290,7 @@ class Result:
         return float(self.head["nominal_area"]) if self.study.is_measured else None
 
     def _loads_of(self, load: Any) -> Any:
-        """Return loads in mN; for measured bodies a text may be a pressure on the nominal area."""
+        """Return loads in mN. For measured bodies a string may be a pressure on the nominal area."""
         area = self.nominal_area
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 

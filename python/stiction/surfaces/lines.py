@@ -21,7 +21,7 @@ _BOTH: tuple[Along, Along] = ("x", "y")
 MAX_MISFIT = 1.5  # largest rms factor between a spectrum and its power law
 _MAX_EQUAL_BAND_RATIO = 1.5  # largest ratio between the ends of two bands that count as equal
 _MODEL_VARIANCE = 0.04  # model variance of the logarithm of a bin, which is added to its statistical variance
-_MIN_LINE_POINTS = 7  # points that a seven-point slope needs
+_MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formula
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -24,7 +24,7 @@ TIP_FACTOR = 0.1  # c of `instrument_limit`: a tip of radius R resolves an rms c
 _PER_DECADE = 48  # wave number bins per decade for slope and curvature
 _PER_OCTAVE = 8  # wave number bins per octave in the search for instrument noise
 _WINDOW_OCTAVES = (1.0, 2.0)  # octaves over which a spectral exponent is fitted
-_DEVIATIONS = 3.0  # standard deviations by which an exponent must differ from that of the roughest self-affine surface
+_DEVIATIONS = 3.0  # standard deviations between a measured exponent and that of H = 0, the roughest self-affine surface
 _MAX_HUMP_POINTS = 24.0  # largest wavelength, in points, of an instrument hump; a hump above it is texture
 _MIN_TRUSTED_RATIO = 4.0  # smallest density of trusted wavelengths over the lowest density of the spectrum
 _MIN_RISE_RATIO = 3.0  # density over the lowest density at longer wavelengths: no surface has such a rise

@@ -9,7 +9,7 @@ import xarray
 
 from stiction._number_format import with_interval, with_unit
 from stiction.mechanics.quantities import column_of
-from stiction.studies.friction_table import STRAIGHT
+from stiction.studies.friction_table import MAX_LAW_DEVIATION
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import format_table, wrap_text
 
@@ -72,7 +72,7 @@ def friction_table_text(table: xarray.Dataset) -> str:
             ]
         )  # fmt: skip
     lines.append(format_table(rows))
-    if max(float(table[f"{name}_deviation"].max()) for name in ("area", "stiffness")) > STRAIGHT:
+    if max(float(table[f"{name}_deviation"].max()) for name in ("area", "stiffness")) > MAX_LAW_DEVIATION:
         lines += ["", wrap_text("Use the tabulated values instead of a law that deviates by more than 10 %.")]
     return "\n".join(lines) + "\n"
 

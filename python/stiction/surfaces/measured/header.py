@@ -55,7 +55,7 @@ _SIZES = tuple(
         "x[ _-]?(?:length|size|range|amplitude)|length x",
     )
 )
-"""Height and width above a matrix, as written by Gwyddion and other programs."""
+"""Header lines with the physical height and width of a matrix, as written by Gwyddion and other programs."""
 
 _UNIT_OF_HEIGHTS = re.compile(
     r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+|"

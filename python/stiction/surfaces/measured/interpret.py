@@ -29,7 +29,7 @@ a relative error of 1/1000."""
 
 _SPACING_RANGE = (1e-6, 1e6)
 _MAX_LENGTH = 1e9  # µm; larger values have a wrong unit or mark missing points
-CODE_TOLERANCE = 1e-6  # relative difference between a height and a code, for single precision
+CODE_TOLERANCE = 1e-6  # relative tolerance for missing-value codes that are stored in single precision
 _Length = TypeVar("_Length", float, Floats)
 
 
