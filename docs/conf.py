@@ -174,7 +174,7 @@ class CellsAsTyped(SphinxPostTransform):
     def run(self, **_: Any) -> None:
         for literal in list(self.document.findall(nodes.literal_block)):
             magic, _newline, text = literal.astext().partition("\n")
-            if magic == "%%sh":
+            if magic.startswith("%%sh"):
                 shown = re.sub(r"^(?=\S)(?<!\\\n)", "$ ", text, flags=re.MULTILINE)
                 language = "console"
             elif magic.startswith("%%writefile "):
