@@ -137,7 +137,7 @@ def answer(driver):
 def same_as(driver, folder, monkeypatch):
     """Return numbers and sentence of the command line that the page shows, run on the same files."""
     line = driver.find_element("id", "command").get_property("textContent")
-    monkeypatch.setattr(result_output, "draw_result", lambda *_, **__: None)
+    monkeypatch.setattr(result_output, "write_figures", lambda *_, **__: None)
     completed = check_stiction(*shlex.split(line)[1:], "--json", cwd=folder)
     return of_record(json.loads(completed.stdout))
 
@@ -176,7 +176,7 @@ def test_form_has_a_field_for_each_option_of_a_pair(fresh):
     fill(fresh, {"upper": "numbers", "lower": "numbers", "mechanics": "half-space", "lay": "grooves"})
     fill(fresh, {"cutoff": "0.1 um,0.2 um", "adhesion": "50", "tip": "10 nm", "mu0": "0,15..0,25", "hardness": "2±0,2"})
     fresh.execute_script("document.querySelectorAll('[name=columns]')[1].value = 'x,z'")
-    options = fresh.execute_script("return optionsOfPair()")
+    options = fresh.execute_script("return pairOptions()")
     arguments = {"mechanics": "half-space", "lay": "grooves", "cutoff": "0.1 um,0.2 um", "adhesion": "50 mJ/m^2"}
     arguments |= {"tip": "10 nm", "hardness": "2±0.2 GPa", "mu0": "0.15..0.25"}
     assert arguments.items() <= dict(options).items()
@@ -184,7 +184,7 @@ def test_form_has_a_field_for_each_option_of_a_pair(fresh):
     names = set(fresh.execute_script("return [...document.querySelectorAll('#pair [name]')].map(({name}) => name)"))
     assert names == set(OPTIONS["pair"])
     fill(fresh, {"missing-value": "-9999,NaN", "accept": "whole-numbers", "width": "1,5 mm"})
-    options = fresh.execute_script("return optionsOfPair()")
+    options = fresh.execute_script("return pairOptions()")
     assert ["width", "1.5 mm"] in options
     assert [value for name, value in options if name == "missing-value"] == ["-9999,NaN", ""]
     assert [value for name, value in options if name == "accept"] == ["whole-numbers", ""]
@@ -400,7 +400,7 @@ def test_first_result_has_at_most_the_requested_positions(app, fresh):
         assert headers["Content-Disposition"] == f'attachment; filename="{side}.csv"'
         assert body.count(b"\n") >= 128
     until(lambda: state(fresh), bool)  # they are pressed at once
-    fresh.execute_script("posted(`/jobs/${current}/stop`)")
+    fresh.execute_script("postJson(`/jobs/${current}/stop`)")
     assert finished(fresh) in ("stopped", "done")
     fill(fresh, {"shifts": "2"})
     by = "preview with the asperity model, without hardness, at 2 positions, here and in the pictures"
