@@ -154,7 +154,8 @@ def inside(driver, script):
 
 def wait_for_page(driver):
     """Wait until the report of the latest result is drawn."""
-    is_last, busy = "inside?.URL.split('#')[0].endsWith(framed)", "getElementById('main')?.getAttribute('aria-busy')"
+    is_last = "inside?.URL.split('#')[0].endsWith(reportAddress)"
+    busy = "getElementById('main')?.getAttribute('aria-busy')"
     busy = f"return {is_last} ? inside.{busy} : null"
     browser.wait(driver, lambda _: inside(driver, busy) == "false")
 
