@@ -14,7 +14,8 @@ from stiction.views.style import LEANING, LOWER, MILLIMETRE, OPPOSING, RULE_COLO
 
 ROOT = Path(__file__).resolve().parents[2]
 SCANS = ROOT / "examples/scans"
-GIVEN = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
+INPUTS = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
+"""Inputs of README's example except for its load, as options of `pair`."""
 LOADS = np.geomspace(1.0, 100.0, 9)
 HALF_WIDTH = 20.0
 """Half of the width of the left plot, µm."""
@@ -41,7 +42,7 @@ def friction_against_load():
             load=LOADS.tolist(),
             onset=0,
             directory=folder,
-            **GIVEN,
+            **INPUTS,
         )
         computed = result.summary().headlines
         rules = [{item.rule: (item.value, item.lower, item.upper) for item in one.rules} for one in computed]

@@ -3,17 +3,14 @@
 import subprocess
 import sys
 import tempfile
-from pathlib import Path
 
 import matplotlib as mpl
+from first import INPUTS, ROOT, SCANS
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from stiction.views.style import MILLIMETRE, STYLE
 
-ROOT = Path(__file__).resolve().parents[2]
-SCANS = ROOT / "examples/scans"
-OPTIONS = ["--upper", "steel", "--lower", "brass", "--hardness", "120 HV ± 10 %"]
-OPTIONS += ["--mu0", "0.2", "--tau0", "50 MPa", "--load", "50 MPa"]
+OPTIONS = [text for name, value in (INPUTS | {"load": "50 MPa"}).items() for text in (f"--{name}", str(value))]
 COLUMNS = 80  # characters in a line of the terminal
 LINE_HEIGHT, CHARACTER_WIDTH = 4.2, 1.98  # mm
 MARGIN, LABEL_WIDTH, DISC_RADIUS = 3.0, 7.0, 1.75  # mm

@@ -13,21 +13,12 @@ import tempfile
 from pathlib import Path
 
 import stiction as st
+from first import INPUTS, ROOT, SCANS
 from stiction.views.report import save_report
 
-ROOT = Path(__file__).resolve().parents[2]
-SCANS = ROOT / "examples/scans"
 IMAGES = ROOT / "docs/images"
 WIDTH = 1280  # px
 HEIGHTS = {"report": 1180, "app_scans": 900, "app_answer": 1000}  # px
-OPTIONS = {
-    "upper": "steel",
-    "lower": "brass",
-    "hardness": "120 HV ± 10 %",
-    "mu0": 0.2,
-    "tau0": "50 MPa",
-    "load": "50 MPa",
-}
 
 sys.path.insert(0, str(ROOT / "tests"))
 from support import browser  # noqa: E402
@@ -47,7 +38,9 @@ def save_screenshot(driver, name: str, height: int) -> None:
 
 def draw_report(driver, folder: Path) -> None:
     """Draw the report of README's pair, light and dark."""
-    result = st.pair(SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", directory=folder / "pair", **OPTIONS)
+    result = st.pair(
+        SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", directory=folder / "pair", load="50 MPa", **INPUTS
+    )
     save_report(result, folder / "report.html")
     for suffix, dark in (("", False), ("_dark", True)):
         set_theme(driver, dark)
