@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from stiction import HertzCylinder, HertzSphere, JacksonGreen, Study
-from stiction.studies.contact_tables import CONTACTS, HertzCylinderTable, JacksonGreenTable, law_entry
+from stiction.studies.contact_tables import CONTACTS, HertzCylinderTable, JacksonGreenTable
 from stiction.studies.store import STUDY
 from stiction.studies.study import FRICTIONS, study_from_text
 from stiction.studies.values import StudyError
@@ -60,9 +60,15 @@ def test_key_of_another_case_is_reported_with_its_owners(changes, key, message):
     assert caught.value.faults[0][1].startswith(message)
 
 
-@pytest.mark.parametrize("law", [HertzSphere(), HertzCylinder(width=2.0), JacksonGreen(0.5, 0.3)])
-def test_law_and_its_entry_in_a_study_are_equal(law):
-    entry = law_entry(law)
+@pytest.mark.parametrize(
+    ("law", "entry"),
+    [
+        (HertzSphere(), "hertz-sphere"),
+        (HertzCylinder(width=2.0), HertzCylinderTable(name="hertz-cylinder", width="2 um")),
+        (JacksonGreen(0.5, 0.3), JacksonGreenTable(name="jackson-green", yield_strength="0.5 GPa", poisson_ratio=0.3)),
+    ],
+)
+def test_law_and_its_entry_in_a_study_are_equal(law, entry):
     study = Study().with_changes({"contact.law": entry if isinstance(entry, str) else entry.model_dump()})
     assert study.contact.law == entry
     assert type(study.contact.model().law) in (str, type(law))

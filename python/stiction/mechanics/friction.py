@@ -250,14 +250,6 @@ def friction_parameter(name: str, values: ArrayLike) -> Floats:
     return array
 
 
-def parameter_list(name: str, values: ArrayLike) -> Floats:
-    """Return mu0 or tau0 as one number, (), or several, (k,)."""
-    array = friction_parameter(name, values)
-    if array.ndim > 1 or not array.size:
-        raise ValueError(f"{name} must be a number or a list of numbers, got {values!r}")
-    return array
-
-
 def check_shear_strength(tau0: Floats, effective_modulus: float) -> None:
     """Warn if tau0 was probably given in MPa instead of GPa."""
     highest = float(np.max(tau0, initial=0))

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from pydantic import Field, PlainSerializer, PlainValidator, model_validator
 
 from stiction._checks import Floats, float_array
-from stiction._units import MAGNITUDES, exact_quantity, quantity, short_repr
+from stiction._units import MAGNITUDES, quantity, short_repr
 from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
-from stiction.mechanics.law import LAWS_BY_NAME, HertzCylinder, JacksonGreen, Law, LawName, as_law
+from stiction.mechanics.law import LAWS_BY_NAME, HertzCylinder, JacksonGreen, LawName, as_law
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
 from stiction.studies.generated_surfaces import Generated, Profiles
 from stiction.studies.input_uncertainty import MAX_GROWTH
@@ -103,17 +103,6 @@ def _write_law(law: LawName | LawTable) -> object:
 
 
 LawEntry = Annotated[LawName | LawTable, PlainValidator(_read_law), PlainSerializer(_write_law)]
-
-
-def law_entry(law: Law | LawName) -> LawName | LawTable:
-    """Convert a contact law to its entry in a study."""
-    law = as_law(law)
-    if isinstance(law, HertzCylinder):
-        return HertzCylinderTable(name="hertz-cylinder", width=exact_quantity(law.width, "um"))
-    if isinstance(law, JacksonGreen):
-        strength = exact_quantity(law.yield_strength, "GPa")
-        return JacksonGreenTable(name="jackson-green", yield_strength=strength, poisson_ratio=law.poisson_ratio)
-    return law.name  # type: ignore[return-value]
 
 
 # ---- Contacts -------------------------------------------------------------------------------------------------------
@@ -348,7 +337,7 @@ class HalfSpace(ContactTable):
 
     @property
     def adheres(self) -> bool:
-        """Whether the bodies adhere."""
+        """True if the bodies adhere."""
         return bool(self.work_of_adhesion)
 
     @model_validator(mode="after")
