@@ -13,7 +13,7 @@ import numpy as np
 
 import stiction._core
 from stiction._caching import cached_property
-from stiction._checks import Floats, check_choice, number
+from stiction._checks import Floats, check_choice, check_instance, number
 from stiction.mechanics.law import HertzCylinder, Law, LawName, as_law
 from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
@@ -184,9 +184,8 @@ class ContactKeywords(TypedDict, total=False):
 def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
     """Create the contact model from keyword arguments; missing parameters are those of the default."""
     changes: dict[str, Any] = dict(keywords)
-    model = changes.pop("model", default or _DEFAULT_MODEL)
-    if not isinstance(model, ContactModel):
-        raise ValueError(f"model must be a ContactModel, got {type(model).__name__}")
+    model: ContactModel = changes.pop("model", default or _DEFAULT_MODEL)
+    check_instance("model", model, ContactModel, "a ContactModel")
     if not changes:
         return model
     if unknown := changes.keys() - ContactKeywords.__annotations__.keys():

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._checks import Floats, check_choice, number
+from stiction._checks import Floats, check_choice, check_instance, number
 from stiction._files import NotReadableError, describe_os_error, read_content, replaced_file
 from stiction._text import printable_path
 from stiction._units import loads_to_core_units, to_core_units
@@ -660,8 +660,7 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     ...     read_interface(path).about["operator"]
     'A. B.'
     """
-    if not isinstance(interface, Interface):
-        raise ValueError(f"interface must be an Interface from calibrate(), got {type(interface).__name__}")
+    check_instance("interface", interface, Interface, "an Interface from calibrate()")
     head = {
         "sliding": interface.fits[0].sliding,
         "area_per_load": repr(interface.area_per_load),
@@ -811,8 +810,7 @@ def interface(name_or_path: str | Path) -> Interface:
     >>> interface("MoS2 on bearing steel, dry air").about["motion"]
     'kinetic'
     """
-    if not isinstance(name_or_path, (str, Path)):
-        raise ValueError(f"interface must be a name or a path, got {type(name_or_path).__name__}")
+    check_instance("interface", name_or_path, (str, Path), "a name or a path")
     table = interfaces().get(str(name_or_path))
     if table is None:
         if Path(name_or_path).is_file():

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stiction._checks import check_instance
 from stiction._number_format import finite, percent, with_interval, with_unit
 from stiction._repr import render_png
 from stiction.studies.calibration_fit import MIN_VARIATION
@@ -159,8 +160,7 @@ def calibration_figure(interface: Interface) -> Figure:
     """
     import matplotlib as mpl
 
-    if not isinstance(interface, Interface):
-        raise ValueError(f"interface must be an Interface, as returned by calibrate(), got {type(interface).__name__}")
+    check_instance("interface", interface, Interface, "an Interface, as returned by calibrate()")
     with mpl.rc_context(STYLE):
         figure = new_figure(66, width=FULL_WIDTH)
         data, joint = figure.subplots(1, 2)

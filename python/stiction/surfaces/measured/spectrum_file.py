@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction._checks import read_only
+from stiction._checks import check_instance, read_only
 from stiction._files import NotReadableError, new_file, read_content
 from stiction._text import printable_path
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
@@ -56,8 +56,7 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
     """
     import pandas
 
-    if not isinstance(spectrum, JoinedSpectrum):
-        raise ValueError(f"spectrum must be a JoinedSpectrum, got {type(spectrum).__name__}")
+    check_instance("spectrum", spectrum, JoinedSpectrum, "a JoinedSpectrum")
     path = Path(path)
     if path.suffix.lower() != ".csv":
         raise FormatError(f"{path}: cannot be written: its name must end in .csv")

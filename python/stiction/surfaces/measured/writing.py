@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stiction._checks import Floats
+from stiction._checks import Floats, check_instance
 from stiction._files import new_file
 from stiction.surfaces.measured.npy import write_npy
 from stiction.surfaces.measured.raw import FormatError
@@ -49,8 +49,7 @@ def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
     >>> read_profile(path).heights
     array([ 0. ,  0.1,  0. , -0.1])
     """
-    if not isinstance(profile, Profile):
-        raise ValueError(f"profile must be a Profile, got {type(profile).__name__}")
+    check_instance("profile", profile, Profile, "a Profile")
     pairs = zip(profile.x.tolist(), heights_with_nan(profile).tolist(), strict=True)
     rows = itertools.chain(["x (um),z (um)\n"], (f"{x!r},{z!r}\n" for x, z in pairs))
     _write(profile, path, [f"# spacing: {profile.spacing!r} um\n"], rows)
@@ -85,8 +84,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     >>> read_surface(path).spacing
     (0.5, 0.25)
     """
-    if not isinstance(surface, Surface):
-        raise ValueError(f"surface must be a Surface, got {type(surface).__name__}")
+    check_instance("surface", surface, Surface, "a Surface")
     columns = surface.heights.shape[1]
     if Path(path).suffix.lower() == ".csv" and columns < MIN_COLUMNS:
         raise FormatError(
