@@ -61,7 +61,7 @@ class ResultQuantity:
 
     @property
     def directed(self) -> bool:
-        """Whether the quantity depends on the sliding rule and the direction."""
+        """True if the quantity depends on the sliding rule and the direction."""
         return "sliding" in self.along
 
 

@@ -81,7 +81,7 @@ class Doubt:
     cut_off: float = math.inf
     """Cutoff wavelength (µm) from which on the caveat does not apply."""
     has_readings: bool = False
-    """Whether the interval contains a reading without these wavelengths."""
+    """True if the interval contains a reading without these wavelengths."""
     name: str = ""
     """Number of the point that was checked, if it was one: a name of `QUANTITIES` or of `_numbers`."""
     value: float = field(default=math.nan, compare=False)
@@ -291,9 +291,9 @@ def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str,
 
 
 def pressure_checks(study: Study, modulus: float) -> Checks:
-    """Whether elastic bodies of this modulus (GPa) have yielded: by a hardness that is known, else by what others have.
+    """Return the checks of elastic bodies for yielding, by their hardness if it is known, otherwise by typical ones.
 
-    None where pressures are limited, or where bodies are so soft that they do not yield.
+    There are none if pressures are limited, or if bodies of this modulus (GPa) are too soft to yield.
     """
     if is_capped(study):
         return ()

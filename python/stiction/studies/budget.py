@@ -40,9 +40,8 @@ EXACT_QUANTILES = (0.1, 0.5, 0.9)  # quantiles of an exact input over which the 
 MAX_BUDGETS = 100  # largest number of coefficients that have a budget
 SAME_INPUT = 1e-3  # relative difference from the study's mu0 or tau0 up to which its range applies
 MAX_EXPONENT = 50.0  # largest exponent of a factor between tests
-DECILES = (
-    2.563103131089201  # range from the 10th to the 90th percentile of a normal distribution over its standard deviation
-)
+DECILES = 2.563103131089201
+"""Range from the 10th to the 90th percentile of a normal distribution over its standard deviation."""
 
 _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
 """Variables that the interval of a coefficient depends on."""
@@ -60,9 +59,9 @@ def add_uncertainty(
     `friction_known`, or the sampling interval if there is none; if a scan has two readings, the interval of the first
     one contains those of both. `friction_next_test` has the prediction interval of one position in one direction, and
     `friction_waited` that after dwell times. The `budget`, which takes most of the time, adds over input
-    (those of `find_inputs`, positions and finer waves) `friction_if_known` and `width_if_known`, the interval that
-    would remain if the input were exact. Without `tests` only `friction_combined` is added. Results of generated bodies
-    are returned unchanged.
+    (those of `find_inputs`, positions and unresolved roughness) `friction_if_known` and `width_if_known`, the interval
+    that would remain if the input were exact. Without `tests` only `friction_combined` is added. Results of generated
+    bodies are returned unchanged.
     """
     result = Result.of(result)
     study = result.study

@@ -55,7 +55,7 @@ class FractalParameters(Case):
 
     bodies: ClassVar[str] = "generated areas"  # name in `place` of contact tables
     is_areal: ClassVar[bool] = True
-    """Whether members are pairs of areas rather than lines."""
+    """True if members are pairs of height maps rather than profiles."""
 
     press: ClassVar[None] = None
     level: ClassVar[None] = None

@@ -59,7 +59,7 @@ class UncertainInput:
 
     @property
     def is_exact(self) -> bool:
-        """Whether the input is a number."""
+        """True if the input is a number."""
         return self.distribution == "exact"
 
     @property

@@ -437,7 +437,7 @@ class MeasuredBodies(Case):
 
     bodies: ClassVar[str] = "measured areas"  # name in `place` of contact tables
     is_areal: ClassVar[bool] = True
-    """Whether members are pairs of areas, which are independent of each other, rather than lines."""
+    """True if members are independent pairs of height maps rather than profiles."""
     pressed: ClassVar[str]
     """Name of the members in reports."""
 

@@ -181,17 +181,17 @@ class Pair:
 
     @property
     def are_maps(self) -> bool:
-        """Whether both bodies are height maps."""
+        """True if both bodies are height maps."""
         return all(isinstance(body, Surface) for body in self.bodies)
 
     @property
     def are_profiles(self) -> bool:
-        """Whether both bodies are profiles."""
+        """True if both bodies are profiles."""
         return all(isinstance(body, Profile) for body in self.bodies)
 
     @property
     def has_spectrum(self) -> bool:
-        """Whether a body is a spectrum of several scans."""
+        """True if a body is a spectrum of several scans."""
         return any(isinstance(body, JoinedSpectrum) for body in self.bodies)
 
     @property
@@ -204,7 +204,7 @@ class Pair:
 
     @property
     def has_missing(self) -> bool:
-        """Whether a body has masked points."""
+        """True if a body has masked points."""
         return any(getattr(body, "missing", None) is not None for body in self.bodies)
 
     @property
@@ -226,7 +226,7 @@ class Pair:
 
     @property
     def _uses_plastic_lines(self) -> bool:
-        """Whether two profiles have a hardness, and no option of the asperity model is given."""
+        """True if two profiles have a hardness, and no option of the asperity model is given."""
         asperity_options = (
             self.options.law,
             self.options.yield_strength,
@@ -244,7 +244,7 @@ class Pair:
 
     @property
     def has_surrogates(self) -> bool:
-        """Whether surrogates are pressed."""
+        """True if surrogates are pressed."""
         return self.press == "surrogates" or self.options.surrogates not in (None, "none")
 
     @cached_property

@@ -144,23 +144,23 @@ class PairFacts(Protocol):
 
     @property
     def are_maps(self) -> bool:
-        """Whether both bodies are height maps."""
+        """True if both bodies are height maps."""
 
     @property
     def are_profiles(self) -> bool:
-        """Whether both bodies are profiles."""
+        """True if both bodies are profiles."""
 
     @property
     def has_spectrum(self) -> bool:
-        """Whether a body is a spectrum of several scans."""
+        """True if a body is a spectrum of several scans."""
 
     @property
     def has_missing(self) -> bool:
-        """Whether a body has masked points."""
+        """True if a body has masked points."""
 
     @property
     def has_surrogates(self) -> bool:
-        """Whether surrogates are pressed."""
+        """True if surrogates are pressed."""
 
     @property
     def scan_counts(self) -> tuple[int, int]:

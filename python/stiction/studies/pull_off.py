@@ -1,4 +1,4 @@
-"""Whether bodies that adhere stick together without a load: pull-off force and pressure, and friction at no load."""
+"""Sticking of adhesive bodies without a load: pull-off force and pressure, and friction at no load."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import xarray
 
 STICKING_PRESSURE = 1e-7
-"""Pull-off pressure (GPa) above which bodies stick: 100 Pa, which the weight of 1.3 mm of steel is."""
+"""Pull-off pressure (GPa) above which bodies stick: 100 Pa, the weight of a steel plate 1.3 mm thick."""
 
 Three = tuple[float, float, float]
 
@@ -29,7 +29,7 @@ class Sticking:
 
     @property
     def sticks(self) -> Literal["yes", "no", "uncertain"]:
-        """Whether the pull-off pressure is above `STICKING_PRESSURE`, by its interval, or its value without one."""
+        """Result of comparing the pull-off pressure, or its interval if there is one, with `STICKING_PRESSURE`."""
         value, lower, upper = self.pressure
         if (lower if np.isfinite(lower) else value) > STICKING_PRESSURE:
             return "yes"

@@ -327,22 +327,22 @@ class Study(Table):
 
     @property
     def is_measured(self) -> bool:
-        """Whether the surfaces are measured, not generated."""
+        """True if the surfaces are measured, not generated."""
         return self.surfaces.kind == "measured"
 
     @property
     def is_gap(self) -> bool:
-        """Whether the surfaces are given by a measured map of the gap between them."""
+        """True if the surfaces are given by a measured map of the gap between them."""
         return bool(getattr(self.surfaces, "gap", None))
 
     @property
     def is_areal(self) -> bool:
-        """Whether the members are areal contacts, not profiles."""
+        """True if the members are areal contacts, not profiles."""
         return self.surfaces.is_areal
 
     @property
     def uses_half_space(self) -> bool:
-        """Whether the contact model is the elastic half-space, not isolated asperities."""
+        """True if the contact model is the elastic half-space, not isolated asperities."""
         return self.contact.mechanics == "half-space"
 
     @property

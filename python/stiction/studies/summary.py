@@ -126,7 +126,7 @@ class PointSummary:
 
     @property
     def grows(self) -> bool:
-        """Whether contacts that have yielded grow under shear."""
+        """True if contacts that have yielded grow under shear."""
         return bool(self.study.contact.junction_growth)
 
     @property
@@ -136,7 +136,7 @@ class PointSummary:
 
     @property
     def unloaded(self) -> bool:
-        """Whether the load is negligible beside the pull-off force."""
+        """True if the load is negligible beside the pull-off force."""
         return is_unloaded(self.values)
 
     def quantity(self, name: str) -> tuple[float, float, float]:

@@ -105,7 +105,7 @@ class Characterisation:
     tip_radius: float | None = None
     periodic: bool = False
     textured: bool = False
-    """Whether the body was machined. Lines and humps in its spectrum are then attributed to the surface."""
+    """True if the body was machined. Lines and humps in its spectrum are then attributed to the surface."""
     lc: float | None = None
     ls: float | None = None
     robust: bool = False
