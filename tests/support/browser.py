@@ -71,7 +71,7 @@ def wait(driver, until):
 
 def rest(driver):
     """Wait until the page is idle and has updated its address and details."""
-    driver.execute_async_script("setTimeout(arguments[0], 2 * REST)")
+    driver.execute_async_script("setTimeout(arguments[0], 2 * REDRAW_DELAY)")
     settle(driver)
 
 
@@ -99,7 +99,7 @@ def settle(driver):
     """Wait until pending drawing is complete."""
     driver.execute_async_script(
         "const done = arguments[0];"
-        "const left = () => (typeof wanted === 'undefined' ? 0 : wanted.size);"
+        "const left = () => (typeof pending === 'undefined' ? 0 : pending.size);"
         "const look = () => requestAnimationFrame(() => (left() ? look() : done())); look();"
     )
 
