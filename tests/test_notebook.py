@@ -468,9 +468,9 @@ def test_result_has_value_and_table(by_function, tmp_path):
     assert by_function.value == first.value
     assert by_function.interval == (first.lower, first.upper)
     assert by_function.verdict in repr(by_function)
-    assert all(doubt.text in " ".join(repr(by_function).split()) for doubt in first.doubts)
+    assert all(caveat.text in " ".join(repr(by_function).split()) for caveat in first.caveats)
     table = by_function.to_dataframe()
-    assert {"verdict", "doubts", "coefficient of static friction"} <= set(table.columns)
+    assert {"verdict", "caveats", "coefficient of static friction"} <= set(table.columns)
     assert "<pre" in (shows := by_function._repr_html_())
     assert "<img" in shows
     assert by_function.save_report(tmp_path / "page.html").stat().st_size > 1000

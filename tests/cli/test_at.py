@@ -158,7 +158,7 @@ def test_info_has_the_same_schema_for_every_result(folder, name):
     assert (record["schema"], record["command"]) == (SCHEMA, "info")
     assert record["finished"] == record["repetitions"] == open_stored(folder / name).study.ensemble.repetitions
     assert record["values"]
-    assert all({"verdict", "doubts", "sentence"} <= set(one) for one in record["answers"])
+    assert all({"verdict", "caveats", "sentence"} <= set(one) for one in record["answers"])
     assert said("report", name, "--output", f"{name}.html", cwd=folder)
     text = said("info", name, cwd=folder)
     assert f"{record['finished']} of {record['repetitions']} finished" in text

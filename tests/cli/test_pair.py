@@ -18,7 +18,7 @@ from stiction.cli.options import show_reader_import
 from stiction.cli.pair_options import given_options
 from stiction.studies import store
 from stiction.studies.evaluation import at_load
-from stiction.studies.input_caveats import doubts_of_inputs
+from stiction.studies.input_caveats import find_input_caveats
 from stiction.studies.member_solution import pressed_to_loads
 from stiction.studies.members import load_bodies
 from stiction.studies.pair import Pair
@@ -679,8 +679,8 @@ def test_scan_with_unattributed_hump_is_also_computed_filtered(tmp_path):
     lengths = {name: [float(item) for item in study.surfaces.cut_off] for name, study in studies.items()}
     assert (lengths["clean"], lengths["vouched"], lengths["cut"]) == ([0.0], [0.0], [0.3])
     assert lengths["noisy"] == [0.0, stiction.instrument_limit(noisy).cut_off]
-    (fault,) = [item for item in doubts_of_inputs(noisy, noisy, studies["cut"]) if item.severity == "fault"]
-    assert fault.cut_off < 0.3  # so that the answer with this cut-off has no such doubt
+    (fault,) = [item for item in find_input_caveats(noisy, noisy, studies["cut"]) if item.severity == "fault"]
+    assert fault.cut_off < 0.3  # so that the answer with this cut-off has no such caveat
 
 
 def noisy_and_clean():
@@ -722,7 +722,7 @@ def test_declared_texture_preserves_its_line_and_unknown_texture_is_rejected():
     ground = Pair.from_values(upper=humming, lower=clean, texture="ground", **asked).study
     assert [float(item) for item in ground.surfaces.cut_off] == [0.0]
     assert [ground.surfaces.upper.texture, ground.surfaces.lower.texture] == ["ground", "ground"]
-    assert not any(item.severity == "fault" for item in doubts_of_inputs(humming, clean, ground))
+    assert not any(item.severity == "fault" for item in find_input_caveats(humming, clean, ground))
     with pytest.raises(ValueError, match="must be turned, milled"):
         stiction.pair(humming, clean, texture="shiny", **asked)
 

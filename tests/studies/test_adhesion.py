@@ -176,8 +176,8 @@ def test_explicit_zero_adhesion_changes_nothing_and_has_no_caveat(sticky):
     assert set(sticky.dataset.data_vars) - set(none.dataset.data_vars) == {
         "contact_load", "pull_off", "pull_off_is_bound", "unloaded_elastic", "unloaded_frictional", "unloaded_adhesive",
     }  # fmt: skip
-    doubted = [any(words in caveat.text for caveat in result.caveats) for result in (silent, none, sticky)]
-    assert doubted == [True, False, False]
+    has_caveat = [any(words in caveat.text for caveat in result.caveats) for result in (silent, none, sticky)]
+    assert has_caveat == [True, False, False]
     steep = pair(rough("upper", 0.03), rough("lower", 0.03), **ASKED | {"load": "20 MPa"})
     assert not any(words in caveat.text for caveat in steep.caveats)
     assert "adhesion" not in repr(none)
@@ -225,9 +225,9 @@ def test_adhesion_range_limited_by_grid_is_a_caveat():
     options = ASKED | {"effective_modulus": "1.5..2.5 GPa", "load": "2 MPa"}
     with pytest.warns(UserWarning, match="adhesion_range = 0.5 nm is increased to"):
         result = pair(rough("upper", 0.01), rough("lower", 0.01), **options, **WORK)
-    doubts = " ".join(caveat.text for caveat in result.caveats)
-    assert "the smallest on this grid, not 0.5 nm" in doubts
-    assert "the interval does not include the effect of E* on the attraction" in doubts
+    caveats = " ".join(caveat.text for caveat in result.caveats)
+    assert "the smallest on this grid, not 0.5 nm" in caveats
+    assert "the interval does not include the effect of E* on the attraction" in caveats
 
 
 @pytest.mark.soak

@@ -190,8 +190,8 @@ def test_gap_has_the_interval_of_its_inputs_and_a_caveat() -> None:
     assert np.isnan(known.of_positions).all()
     assert np.isnan(exact.interval).all()
     for result in (known, exact):
-        assert any("a gap has one position" in doubt.text for doubt in result.caveats)
-        assert not any("members that differ" in doubt.cure for doubt in result.caveats)
+        assert any("a gap has one position" in caveat.text for caveat in result.caveats)
+        assert not any("members that differ" in caveat.cure for caveat in result.caveats)
 
 
 def test_material_name_combines_with_numbers_of_the_other_surface() -> None:

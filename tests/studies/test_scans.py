@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from stiction import Profile, Study, Surface, open_result, pair, self_affine_surface
-from stiction.studies.input_caveats import doubts_of_study
+from stiction.studies.input_caveats import find_study_caveats
 from stiction.studies.intervals import scans_mean, student_quantile
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.pair import Pair
@@ -194,11 +194,11 @@ def test_caveats_about_files_end_when_accepted(tmp_path, monkeypatch):
     def of_files(**options):
         arguments = {"load": "1 mN", "mu0": "0.3", "effective_modulus": "10 GPa", "missing": "interpolate", **options}
         study = Pair.from_values(upper="codes.csv", lower="codes.csv", **arguments).study
-        return [item for item in doubts_of_study(study) if "(repeated-extreme)" in item.cure]
+        return [item for item in find_study_caveats(study) if "(repeated-extreme)" in item.cure]
 
-    (doubt,) = of_files()
-    assert (doubt.severity, doubt.text.partition(":")[0]) == ("caution", "both scans")
-    assert "--missing-value -9999" in doubt.cure
+    (caveat,) = of_files()
+    assert (caveat.severity, caveat.text.partition(":")[0]) == ("caution", "both scans")
+    assert "--missing-value -9999" in caveat.cure
     assert of_files(missing_value="-9999") == of_files(accept="repeated-extreme") == []
     (caveat,) = MeasuredFile.holding(Profile(heights, spacing=100.0), "upper").caveats
     assert caveat.name == "repeated-extreme"

@@ -47,13 +47,13 @@ def calls(folder):
 
         count(summary, "summarize")
         count(budget, "add_uncertainty")
-        count(input_caveats, "doubts_of_study")
+        count(input_caveats, "find_study_caveats")
         run_command(monkeypatch, "pair", folder / "upper.csv", folder / "lower.csv", *PAIR, "-o", folder / "pair")
     return counts
 
 
 def test_pair_computes_summary_values_and_input_caveats_once(calls):
-    assert calls == {"summarize": 1, "add_uncertainty": 1, "doubts_of_study": 1}
+    assert calls == {"summarize": 1, "add_uncertainty": 1, "find_study_caveats": 1}
 
 
 def test_result_keeps_its_summary_and_adds_what_is_stored_alongside(folder, calls):
@@ -71,7 +71,7 @@ def test_summary_at_the_study_values_is_that_of_the_study(folder, calls):
     named = result.summary(["20 MPa", "40 MPa"], mu0=0.2, tau0="50 MPa")
     for one, other in zip(own.points, named.points, strict=True):
         assert one.verdict == other.verdict
-        assert one.doubts == other.doubts
+        assert one.caveats == other.caveats
         np.testing.assert_allclose(one.quantity("friction_combined"), other.quantity("friction_combined"), rtol=1e-12)
     assert (result.value, result.interval) == (own.first.value, (own.first.lower, own.first.upper))
 
@@ -82,7 +82,7 @@ def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(folder
     at = result.at("20 MPa", mu0=0.3)["friction_combined"].sel(sliding="all").squeeze()
     np.testing.assert_allclose([point.value, point.lower, point.upper], at.values, rtol=1e-12)
     stored = [caveat.text for caveat in result.input_caveats if point.at["cut_off"] < caveat.cut_off]
-    assert set(stored) <= {caveat.text for caveat in point.doubts}
+    assert set(stored) <= {caveat.text for caveat in point.caveats}
 
 
 def test_at_per_member_averages_to_the_means(folder, calls):
@@ -104,8 +104,8 @@ def test_at_command_has_the_assessment_and_caveats_of_pair(folder, calls, monkey
         run_command(monkeypatch, *arguments)
         records.append(json.loads(capsys.readouterr().out)["answers"])
     for one, other in zip(*records, strict=True):
-        assert [one[name] for name in ("verdict", "doubts", "rules")] == [
-            other[name] for name in ("verdict", "doubts", "rules")
+        assert [one[name] for name in ("verdict", "caveats", "rules")] == [
+            other[name] for name in ("verdict", "caveats", "rules")
         ]
 
 
@@ -117,4 +117,4 @@ def test_at_command_rejects_few_contacts_at_a_load_of_its_own(tmp_path, monkeypa
     run_command(monkeypatch, "at", tmp_path / "study", *arguments)
     (answer,) = json.loads(capsys.readouterr().out)["answers"]
     assert answer["verdict"] == "Do not quote"
-    assert "1.9 contacts on average are too few" in [doubt["text"] for doubt in answer["doubts"]]
+    assert "1.9 contacts on average are too few" in [caveat["text"] for caveat in answer["caveats"]]

@@ -166,8 +166,8 @@ def test_nominal_area_excludes_missing_points_and_interpolation_is_flagged(whole
     assert 0.6 < part < 0.9
     area = [float(result.dataset["contact_area"].mean()) / result.nominal_area for result in (masked, full)]
     assert area[0] / area[1] == pytest.approx(1, abs=0.05)  # equal pressure on a smaller area
-    doubt = "12 % of the points are interpolated, in gaps larger than the contacts"
-    assert any(doubt in caveat.text for caveat in filled.caveats)
+    text = "12 % of the points are interpolated, in gaps larger than the contacts"
+    assert any(text in caveat.text for caveat in filled.caveats)
     assert not any("interpolated" in caveat.text for caveat in masked.caveats)
     for refused, why in (
         ({"mechanics": "asperities"}, "needs scans without masked points"),

@@ -1,10 +1,10 @@
-"""What may be quoted of a result: each doubt has a case that raises it and one that does not."""
+"""What may be quoted of a result: each caveat has a case that raises it and one that does not."""
 
 import math
 
 import numpy as np
 import pytest
-from stiction.studies.assessment import HIGH_PRESSURE, HIGHEST_PRESSURE, Doubt
+from stiction.studies.assessment import HIGH_PRESSURE, HIGHEST_PRESSURE, Caveat
 from stiction.studies.point import points
 from stiction.studies.summary import ORIGIN, summarize, summarize_point
 from stiction.views.point import averaged_directions_text
@@ -20,14 +20,14 @@ def one(at, study):
 
 
 def texts(said):
-    return "; ".join(doubt.text for doubt in said.doubts)
+    return "; ".join(caveat.text for caveat in said.caveats)
 
 
 def test_measured_surfaces_quote_friction_at_all_contacts_first():
     message = one(measured(), measured_study(hardness=3.0))
     assert [rule.rule for rule in message.rules] == ["all", "opposing"]
     assert (message.value, message.lower, message.upper) == pytest.approx((0.21, 0.1995, 0.2205))
-    assert (message.verdict, message.doubts) == ("Quote it", ())
+    assert (message.verdict, message.caveats) == ("Quote it", ())
     for words in (
         "μ_s = 0.21 [0.20, 0.22] with friction at all contacts",
         "0.110 [0.104, 0.116] with friction at opposing contacts only",
@@ -86,7 +86,7 @@ def test_point_with_fault_has_no_number_in_its_sentence(name):
     raising, silent, word = FAULTS[name]
     message = one(measured(**raising), measured_study())
     assert message.verdict == "Do not quote"
-    assert word in " ".join(doubt.text for doubt in message.doubts if doubt.severity == "fault")
+    assert word in " ".join(caveat.text for caveat in message.caveats if caveat.severity == "fault")
     assert "μ_s =" not in sentence_text(message)
     assert word in sentence_text(message)
     assert one(measured(**silent), measured_study()).verdict == "Quote it"
@@ -147,19 +147,19 @@ def test_caveat_is_absent_without_its_reason(numbers, study):
 def test_material_without_yield_has_no_caveat_about_pressure(kind):
     at, study = (measured(), measured_study()) if kind == "measured" else (generated(), generated_study())
     at["mean_pressure"] = 0 * at["mean_pressure"] + 2e-4
-    for modulus, doubted in ((0.003, False), (0.2, False)):
+    for modulus, has_caveat in ((0.003, False), (0.2, False)):
         study = study.with_changes({"contact.effective_modulus": f"{modulus} GPa"})
         at = at.assign_coords(effective_modulus=modulus)
-        assert any("pressure" in doubt.text for doubt in summarize(at, study).points[0].doubts) == doubted
+        assert any("pressure" in caveat.text for caveat in summarize(at, study).points[0].caveats) == has_caveat
     at["mean_pressure"] = 0 * at["mean_pressure"] + 0.02
-    assert any("pressure" in doubt.text for doubt in summarize(at, study).points[0].doubts)
+    assert any("pressure" in caveat.text for caveat in summarize(at, study).points[0].caveats)
 
 
 def test_soft_surfaces_are_compared_with_known_hardness():
     study = measured_study(mechanics="asperities")
     study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
     at = measured(mean_pressure=2.0).assign_coords(effective_modulus=0.05)
-    assert any("brass yields" in doubt.text for doubt in summarize(at, study).points[0].doubts)
+    assert any("brass yields" in caveat.text for caveat in summarize(at, study).points[0].caveats)
 
 
 def test_pressure_of_generated_surfaces_is_at_most_a_caution():
@@ -178,11 +178,11 @@ def test_missing_coefficient_has_its_status_as_reason():
 
 
 def test_caveats_about_inputs_are_listed_and_faults_come_first():
-    beside = Doubt("a parabola carries the load", "try --level quadratic", "caution")
+    beside = Caveat("a parabola carries the load", "try --level quadratic", "caution")
     at = measured(share_at_edge=0.6)
     message = summarize_point(next(points(at)), measured_study(), [beside])
-    assert [doubt.severity for doubt in message.doubts] == ["fault", "caution"]
-    assert message.doubts[1] == beside
+    assert [caveat.severity for caveat in message.caveats] == ["fault", "caution"]
+    assert message.caveats[1] == beside
 
 
 @pytest.mark.parametrize(
@@ -245,16 +245,16 @@ def test_first_of_two_readings_has_an_interval_over_both(is_floor):
     at["width_if_known"] = known.sel(statistic="mean", drop=True).expand_dims(input=["hardness"]) * 0.02
     at = at.assign_coords(input_words=("input", ["the hardness"]))
     severity = "caution" if is_floor else "fault"
-    doubt = Doubt("waves below 400 nm have 40 % of the slope", "--cutoff '400 nm'", severity, 0.4, True)
+    caveat = Caveat("waves below 400 nm have 40 % of the slope", "--cutoff '400 nm'", severity, 0.4, True)
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
-    result = summarize(at, study, input_caveats=[doubt]).points
+    result = summarize(at, study, input_caveats=[caveat]).points
     assert [one.covered for one in result] == [False, False, True, True]
     assert [one.at["cut_off"] for one in result] == [cut_offs[0]] * 2 + [cut_offs[1]] * 2
     for one in [item for item in result if not item.covered]:
         assert one.verdict == ("Quote with care" if is_floor else "Do not quote")
         assert (one.value, one.lower, one.upper) == pytest.approx((0.25, 0.21 * 0.98, 0.25 * 1.02))
         words = "with" if is_floor else "without"
-        assert one.doubts[0].text.startswith(f"{doubt.text}; {words} them μ_s is 0.210 [0.206, 0.214]")
+        assert one.caveats[0].text.startswith(f"{caveat.text}; {words} them μ_s is 0.210 [0.206, 0.214]")
         assert [(left.words, left.lower) for left in one.budget] == [
             (ORIGIN, pytest.approx(0.245)), ("the hardness", pytest.approx(0.2058)),
         ]  # fmt: skip
@@ -326,19 +326,19 @@ def test_materials_are_named_with_range_of_softer_hardness():
 )
 def test_junction_growth_is_a_caveat_above_a_twentieth_of_friction(tau0, message):
     at = measured(load_share_at_hardness=0.9, mu0=(0.1 if tau0 < 0.02 else 0.2,), tau0=(tau0,))
-    doubts = summarize(at, with_materials(0.625)).points[0].doubts
-    grown = [doubt.text for doubt in doubts if "junction growth" in doubt.text]
+    caveats = summarize(at, with_materials(0.625)).points[0].caveats
+    grown = [caveat.text for caveat in caveats if "junction growth" in caveat.text]
     assert len(grown) == (message is not None)
     assert message is None or message in grown[0]
-    elastic = summarize(measured(load_share_at_hardness=0.0, tau0=(tau0,)), with_materials(0.625)).points[0].doubts
+    elastic = summarize(measured(load_share_at_hardness=0.0, tau0=(tau0,)), with_materials(0.625)).points[0].caveats
     assert not any("junction growth" in item.text for item in elastic)
 
 
 def test_zero_tau0_is_a_caveat():
     at = measured(tau0=(0.0,))
     at["friction_all_round"] = at["friction_all_round"] / 0.21 * 0.2012
-    doubts = [doubt.text for doubt in summarize(at, measured_study()).points[0].doubts]
-    assert doubts == ["τ0 is 0, so the coefficient is the given μ0; the surfaces add 0.001"]
+    caveats = [caveat.text for caveat in summarize(at, measured_study()).points[0].caveats]
+    assert caveats == ["τ0 is 0, so the coefficient is the given μ0; the surfaces add 0.001"]
 
 
 @pytest.mark.parametrize(
@@ -347,10 +347,10 @@ def test_zero_tau0_is_a_caveat():
 def test_materials_beyond_yield_are_named(pressure, severity):
     study = measured_study(mechanics="asperities")
     study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
-    doubts = summarize(measured(mean_pressure=pressure), study).points[0].doubts
-    result = [doubt for doubt in doubts if "brass" in doubt.text]
-    assert [doubt.severity for doubt in result] == severity
-    assert all("brass yields at 230 MPa to 1.7 GPa" in doubt.text for doubt in result)
+    caveats = summarize(measured(mean_pressure=pressure), study).points[0].caveats
+    result = [caveat for caveat in caveats if "brass" in caveat.text]
+    assert [caveat.severity for caveat in result] == severity
+    assert all("brass yields at 230 MPa to 1.7 GPa" in caveat.text for caveat in result)
 
 
 @pytest.mark.parametrize(
@@ -359,7 +359,7 @@ def test_materials_beyond_yield_are_named(pressure, severity):
 def test_measured_hardness_has_no_range(study):
     one = summarize(measured(load_share_at_hardness=0.9), study).points[0]
     assert "known" not in inputs_text(one)
-    assert not any("softer material" in doubt.text for doubt in one.doubts)
+    assert not any("softer material" in caveat.text for caveat in one.caveats)
 
 
 def test_bracket_is_absent_with_a_fault():
@@ -405,6 +405,6 @@ def test_generated_surfaces_are_assessed_by_contacts_and_tau0():
 
 
 def test_caveat_has_the_number_that_was_checked_and_its_limit():
-    (caveat,) = one(measured(share_at_edge=0.6), measured_study()).doubts
+    (caveat,) = one(measured(share_at_edge=0.6), measured_study()).caveats
     assert (caveat.name, caveat.value, caveat.limit) == ("share_at_edge", pytest.approx(0.6), 0.5)
     assert caveat.text == "60 % of the load is on contacts at the edge"

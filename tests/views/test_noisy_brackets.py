@@ -81,4 +81,4 @@ def test_bracket_of_blunt_tip_contains_true_result(hurst):
     (message,) = pair(*(seen_by_a_ball(item, 0.3) for item in clean), tip="300 nm", **ASKED).summary().headlines
     assert truth < message.value < truth + 0.25 * (truth - ASKED["mu0"])
     assert message.bracket[0] < truth < message.bracket[1]
-    assert any("tip does not resolve" in doubt.text for doubt in message.doubts)
+    assert any("tip does not resolve" in caveat.text for caveat in message.caveats)

@@ -229,7 +229,7 @@ def test_assessments_of_generated_bodies_are_those_of_the_library(result, case):
             load = int(np.argmin(np.abs(np.array(loads) - one.at["load"])))
             computed = numbers.judgement(mu0, float(tau0), cell=place[0], amplitude=place[1], way=0, load=load)
             assert computed["verdict"] == one.verdict
-            assert [item["cure"] for item in computed["doubts"]] == [doubt.cure for doubt in one.doubts]
+            assert [item["cure"] for item in computed["caveats"]] == [caveat.cure for caveat in one.caveats]
             verdicts.add(one.verdict)
     assert "Do not quote" in verdicts
 

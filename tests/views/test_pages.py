@@ -8,7 +8,7 @@ import pytest
 from stiction import friction_map, levelled, self_affine, self_affine_surface
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load
-from stiction.studies.input_caveats import doubts_of_inputs
+from stiction.studies.input_caveats import find_input_caveats
 from stiction.studies.nodes import excess
 from stiction.studies.study import study_of
 from stiction.studies.summary import summarize
@@ -422,11 +422,11 @@ def test_result_of_maps_equals_the_library_for_all_controls(opened_maps, maps):
 
     study = study_of(maps)
     bodies = [getattr(study.surfaces, side).read() for side in ("upper", "lower")]
-    beside = doubts_of_inputs(*bodies, study, [0.1, 0.5])
+    beside = find_input_caveats(*bodies, study, [0.1, 0.5])
     first = summarize(at_load(maps, [0.1]), study, input_caveats=beside).points[0]
     assert opened_maps.find_element("css selector", ".verdict").text == first.verdict
-    doubts = opened_maps.find_element("css selector", "#judgement").get_attribute("textContent")
-    assert all(doubt.text[1:] in doubts for doubt in first.doubts)
+    caveats = opened_maps.find_element("css selector", "#judgement").get_attribute("textContent")
+    assert all(caveat.text[1:] in caveats for caveat in first.caveats)
     for mu0, tau0, load, way in ((0.3, 0.0, 1, 0), (0.62, 0.07, 2, 3), (0.1, 0.0, 0, 1)):
         enter(opened_maps, "mu0-number", mu0)
         enter(opened_maps, "tau0-number", 1000 * tau0)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from stiction.studies.assessment import Doubt
+from stiction.studies.assessment import Caveat
 from stiction.studies.summary import summarize
 from stiction.views.rows import SCHEMA, summary_csv, summary_json, values_frame
 from support.synthetic_results import LOADED, generated, generated_study, interval, measured, measured_study
@@ -45,7 +45,7 @@ def test_frame_has_status_of_numbers():
 
 
 def test_csv_has_a_row_for_each_motion_with_assessment_and_caveats():
-    beside = Doubt("a parabola, which carries the load", "take it off", "caution")
+    beside = Caveat("a parabola, which carries the load", "take it off", "caution")
     rows = rows_of(summary_csv(summarize(measured(**MANY), measured_study(), input_caveats=[beside])))
     assert len(rows) == 2 * 2 * 2 * 2 * 2 * (1 + 2 + 4)
     first = rows[0]
@@ -59,7 +59,7 @@ def test_csv_has_a_row_for_each_motion_with_assessment_and_caveats():
     area = next(name for name in first if name.endswith("(um2)"))
     assert {float(row[area]) for row in rows} == {LOADED["contact_area"]}
     assert {row["verdict"] for row in rows} == {"Quote with care"}
-    assert {row["doubts"] for row in rows} == {"a parabola, which carries the load: take it off"}
+    assert {row["caveats"] for row in rows} == {"a parabola, which carries the load: take it off"}
     rows = rows_of(summary_csv(summarize(generated(), generated_study())))
     assert len(rows) == 2 * 2 * 2
     assert {row["fractal dimension"] for row in rows} == {"1.1", "1.4"}
@@ -97,8 +97,8 @@ def test_json_has_value_assessment_and_reasons():
     )
     (message,) = record["answers"]
     assert message["verdict"] == "Do not quote"
-    assert message["doubts"][0]["severity"] == "fault"
-    assert {"text", "cure", "severity"} == set(message["doubts"][0])
+    assert message["caveats"][0]["severity"] == "fault"
+    assert {"text", "cure", "severity"} == set(message["caveats"][0])
     assert message["sentence"].startswith("There is no coefficient to quote")
     assert [rule["rule"] for rule in message["rules"]] == ["all", "opposing"]
     assert message["rules"][0]["value"] == 0.21

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stiction._number_format import from_to, percent, quoted, significant, with_interval, with_unit
-from stiction.studies.assessment import Doubt
+from stiction.studies.assessment import Caveat
 from stiction.studies.summary import Left, summarize
 from stiction.views.text import (
     assessment_text,
@@ -32,7 +32,7 @@ RESULTS = {
     "maps": (measured(), measured_study()),
     "with a hardness": (measured(rms_gradient=0.7), measured_study(hardness=3.0)),
     "many": (measured(**MANY), measured_study()),
-    "doubted": (measured(share_at_edge=0.6, contact_count=5.0, reading_difference=0.1), measured_study()),
+    "with caveats": (measured(share_at_edge=0.6, contact_count=5.0, reading_difference=0.1), measured_study()),
     "lines": (measured(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities")),
     "without an answer": (
         measured(status="not-solved", all_rub=np.nan, opposing=np.nan, ok=0), measured_study(),
@@ -45,14 +45,14 @@ RESULTS = {
 @pytest.mark.parametrize("name", RESULTS)
 def test_text_fits_the_terminal_width(name, verbose):
     at, study = RESULTS[name]
-    beside = [Doubt("a parabola is 82 % of its mean square height, and carries the load", "take it off", "caution")]
+    beside = [Caveat("a parabola is 82 % of its mean square height, and carries the load", "take it off", "caution")]
     text = result_text(summarize(at, study, input_caveats=beside), verbose=verbose)
     assert max(map(len, text.splitlines())) <= COLUMNS
     assert not any(line != line.rstrip() for line in text.splitlines())
 
 
 def test_text_starts_with_value_and_assessment():
-    lines = result_text(summarize(*RESULTS["doubted"])).splitlines()
+    lines = result_text(summarize(*RESULTS["with caveats"])).splitlines()
     assert lines[0].startswith("μ_s = 0.21 [0.20, 0.22]  friction at all contacts")
     verdict = lines.index("Do not quote")
     assert verdict < 10

@@ -51,7 +51,7 @@ MAX_LOAD_ON_ONE = 0.5  # fraction of the load on one contact above which it is t
 LARGE_LOAD_ON_ONE = 0.4  # fraction above which one contact still weighs much
 
 MERGED = 0.3  # true over nominal area from which on contacts are few because they have merged
-HALF = 0.5  # fraction of the load, of members or of the length of a scan from which a value is doubted or marked
+HALF = 0.5  # fraction of the load, of members or of the length of a scan above which a value has a caveat or a mark
 FILLED = 0.02  # part of the points of a scan from which on it matters that they are interpolated
 COARSER = 3.0  # ratio of spacings above which one scan is too coarse beside the other
 GROWTH = 27.0  # α of junction growth at which a body shears at its hardness over 27^(1/2) (von Mises)
@@ -72,7 +72,7 @@ WIDE = 0.5  # half the width of an interval over its value above which a coeffic
 
 
 @dataclass(frozen=True)
-class Doubt:
+class Caveat:
     """Caveat: why a value is to be quoted with care or not at all, and the remedy."""
 
     text: str
@@ -101,14 +101,14 @@ class Check(NamedTuple):
     shown: str = "digits"  # "digit" (a single one), "percent", or a unit
     about: str = ""  # number that the text shows; `name` unless given
 
-    def doubt(self, numbers: Mapping[str, float]) -> Doubt:
+    def caveat(self, numbers: Mapping[str, float]) -> Caveat:
         """Return the caveat of a point whose number is above the limit."""
         value = numbers[self.about or self.name]
         if self.shown in ("digits", "digit"):
             words = significant(value * ROUND_UP, 2 if self.shown == "digits" else 1).replace("-", "\N{MINUS SIGN}")
         else:
             words = percent(value) if self.shown == "percent" else with_unit(value, self.shown)
-        return Doubt(
+        return Caveat(
             self.text.replace("{}", words), self.cure, self.severity, name=self.name, value=numbers[self.name],
             limit=self.limit,
         )  # fmt: skip
@@ -217,37 +217,37 @@ OF_CONTACTS: Checks = (
 )  # fmt: skip
 
 
-NO_COEFFICIENT = Doubt(
+NO_COEFFICIENT = Caveat(
     "the load is less than 1 % of the pull-off force, so a coefficient has no meaning",
     "report the pull-off force and the friction at no load, or use a higher load", "fault",
 )  # fmt: skip
 
 
-def doubts_of(point: xarray.Dataset, study: Study, value: RuleValue, status: str) -> Iterator[Doubt]:
+def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, status: str) -> Iterator[Caveat]:
     """Yield the caveats of one point, whose value would be quoted if its status is "ok"."""
     if is_unloaded(point):
         yield NO_COEFFICIENT
         yield from _of_the_adhesion(point, study)
         yield from _of_the_scans(point, study)
-        yield from doubted(OF_CONTACTS, _numbers(point, study, value))
+        yield from apply_checks(OF_CONTACTS, _numbers(point, study, value))
         return
     if status != friction.STATUS_OK or math.isnan(value.value):
         text, cure = ADVICE.get(status, ADVICE[""])
-        yield Doubt(text, cure, "fault")
+        yield Caveat(text, cure, "fault")
         return
     members = value_of(point, "members")
     ok = float(point["ok"].min()) if "ok" in point else math.nan  # in the direction where fewest have an answer
     if ok < HALF * members:
         text = f"only {ok:.0f} of {members:.0f} members have an answer"
-        yield Doubt(text, "check the statuses, and try another load", "fault")
+        yield Caveat(text, "check the statuses, and try another load", "fault")
     numbers = _numbers(point, study, value)
     pressures = pressure_checks(study, modulus_of(point, study))
-    yield from doubted(([OF_GAP] if study.is_gap else OF_VALUE, [STEEP], *pressures), numbers)
+    yield from apply_checks(([OF_GAP] if study.is_gap else OF_VALUE, [STEEP], *pressures), numbers)
     yield from _of_the_strength(point, study, value)
     yield from _of_the_adhesion(point, study)
     yield from _of_the_scans(point, study)
     yield from _of_the_area(point, study)
-    yield from doubted((OF_COUNTS, *OF_CONTACTS), numbers)
+    yield from apply_checks((OF_COUNTS, *OF_CONTACTS), numbers)
 
 
 def limit_of(name: str) -> float | None:
@@ -257,11 +257,11 @@ def limit_of(name: str) -> float | None:
     )
 
 
-def doubted(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Doubt]:
+def apply_checks(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Caveat]:
     """Yield the caveat of the first check of each group that fails; a missing number passes."""
     for group in checks:
         failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
-        yield from (check.doubt(numbers) for check in itertools.islice(failed, 1))
+        yield from (check.caveat(numbers) for check in itertools.islice(failed, 1))
 
 
 def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, float]:
@@ -327,13 +327,13 @@ LIMITS_OF_CONTACTS = {
 
 
 def checks_of_ensemble(study: Study) -> list[list[dict[str, Any]]]:
-    """Return the checks of a point of generated bodies for the report, which applies them as `doubted` does."""
+    """Return the checks of a point of generated bodies for the report, which applies them as `apply_checks` does."""
     pressures = pressure_checks(study, float(study.contact.effective_modulus))
     groups = (OF_VALUE, *pressures, [IS_MU0], OF_COUNTS, *OF_ASPERITIES)
     return [[check._asdict() for check in group] for group in groups]
 
 
-def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Doubt]:
+def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Caveat]:
     """Yield caveats of a strength above that of the softer body, and of a coefficient that is mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and value_of(point, "load_share_at_hardness") > PART_BEYOND:
@@ -344,7 +344,7 @@ def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> I
         if interface is not None and interface.growth is not None and not interface.has_growth(growth):
             pair, tests = (each.short_text if each is not None else "0" for each in (growth, interface.growth))
             text = f"the interface was calibrated with α = {tests} of junction growth, and the pair has α = {pair}"
-            yield Doubt(text, "give both the same --junction-growth", "caution")
+            yield Caveat(text, "give both the same --junction-growth", "caution")
         if growth is not None:
             yield from _of_the_growth(point, float(hardness), tau0, growth)
         elif study.contact.junction_growth is None and not grown <= (1 + GROWN) * own:
@@ -356,11 +356,11 @@ def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> I
             cure = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
             if study.contact.adheres:  # whose contacts at the onset of sliding are not solved
                 cure = "compare with the pair without --adhesion, whose contacts grow"
-            yield Doubt(text, cure, "caution")
-    yield from doubted(([IS_MU0],), _numbers(point, study, value))
+            yield Caveat(text, cure, "caution")
+    yield from apply_checks(([IS_MU0],), _numbers(point, study, value))
 
 
-def _of_the_growth(point: xarray.Dataset, hardness: float, tau0: float, growth: UncertainInput) -> Iterator[Doubt]:
+def _of_the_growth(point: xarray.Dataset, hardness: float, tau0: float, growth: UncertainInput) -> Iterator[Caveat]:
     """Yield caveats of an interface that is nearly as strong as the bulk."""
     strength = hardness * growth.high**-0.5 if growth.high else math.inf
     seizing = value_of(point, "fraction_seizing")
@@ -369,15 +369,15 @@ def _of_the_growth(point: xarray.Dataset, hardness: float, tau0: float, growth: 
             f"{percent(seizing)} of the samples of the inputs seize: τ0 is at least H/√α, and junctions grow without "
             "limit" + ("; the interval has no upper end" if seizing > SEIZING else "")
         )
-        yield Doubt(text, "measure the hardness and τ0", "fault" if seizing > SEIZING else "caution")
+        yield Caveat(text, "measure the hardness and τ0", "fault" if seizing > SEIZING else "caution")
     elif tau0 > NEARLY * strength:
         text = (
             f"the interface is nearly as strong as the bulk: τ0 is {tau0 / strength:.2f} of H/√α at α = {growth.high:g}"
         )
-        yield Doubt(text, "friction rises without limit at 1: measure the hardness and τ0", "caution")
+        yield Caveat(text, "friction rises without limit at 1: measure the hardness and τ0", "caution")
 
 
-def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
+def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     """Yield caveats of adhesion: a range that the grid decides, or an interval without its contribution."""
     if not study.contact.adheres:
         added = added_by_adhesion(point, study)
@@ -386,20 +386,20 @@ def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
             more = f"at least {percent(added)}" if added < 1 else "more than 100 %"
             text = f"adhesion of {1e6 * TYPICAL_WORK:g} mJ/m² would increase the load on the contacts by {more}"
             also = "" if study.uses_half_space else "--mechanics half-space and "
-            yield Doubt(text, f"specify {also}--adhesion ('0 mJ/m^2' if there is none)", "caution")
+            yield Caveat(text, f"specify {also}--adhesion ('0 mJ/m^2' if there is none)", "caution")
         return
     asked, taken = range_of(point, study)
     if taken > asked:
         ends = f"{with_unit(taken, 'um')}, the smallest on this grid, not {with_unit(asked, 'um')}"
         text = f"the range of adhesion is {ends}"
-        yield Doubt(
+        yield Caveat(
             text, "the pull-off force is close to that of a short range; scan more finely for the rest", "caution"
         )
     known = {name.split("_")[0] for name in find_inputs(study)} & {"hardness", "effective", "young", "poisson"}
     if known and value_of(point, "contact_load") > (1 + ADDED) * float(point["load"]):
         names = "the hardness" if known == {"hardness"} else "E*" if "hardness" not in known else "E* and the hardness"
         text = f"the interval does not include the effect of {names} on the attraction"
-        yield Doubt(text, "compute both ends of the ranges", "caution")
+        yield Caveat(text, "compute both ends of the ranges", "caution")
 
 
 def added_by_adhesion(point: xarray.Dataset, study: Study) -> float:
@@ -421,7 +421,7 @@ def added_by_adhesion(point: xarray.Dataset, study: Study) -> float:
     return float(TYPICAL_WORK / length / pressure_of(point) * (1 + around))
 
 
-def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
+def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     sides = ("upper", "lower")
     if not all(f"{side}_spacing_um" in point.attrs for side in sides):
         return
@@ -430,7 +430,7 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
     if max(steps) > COARSER * min(steps):
         ratio = significant(max(steps) / min(steps), 2)
         text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so it lacks short wavelengths"
-        yield Doubt(text, "scan both alike", "caution")
+        yield Caveat(text, "scan both alike", "caution")
     contact = value_of(point, "contact_area") / value_of(point, "contact_count")
     for side in sides:
         part, hole = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
@@ -438,7 +438,7 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
             text = f"{side}: {percent(part)} of the points are interpolated"
             if hole > contact:
                 text += f", in gaps larger than the contacts, up to {hole:.3g} {'µm²' if study.is_areal else 'µm'}"
-            yield Doubt(
+            yield Caveat(
                 text, "use --missing mask to press measured points only, or --crop to a complete region", "caution"
             )
     if study.surfaces.press == "surrogates":
@@ -446,19 +446,19 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
         whole = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in sides)
         if piece < HALF * whole:
             text = f"pieces of {with_unit(piece, 'um')} are pressed, without the longer wavelengths of the scan"
-            yield Doubt(f"{text} of {with_unit(whole, 'um')}", "use profiles without --lay isotropic", "caution")
+            yield Caveat(f"{text} of {with_unit(whole, 'um')}", "use profiles without --lay isotropic", "caution")
 
 
-def _of_the_area(point: xarray.Dataset, study: Study) -> Iterator[Doubt]:
+def _of_the_area(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     status = contact_status_of(point, study)
     if status == COMPLETE:
         cure = (
             "adhesion closes the gap: use stiffer or rougher bodies" if study.contact.adheres else "use a smaller load"
         )
-        yield Doubt("contact is complete: the true area is the nominal one", cure, "fault")
+        yield Caveat("contact is complete: the true area is the nominal one", cure, "fault")
     elif status == ABOVE_NOMINAL:
         text = "the areas of the asperities add up to more than the nominal area"
-        yield Doubt(text, "use a smaller load, or the half-space", "fault")
+        yield Caveat(text, "use a smaller load, or the half-space", "fault")
 
 
 def _area_fraction(point: xarray.Dataset, study: Study) -> float:

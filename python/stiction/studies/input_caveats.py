@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._number_format import percent, with_unit
-from stiction.studies.assessment import Doubt, Severity
+from stiction.studies.assessment import Caveat, Severity
 from stiction.studies.point import is_capped
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
@@ -55,26 +55,26 @@ MUCH = 2.0  # factor between spectra of one surface above which there is a cavea
 WHOLE_PART = 0.1  # nominal pressure over E* above which the load probably refers to a larger body
 
 
-def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Doubt, ...]:
+def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:
     """Return caveats about two bodies as read from files, their study, and loads (mN)."""
     bowed = study.surfaces.level == "quadratic"  # a subtracted form is no caveat
     vouched = bool(study.surfaces.vouched)
 
-    def of_part(file: MeasuredFile, body: Body) -> list[Doubt]:
+    def of_part(file: MeasuredFile, body: Body) -> list[Caveat]:
         """Return caveats about the scans of a part; of each kind, the one with the longest wavelength."""
-        kinds: dict[str, Doubt] = {}
+        kinds: dict[str, Caveat] = {}
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
-            found = [Doubt(each.text, f"{each.cure} ({each.name})", "caution") for each in of_scan.caveats]
+            found = [Caveat(each.text, f"{each.cure} ({each.name})", "caution") for each in of_scan.caveats]
             if isinstance(scan, JoinedSpectrum):
                 found += _of_scans(scan)
             else:
-                found += doubts_of_scan(
+                found += find_scan_caveats(
                     scan, form=not bowed, instrument=not vouched, tip_radius=file.tip,
                     textured=file.texture is not None, has_readings=bool(study.surfaces.both_readings),
                     elastic=not is_capped(study),
                 )  # fmt: skip
             for each in found:
-                kinds[_kind(each)] = max(kinds.get(_kind(each), each), each, key=lambda doubt: doubt.cut_off)
+                kinds[_kind(each)] = max(kinds.get(_kind(each), each), each, key=lambda caveat: caveat.cut_off)
         return list(kinds.values())
 
     of_upper, of_lower = map(of_part, (getattr(study.surfaces, side) for side in SIDES), (upper, lower))
@@ -82,30 +82,30 @@ def doubts_of_inputs(upper: Body, lower: Body, study: Study, loads: Sequence[flo
         (each, other) for each in of_upper for other in of_lower
         if _kind(each) == _kind(other) and each.severity == other.severity
     ]  # fmt: skip
-    alike = {doubt for pair in pairs for doubt in pair}
+    alike = {caveat for pair in pairs for caveat in pair}
     both = [replace(max(pair, key=lambda each: each.cut_off), text=_joined(*pair)) for pair in pairs]
     alone = [[each for each in of_body if each not in alike] for of_body in (of_upper, of_lower)]
     named = zip(("both scans", "upper", "lower"), (both, *alone), strict=True)
-    doubts = [replace(each, text=f"{name}: {each.text}") for name, of_body in named for each in of_body]
+    caveats = [replace(each, text=f"{name}: {each.text}") for name, of_body in named for each in of_body]
     longest = MAX_CUTOFF_FRACTION * min(_shortest_side(body) for body in (upper, lower))
-    doubts = [replace(each, cure=_without_cutoff(each, longest)) for each in doubts]
+    caveats = [replace(each, cure=_without_cutoff(each, longest)) for each in caveats]
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > HIGHEST_MU0:
         text = f"μ0 = {mu0:g} is larger than that of any pair of materials"
-        doubts.append(Doubt(text, "specify it as a fraction, not in per cent", "caution"))
+        caveats.append(Caveat(text, "specify it as a fraction, not in per cent", "caution"))
     area = float(np.prod(np.minimum(_extent(upper), _extent(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:
         if load / area > WHOLE_PART * modulus:
             text = f"{with_unit(load, 'mN')} is {with_unit(load / area, 'GPa')} on {area:.3g} µm², above a tenth of E*"
-            doubts.append(Doubt(text, "specify the load on this area, not on the whole part", "caution"))
-    return tuple(doubts)
+            caveats.append(Caveat(text, "specify the load on this area, not on the whole part", "caution"))
+    return tuple(caveats)
 
 
-def _without_cutoff(doubt: Doubt, longest: float) -> str:
+def _without_cutoff(caveat: Caveat, longest: float) -> str:
     """Return the remedy of a caveat; filtering is none if its cutoff exceeds the longest one of both scans (µm)."""
-    if not longest < doubt.cut_off < math.inf:
-        return doubt.cure
+    if not longest < caveat.cut_off < math.inf:
+        return caveat.cure
     return (
         f"scan a longer part, as the longest cutoff of both scans is {with_unit(longest, 'um')}; "
         "--cutoff none keeps these wavelengths"
@@ -120,12 +120,12 @@ def _shortest_side(body: Body) -> float:
 _NUMBER = re.compile(r"\d[\d.]*")
 
 
-def _kind(doubt: Doubt) -> str:
+def _kind(caveat: Caveat) -> str:
     """Return the text without its numbers."""
-    return _NUMBER.sub("", doubt.text)
+    return _NUMBER.sub("", caveat.text)
 
 
-def _joined(upper: Doubt, lower: Doubt) -> str:
+def _joined(upper: Caveat, lower: Caveat) -> str:
     """Return the text of two caveats of a kind, with both numbers where they differ."""
     others = iter(_NUMBER.findall(lower.text))
 
@@ -136,10 +136,10 @@ def _joined(upper: Doubt, lower: Doubt) -> str:
     return _NUMBER.sub(number, upper.text)
 
 
-def doubts_of_scan(
+def find_scan_caveats(
     body: Profile | Surface, *, form: bool = True, instrument: bool = True, tip_radius: float | None = None,
     textured: bool = False, has_readings: bool = False, elastic: bool = False,
-) -> list[Doubt]:  # fmt: skip
+) -> list[Caveat]:  # fmt: skip
     """Return caveats about a scan: heights, form, spikes, and wavelengths not attributed to the surface.
 
     `textured` scans may have lines and humps. `has_readings` is true if the filtered scan is pressed as well, and
@@ -151,7 +151,7 @@ def doubts_of_scan(
     ]
 
 
-def doubts_of_study(study: Study) -> tuple[Doubt, ...]:
+def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
     """Return the caveats about the files of a measured study; none if the files are missing."""
     surfaces = study.surfaces
     if surfaces.kind != "measured":
@@ -160,7 +160,7 @@ def doubts_of_study(study: Study) -> tuple[Doubt, ...]:
         upper, lower = surfaces.upper.read(), surfaces.lower.read()
     except (ValueError, OSError):
         return ()
-    return doubts_of_inputs(upper, lower, study, [float(load) for load in study.friction.load])
+    return find_input_caveats(upper, lower, study, [float(load) for load in study.friction.load])
 
 
 def _extent(body: Body) -> tuple[float, float]:
@@ -176,18 +176,18 @@ def spectra_differ(joined: JoinedSpectrum) -> bool:
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MUCH)).any())
 
 
-def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Doubt]:
+def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
     """Yield caveats about several scans of one surface: disagreement, or missing wavelengths."""
     if spectra_differ(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
-        yield Doubt(text, "compare them with characterise --together, and exclude the wrong one", "caution")
+        yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
     if (spectrum.count == 0).any():
-        yield Doubt("no scan contains some of the wavelengths", "scan the missing wavelengths", "caution")
+        yield Caveat("no scan contains some of the wavelengths", "scan the missing wavelengths", "caution")
 
 
 def _of_instrument(
     body: Profile | Surface, tip_radius: float | None, textured: bool, has_readings: bool, elastic: bool
-) -> Iterator[Doubt]:
+) -> Iterator[Caveat]:
     """Yield caveats about wavelengths from the instrument, and about those that the tip does not resolve."""
     try:
         limit = instrument_limit(body, texture=textured)
@@ -203,20 +203,20 @@ def _of_instrument(
         if limit.matters:
             cure += ", --cutoff none keeps them" if is_known else CURE
         severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
-        yield Doubt(text, cure, severity, limit.cut_off, has_readings and limit.matters)
+        yield Caveat(text, cure, severity, limit.cut_off, has_readings and limit.matters)
     if blunt.reason == "tip" and blunt.slope_fraction > NOISE:
         text = f"{_waves(blunt)}, which the tip does not resolve: the surface is steeper"
         # Without a hardness, steeper slopes reduce the true area without a limit.
         how: Severity = "fault" if elastic and blunt.matters else "caution"
         cure = "use a sharper tip" + (", or specify a hardness" if elastic else "")
-        yield Doubt(text, cure, how, blunt.cut_off)
+        yield Caveat(text, cure, how, blunt.cut_off)
     if not isinstance(body, Profile):
         return
     peak = find_peak(power_spectrum(levelled(body, "line")))
     if peak is not None and peak[1] >= PEAK and peak[0] > shortest:
         part, wave = percent(peak[1]), with_unit(peak[0], "um")
         text = f"a peak at {wave}, perhaps from the instrument, contributes {part} of the curvature"
-        yield Doubt(text, f"--cutoff '{with_unit(CUTOFF_MARGIN * peak[0], 'um')}' removes it", "caution", peak[0])
+        yield Caveat(text, f"--cutoff '{with_unit(CUTOFF_MARGIN * peak[0], 'um')}' removes it", "caution", peak[0])
 
 
 def _waves(limit: InstrumentLimit) -> str:
@@ -224,22 +224,22 @@ def _waves(limit: InstrumentLimit) -> str:
     return f"{part} of the mean square slope is from wavelengths below {with_unit(limit.wavelength, 'um')}"
 
 
-def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Doubt]:
+def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
     height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
     if height > extent / 2:
         text = f"heights span {with_unit(height, 'um')} over {with_unit(extent, 'um')}"
-        yield Doubt(text, "check the unit of heights", "fault" if height > IMPOSSIBLE * extent else "caution")
+        yield Caveat(text, "check the unit of heights", "fault" if height > IMPOSSIBLE * extent else "caution")
     if not isinstance(body, Profile):
         return
     level = levelled(body, "line").heights
     parabola = 1 - levelled(body, "quadratic").heights.var() / level.var() if np.ptp(level) > 0 else 0.0
     if form and parabola > FORM:
         text = f"form (a parabola) is {100 * parabola:.0f} % of the mean square height, and carries the load"
-        yield Doubt(text, "try --level quadratic", "caution")
+        yield Caveat(text, "try --level quadratic", "caution")
     bends = np.abs(np.diff(body.heights, 2))
     usual = float(np.median(bends)) / 0.6745
     spikes = int(np.count_nonzero(bends > SPIKE * usual)) if usual > 0 else 0
     if spikes:
         points = "1 point is" if spikes == 1 else f"{spikes} points are"
         text = f"{points} more than {SPIKE:g} times as sharp as usual, and would come into contact first"
-        yield Doubt(text, "if they are instrument spikes, remove them (--outliers mask)", "caution")
+        yield Caveat(text, "if they are instrument spikes, remove them (--outliers mask)", "caution")

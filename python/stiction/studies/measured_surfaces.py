@@ -41,7 +41,7 @@ from stiction.surfaces.interchange import extract_heights
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.interpret import Missing, Outliers
 from stiction.surfaces.measured.plausibility import CAVEATS, Scan, find_caveats
-from stiction.surfaces.measured.raw import LENGTH_UNITS, Caveat
+from stiction.surfaces.measured.raw import LENGTH_UNITS, FileCaveat
 from stiction.surfaces.measured.reading import Reading, load_reading
 from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum, write_spectrum
 from stiction.surfaces.measured.writing import heights_with_nan, write_profile, write_surface
@@ -310,7 +310,7 @@ class MeasuredFile(Table):
         return _load_reading(self.model_copy(update={"sha256": self.checksum(), "others": None}))
 
     @property
-    def caveats(self) -> tuple[Caveat, ...]:
+    def caveats(self) -> tuple[FileCaveat, ...]:
         """Caveats about the file, or about the heights and spacing of a body in memory."""
         if (reading := self.reading) is not None:
             return tuple(reading.caveats)

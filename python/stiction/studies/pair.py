@@ -446,15 +446,15 @@ class Pair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Cutoffs 0 and filtered, if doubtful wavelengths contribute much of the slope; empty otherwise.
+        """Cutoffs 0 and filtered, if unattributed wavelengths contribute much of the slope; empty otherwise.
 
         Each scan is filtered at its own cutoff, or not at all. The filtered scans come first and give the quoted result
-        if all doubtful wavelengths are noise floors.
+        if all unattributed wavelengths are noise floors.
         """
         limits = [[_find_limit(scan) for scan in file.scans] for file in self.files]
-        doubtful = [limit for part_limits in limits for limit in part_limits if limit is not None]
+        unattributed = [limit for part_limits in limits for limit in part_limits if limit is not None]
         sides = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
-        longest = max((limit.cut_off for limit in doubtful), default=0.0)
+        longest = max((limit.cut_off for limit in unattributed), default=0.0)
         if not 0 < longest < min(sides, default=0.0) / 4:
             return {}
         parts = []
@@ -464,7 +464,7 @@ class Pair:
                 for scan, limit in zip(file.scans, part_limits, strict=True)
             )
             parts.append(first.model_copy(update={"others": tuple(others) or None}))
-        floors = all(limit.origin == "instrument" for limit in doubtful)
+        floors = all(limit.origin == "instrument" for limit in unattributed)
         cut_offs = ["0 um", exact_text(longest, "um")]
         return {
             "cut_off": cut_offs[::-1] if floors else cut_offs, "both_readings": True,
@@ -720,7 +720,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_limit(scan: MeasuredFile) -> InstrumentLimit | None:
-    """Return the wavelength limit of a scan if doubtful wavelengths contribute much of the slope, or None."""
+    """Return the wavelength limit of a scan if unattributed wavelengths contribute much of the slope, or None."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None

@@ -469,7 +469,8 @@ class SurfaceOptions(Options):
     )] = None  # fmt: skip
     cutoff: Annotated[Values | None, Option(
         "LENGTHS", 'Cutoff wavelength of a Gaussian low-pass filter, "0.1 um"; several give a result each, and none '
-        "accepts all wavelengths.", kind="length", usual="unfiltered; filtered as well where wavelengths are doubtful",
+        "accepts all wavelengths.", kind="length",
+        usual="unfiltered; filtered as well where wavelengths are not attributed",
         key="surfaces.cut_off", field=FormField(label="cutoff wavelength", has_commas=True, example="0.5 um, or none"),
     )] = None  # fmt: skip
     rotate: Annotated[Degrees | None, Option(

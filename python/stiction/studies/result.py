@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from stiction.studies.assessment import Doubt
+    from stiction.studies.assessment import Caveat
     from stiction.studies.summary import PointSummary, Summary
 
 DIMENSIONS = 4  # fractal dimensions of an overview if the study has a range of them
@@ -166,11 +166,11 @@ class Result:
         return coming_and_going(self)
 
     @cached_property
-    def input_caveats(self) -> tuple[Doubt, ...]:
+    def input_caveats(self) -> tuple[Caveat, ...]:
         """Caveats about the bodies, at any load; their files are opened once."""
-        from stiction.studies.input_caveats import doubts_of_study
+        from stiction.studies.input_caveats import find_study_caveats
 
-        return doubts_of_study(self.study)
+        return find_study_caveats(self.study)
 
     # ---- At a load ---------------------------------------------------------------------------------------------------
 
@@ -395,9 +395,9 @@ class Result:
         return self.verdict
 
     @property
-    def caveats(self) -> tuple[Doubt, ...]:
+    def caveats(self) -> tuple[Caveat, ...]:
         """Caveats of `value` with their remedies, faults first."""
-        return self._first.doubts
+        return self._first.caveats
 
     @property
     def sentence(self) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 from stiction._number_format import quoted
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_bracket
-from stiction.studies.assessment import MORE_CONTACTS, VERDICTS, Doubt, doubts_of
+from stiction.studies.assessment import MORE_CONTACTS, VERDICTS, Caveat, find_point_caveats
 from stiction.studies.point import (
     CELLS,
     STATISTICS,
@@ -74,7 +74,7 @@ class PointSummary:
         Coefficients of static friction, the sliding rule to quote first.
     status : str
         "ok", or why there is no coefficient.
-    doubts : tuple of Doubt
+    caveats : tuple of Caveat
         Caveats, faults first.
     at : dict
         The cell, the Hurst exponent, load (mN), mu0 and tau0 (GPa).
@@ -99,7 +99,7 @@ class PointSummary:
     values: xarray.Dataset
     rules: tuple[RuleValue, ...]
     status: str
-    doubts: tuple[Doubt, ...] = ()
+    caveats: tuple[Caveat, ...] = ()
     at: dict[str, Any] = field(default_factory=dict)
     bracket: tuple[float, float] | None = None
     from_roughness: float | None = None
@@ -177,14 +177,14 @@ class PointSummary:
         return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
     @property
-    def faults(self) -> tuple[Doubt, ...]:
+    def faults(self) -> tuple[Caveat, ...]:
         """Caveats for which the value is not to be quoted."""
-        return tuple(doubt for doubt in self.doubts if doubt.severity == "fault")
+        return tuple(caveat for caveat in self.caveats if caveat.severity == "fault")
 
     @property
     def verdict(self) -> str:
         """Assessment: "Quote it", "Quote with care" or "Do not quote"."""
-        severities = {doubt.severity for doubt in self.doubts}
+        severities = {caveat.severity for caveat in self.caveats}
         return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
 
@@ -222,15 +222,15 @@ class Summary:
         return self.headlines[0]
 
 
-def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Doubt] = (), **alongside: Any) -> Summary:
+def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Caveat] = (), **alongside: Any) -> Summary:
     """Return the summary of what `Result.at` returns for a study.
 
     Parameters
     ----------
     at : xarray.Dataset
     study : Study
-    input_caveats : sequence of Doubt
-        Caveats about the bodies, as `doubts_of_inputs` gives them.
+    input_caveats : sequence of Caveat
+        Caveats about the bodies, as `find_input_caveats` gives them.
     **alongside : xarray.Dataset
         `onset` and `over_cut_offs`, where they are stored.
     """
@@ -270,17 +270,17 @@ def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
     is_measured = one.at["cut_off"] == 0
     words = f"; {'without' if is_measured else 'with'} them μ_s is {quoted(value.value, value.lower, value.upper)}"
     words = words if math.isfinite(value.value) else ""
-    own = [replace(each, text=each.text + words) if each.has_readings else each for each in one.doubts]
-    texts = {each.text for each in one.doubts}
+    own = [replace(each, text=each.text + words) if each.has_readings else each for each in one.caveats]
+    texts = {each.text for each in one.caveats}
     beyond = [
         replace(each, text=f"as measured: {each.text}")
         for each in other.faults
         if not (is_measured or each.has_readings or each.text in texts)
     ]
-    doubts = sorted([*own, *beyond], key=lambda doubt: doubt.severity != "fault")
+    caveats = sorted([*own, *beyond], key=lambda caveat: caveat.severity != "fault")
     order = tuple(sorted(budget, key=lambda left: left.width))
-    bracket = None if any(each.severity == "fault" for each in doubts) else one.bracket
-    return replace(one, rules=rules, budget=order, doubts=tuple(doubts), bracket=bracket)
+    bracket = None if any(each.severity == "fault" for each in caveats) else one.bracket
+    return replace(one, rules=rules, budget=order, caveats=tuple(caveats), bracket=bracket)
 
 
 def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
@@ -291,7 +291,7 @@ def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
     return replace(one, lower=lower, upper=upper, next_test=next_test)
 
 
-def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Doubt] = ()) -> PointSummary:
+def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
     """Return the summary of one point of what `Result.at` returns, with caveats from the bodies."""
     rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
     statuses = np.unique(by_rule(point["status"], rules[0].rule).values)
@@ -300,14 +300,14 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     mean = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
-    # Only a cutoff that was asked for takes doubts away.
+    # Only a cutoff that was asked for takes caveats away.
     kept = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
-    doubts = [*kept, *doubts_of(point, study, mean, status)]
+    caveats = [*kept, *find_point_caveats(point, study, mean, status)]
     return PointSummary(
         study=study, values=point, rules=rules, status=status,
-        doubts=tuple(sorted(doubts, key=lambda doubt: doubt.severity != "fault")),
+        caveats=tuple(sorted(caveats, key=lambda caveat: caveat.severity != "fault")),
         at=_place_of(point, study),
-        bracket=None if any(_spoils_bracket(doubt) for doubt in doubts) else _bracket(point, study, mean),
+        bracket=None if any(_spoils_bracket(caveat) for caveat in caveats) else _bracket(point, study, mean),
         budget=_budget(point, rules[0].rule), parts=_parts(point, rules[0]),
         from_roughness=_from_roughness(point, study, rules[0]), waited=_waited(point, rules[0].rule),
         sticking=sticking_of(point, rules[0].rule),
@@ -383,9 +383,9 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
     return rule.value - parts[0] - (plastic_adhesion(point, study) or 0.0)
 
 
-def _spoils_bracket(doubt: Doubt) -> bool:
+def _spoils_bracket(caveat: Caveat) -> bool:
     """Return whether a caveat is a fault other than few contacts, for which the bracket allows."""
-    return doubt.severity == "fault" and doubt.cure != MORE_CONTACTS
+    return caveat.severity == "fault" and caveat.cure != MORE_CONTACTS
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:

@@ -13,9 +13,9 @@ import numpy as np
 from stiction._number_format import percent, with_unit
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import STATUS_OK
-from stiction.studies.assessment import Doubt
+from stiction.studies.assessment import Caveat
 from stiction.studies.contact_statistics import slopes_of
-from stiction.studies.input_caveats import REASONS, doubts_of_scan
+from stiction.studies.input_caveats import REASONS, find_scan_caveats
 from stiction.surfaces.filters import checked_cutoff, filtered
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.lines import MAX_MISFIT, LineRoughness, lines_along_both, power_law_misfit
@@ -252,14 +252,14 @@ class Characterisation:
             window = "without a window, periodic" if self.periodic else "after a Hann window"
             rows.append(Row("spectrum", (f"{window}; moments over all of its wavelengths",)))
         rows += [
-            Row("" if index else "caveats", (f"{item.text}; {item.cure}",)) for index, item in enumerate(self.doubts)
+            Row("" if index else "caveats", (f"{item.text}; {item.cure}",)) for index, item in enumerate(self.caveats)
         ]
         return rows
 
     @cached_property
-    def doubts(self) -> list[Doubt]:
+    def caveats(self) -> list[Caveat]:
         """Caveats about the scan: heights, form, spikes, and wavelengths that may not be the surface's."""
-        return doubts_of_scan(self.body, tip_radius=self.tip_radius, textured=self.textured)
+        return find_scan_caveats(self.body, tip_radius=self.tip_radius, textured=self.textured)
 
     def _parameter_rows(self) -> list[Row]:
         rows = self._table_rows(self.parameters.values)
@@ -575,7 +575,7 @@ def _file_record(file: str, result: Characterisation) -> dict[str, Any]:
         "file": file, "holds": "profile" if isinstance(body, Profile) else "surface",
         "points": list(np.shape(body.heights)), "spacing_um": np.atleast_1d(body.spacing).tolist(),
         "extent_um": np.atleast_1d(body.extent).tolist(), "history": list(body.history),
-        "caveats": [{"text": item.text, "cure": item.cure, "severity": item.severity} for item in result.doubts],
+        "caveats": [{"text": item.text, "cure": item.cure, "severity": item.severity} for item in result.caveats],
     }  # fmt: skip
 
 

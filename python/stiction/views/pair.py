@@ -172,7 +172,7 @@ def pair(
         line for profiles, plane for maps.
     cutoff : str or float, or several, µm, optional
         Cutoff wavelength of a Gaussian low-pass filter, "0.1 um"; several give a result each, and none accepts all
-        wavelengths. By default unfiltered; filtered as well where wavelengths are doubtful.
+        wavelengths. By default unfiltered; filtered as well where wavelengths are not attributed.
     rotate : float, optional
         Rotate the upper map in its plane. By default 0.
     shifts : int, optional

@@ -208,7 +208,7 @@ def _assessment_table(points: Sequence[PointSummary], keys: Sequence[str]) -> pa
             "assumptions": ["; ".join(list_assumptions(point.study)) for point, *_ in rules],
             "contact status": [point.contact_status for point, *_ in rules],
             "verdict": [point.verdict for point, *_ in rules],
-            "doubts": ["; ".join(f"{doubt.text}: {doubt.cure}" for doubt in point.doubts) for point, *_ in rules],
+            "caveats": ["; ".join(f"{caveat.text}: {caveat.cure}" for caveat in point.caveats) for point, *_ in rules],
         }
     )
 
@@ -291,5 +291,5 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "finer_scans": None if point.bracket is None else {
             "from": point.bracket[0], "to": point.bracket[1], "rule": "all", "hardness": point.hardness,
         },
-        "doubts": [{"text": caveat.text, "cure": caveat.cure, "severity": caveat.severity} for caveat in point.doubts],
+        "caveats": [{"text": item.text, "cure": item.cure, "severity": item.severity} for item in point.caveats],
     }  # fmt: skip

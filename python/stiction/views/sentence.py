@@ -48,7 +48,7 @@ def sentence_text(point: PointSummary) -> str:
         parts = [f"{pull_off_text(point.sticking).removesuffix('.')}, at {inputs_text(point)}", note_text(point)]
         return "; ".join([*parts, f"assumed: {', '.join(assumed)}"]) + "."
     if point.verdict == "Do not quote":
-        faults = "; ".join(doubt.text for doubt in point.faults)
+        faults = "; ".join(caveat.text for caveat in point.faults)
         return f"There is no coefficient to quote at {inputs_text(point)}: {faults}."
     first, *others = point.rules
     text = f"μ_s = {quoted(first.value, first.lower, first.upper)} with {RULE_DESCRIPTIONS[first.rule]}"

@@ -15,7 +15,7 @@ import numpy as np
 from stiction._number_format import duration, from_to, prefix, quoted, significant, with_interval, with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import HELD, PER_AREA, QUANTITIES, shown_in
-from stiction.studies.assessment import OF_ASPERITIES, VERDICTS, WIDE_INTERVAL, Doubt, doubted
+from stiction.studies.assessment import OF_ASPERITIES, VERDICTS, WIDE_INTERVAL, Caveat, apply_checks
 from stiction.studies.budget import FINER, LOWER_PIECE, POSITIONS, UPPER_PIECE
 from stiction.studies.point import (
     CELLS,
@@ -304,8 +304,8 @@ def dwell_time_text(point: PointSummary) -> str:
 
 def assessment_text(headlines: Sequence[PointSummary], max_lines: int | None = None) -> str:
     """Format the assessment, the most useful measurement and the caveats with their remedies."""
-    if len({(point.verdict, point.doubts) for point in headlines}) == 1:
-        point, caveats = headlines[0], headlines[0].doubts
+    if len({(point.verdict, point.caveats) for point in headlines}) == 1:
+        point, caveats = headlines[0], headlines[0].caveats
         faults = sum(caveat.severity == "fault" for caveat in caveats)
         lines = [_caveat_line(caveat) for caveat in caveats]
         printed = lines if max_lines is None else lines[: max(_count_within(lines, max_lines), faults, 1)]
@@ -315,8 +315,8 @@ def assessment_text(headlines: Sequence[PointSummary], max_lines: int | None = N
             [f"  {len(caveats) - len(printed)} more: see the report or --json"] if len(caveats) > len(printed) else []
         )
         return "\n".join([wrap_text(f"{point.verdict}{suffix}", hang="  "), *printed, *remainder])
-    groups: dict[tuple[str, str], list[Doubt]] = {}
-    for caveat in (caveat for point in headlines for caveat in point.doubts):
+    groups: dict[tuple[str, str], list[Caveat]] = {}
+    for caveat in (caveat for point in headlines for caveat in point.caveats):
         groups.setdefault((caveat.severity, _AMOUNT.sub("", caveat.text)), []).append(caveat)
     lines = [
         _caveat_line(group[0], f" ({len(group)} of {len(headlines)})")
@@ -341,7 +341,7 @@ def _count_within(texts: Sequence[str], lines: int) -> int:
 MAX_CAVEATS = 6  # maximum number of caveats printed for several points; JSON and CSV contain all
 
 
-def _caveat_line(caveat: Doubt, suffix: str = "") -> str:
+def _caveat_line(caveat: Caveat, suffix: str = "") -> str:
     mark = "!" if caveat.severity == "fault" else "-"
     return wrap_text(f"{mark} {caveat.text}{suffix}; {caveat.cure}", indent="  ", hang="  ")
 
@@ -628,6 +628,6 @@ def _overview_cell(values: xarray.Dataset) -> str:
         return bad[0]
     name = "friction_all_round" if "friction_all_round" in values else "friction_coefficient"
     numbers = {name: value_of(values, name) for name in ("share_beyond_hertz", "share_below_grid")}
-    beyond = doubted(OF_ASPERITIES, numbers)
+    beyond = apply_checks(OF_ASPERITIES, numbers)
     mean, lower, upper = (float(values[name].sel(statistic=statistic)) for statistic in STATISTICS)
     return quoted(mean, lower, upper) + "*" * any(beyond)

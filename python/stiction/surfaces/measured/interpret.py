@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats, check_choice, read_only
 from stiction._units import Quantity, quantity
 from stiction.surfaces.measured.plausibility import CAVEATS, Scan, find_caveats
-from stiction.surfaces.measured.raw import LENGTH_UNITS, Caveat, FormatError, Raw, StatedLength, length_unit
+from stiction.surfaces.measured.raw import LENGTH_UNITS, FileCaveat, FormatError, Raw, StatedLength, length_unit
 from stiction.surfaces.measured.shapes import MAX_UNEVENNESS, Selection
 from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS, describe_missing, find_outliers, interpolate_missing
 from stiction.surfaces.preparation import find_crop_range
@@ -129,7 +129,7 @@ class InterpretedScan(Generic[_Body]):
     body: _Body
     unit: str  # unit of the heights in the file
     missing: int  # number of missing points in the file
-    caveats: tuple[Caveat, ...] = ()
+    caveats: tuple[FileCaveat, ...] = ()
 
 
 def to_profile_or_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
@@ -157,13 +157,14 @@ def to_profile(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Pro
         raise FormatError("contains a profile, which has one spacing, but two are given")
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, coded = _heights(raw, options)
-    dx, steps, doubts = _profile_spacing(raw, _position_unit(raw, options), given)
+    dx, steps, spacing_caveats = _profile_spacing(raw, _position_unit(raw, options), given)
     if dx < 0:
         heights, dx = heights[::-1], -dx
         steps.append("reversed, because its positions decreased")
     return _to_body(
-        Profile, raw, name, options, heights, (_check_spacing(dx),), [*coded, *steps], unit, [*caveats, *doubts]
-    )
+        Profile, raw, name, options, heights, (_check_spacing(dx),), [*coded, *steps], unit,
+        [*caveats, *spacing_caveats],
+    )  # fmt: skip
 
 
 def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Surface]:
@@ -198,7 +199,7 @@ def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Sur
 
 def _to_body(
     kind: Any, raw: Raw, name: str, options: ReadOptions, heights: Floats, spacing: tuple[float, ...],
-    steps: Sequence[str], unit: str, caveats: Sequence[Caveat],
+    steps: Sequence[str], unit: str, caveats: Sequence[FileCaveat],
 ) -> InterpretedScan[Any]:  # fmt: skip
     scan = Scan(
         heights, spacing, factor=LENGTH_UNITS[unit] * (raw.factor or 1.0), from_text=raw.source.lines is not None
@@ -269,7 +270,7 @@ def _in_um(values: _Length, unit: str) -> _Length:
     return values / round(1 / factor) if factor < 1 else values * factor
 
 
-def _heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[Caveat], list[str]]:
+def _heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[FileCaveat], list[str]]:
     """Return heights in µm with NaN where missing, their unit, caveats, and history steps."""
     unit, caveats, steps = _height_unit(raw, options.height_unit)
     numbers = raw.heights
@@ -301,7 +302,7 @@ def _heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[Caveat],
     return heights, unit, caveats, steps
 
 
-def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[Caveat], list[str]]:
+def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
     """Return the unit of heights; a file that declares a factor and a unit does not need the caller's unit."""
     if raw.factor is None or given is None or raw.unit is None or length_unit(raw.unit) is None:
         return _unit("heights", raw.unit, given), [], []
@@ -309,7 +310,7 @@ def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[Caveat], list[s
     if LENGTH_UNITS[actual] == LENGTH_UNITS[caller_unit]:
         return actual, [], []
     text = f"unit is {given}, but the file converts its heights to {actual} by a factor, which is applied"
-    return actual, [Caveat("unit-not-needed", text, "omit --unit")], []
+    return actual, [FileCaveat("unit-not-needed", text, "omit --unit")], []
 
 
 _NO_MAP_SPACING = (
@@ -379,7 +380,7 @@ def _spacings_from_size(
     return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y (header)"]
 
 
-def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str], list[Caveat]]:
+def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str], list[FileCaveat]]:
     """Return the spacing of a profile (µm, negative if its positions decrease), history steps, and caveats."""
     stated = _stated_spacing(raw)
     if raw.positions is None:
@@ -416,12 +417,12 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
         if stated is not None and _worst_printed_deviation(x, direction * stated[0], digit, 1e-9 * stated[0]) is None:
             return direction * stated[0], [f"spacing {stated[0]:.7g} µm (header and positions agree)"], []
         _reject_uneven(x, measured, digit)
-    doubts: list[Caveat] = []
+    caveats: list[FileCaveat] = []
     step = f"spacing {abs(measured):.7g} µm from its positions"
     if stated is not None:
         if abs(abs(measured) - stated[0]) > stated[1] + digit.values.max() / (x.size - 1):
-            doubts.append(
-                Caveat(
+            caveats.append(
+                FileCaveat(
                     "spacing",
                     f"its declared spacing is {stated[0]:g} µm, but its positions are {abs(measured):.7g} µm apart, "
                     "which is used",
@@ -429,7 +430,7 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
                 )
             )
         step += f", declared as {stated[0]:g} µm"
-    return measured, [step], doubts
+    return measured, [step], caveats
 
 
 def _stated_spacing(raw: Raw) -> tuple[float, float] | None:

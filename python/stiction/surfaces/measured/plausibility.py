@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._repr import with_unit
-from stiction.surfaces.measured.raw import Caveat
+from stiction.surfaces.measured.raw import FileCaveat
 
 MIN_REPEATS = 2  # smallest number of points at an extreme value that may be a code for missing points
 MIN_CODE_DISTANCE = 2.0  # smallest distance of a code from all other heights, over their range
@@ -51,7 +51,7 @@ class PlausibilityCheck(NamedTuple):
     cure: str
 
 
-def find_caveats(scan: Scan) -> tuple[Caveat, ...]:
+def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
     """Return the caveats of all checks for a scan."""
     if scan.heights.size < MIN_CHECKED_POINTS:
         return ()
@@ -62,7 +62,7 @@ def find_caveats(scan: Scan) -> tuple[Caveat, ...]:
         scan = replace(scan, heights=np.where(is_code, np.nan, scan.heights))
     findings += [(check, text) for check in CHECKS[1:] for text in check.find(scan)]
     return tuple(
-        Caveat(check.name, text.partition("|")[0], check.cure.replace("{}", text.partition("|")[2]))
+        FileCaveat(check.name, text.partition("|")[0], check.cure.replace("{}", text.partition("|")[2]))
         for check, text in findings
     )
 

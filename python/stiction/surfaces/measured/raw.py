@@ -62,8 +62,8 @@ class FormatWarning(UserWarning):
 
 
 @dataclass(frozen=True)
-class Caveat:
-    """Named doubt about a file that was read, with the option or the edit that settles it."""
+class FileCaveat:
+    """Named caveat about a file that was read, with the option or the edit that settles it."""
 
     name: str
     text: str
@@ -117,7 +117,7 @@ class Raw:
     codes: tuple[float, ...] = ()  # declared values of missing points
     factor: float | None = None  # declared factor from the numbers to `unit`
     bare_spacing: tuple[float, ...] | None = None  # declared spacing without a unit
-    caveats: tuple[Caveat, ...] = ()
+    caveats: tuple[FileCaveat, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ class ColumnTable:
     area: bool = False  # whether two columns may be a map; positions are then recognised by equal steps
     source: Source = Source()
     places: tuple[int, ...] | None = None  # column numbers in the file, if some columns are skipped
-    caveats: tuple[Caveat, ...] = ()
+    caveats: tuple[FileCaveat, ...] = ()
 
     def column_digits(self, column: int) -> Digits | None:
         """Return a function that computes the values of the last printed digits of a column."""

@@ -31,8 +31,8 @@ from stiction.surfaces.measured.npy import read_npy
 from stiction.surfaces.measured.raw import (
     MAX_BYTES,
     MAX_TEXT_BYTES,
-    Caveat,
     Content,
+    FileCaveat,
     FormatError,
     FormatWarning,
     Raw,
@@ -77,7 +77,7 @@ class Reading(Generic[_Body]):
     """Number of points without a height in the file."""
     points: int
     """Number of points in the file."""
-    caveats: tuple[Caveat, ...]
+    caveats: tuple[FileCaveat, ...]
 
     def __str__(self) -> str:
         shape = " × ".join(map(str, self.body.heights.shape))

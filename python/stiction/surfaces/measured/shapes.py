@@ -15,10 +15,10 @@ from stiction.surfaces.measured.grid import to_grid
 from stiction.surfaces.measured.header import NON_HEIGHT_NAME
 from stiction.surfaces.measured.raw import (
     LENGTH_UNITS,
-    Caveat,
     Channels,
     ColumnTable,
     Content,
+    FileCaveat,
     FormatError,
     Raw,
     length_unit,
@@ -132,11 +132,11 @@ def _to_raw(table: ColumnTable, heights: Floats, unit: str | None, **changes: An
     """Return heights of a table with all declarations of its header."""
     declared = table.declared
     counts = tuple(count for count in declared.counts if count > heights.size)  # too large to be a number of points
-    caveats: tuple[Caveat, ...] = ()
+    caveats: tuple[FileCaveat, ...] = ()
     if declared.scale:
         text = f"its header line {printable(declared.scale)!r} is a factor or a range of heights; it is not applied"
         cure = "accept it if the heights are in their unit; otherwise multiply them by the factor first"
-        caveats = (Caveat("scale", text, cure),)
+        caveats = (FileCaveat("scale", text, cure),)
     raw = Raw(
         heights, unit=unit, factor=declared.factor, codes=(*declared.codes, *counts), stated=declared.spacing,
         size=declared.size, bare_spacing=declared.bare_spacing, source=table.source, caveats=caveats,
@@ -224,7 +224,7 @@ def _without_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]
     return heights, ()
 
 
-def _first_number_caveat(table: ColumnTable) -> tuple[Caveat, ...]:
+def _first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
     """Return a caveat if the first number of a column has fewer decimals than all others."""
     if (
         table.values.shape != (table.values.size, 1)
@@ -236,10 +236,10 @@ def _first_number_caveat(table: ColumnTable) -> tuple[Caveat, ...]:
     if len(set(rest)) > 1 or not first > 50 * rest[0]:
         return ()
     text = f"the first number, {table.values[0, 0]:g}, has fewer decimals than all others"
-    return (Caveat("first-number", text, "delete it if it is a step or a size instead of a height, or accept it"),)
+    return (FileCaveat("first-number", text, "delete it if it is a step or a size instead of a height, or accept it"),)
 
 
-def _numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[Caveat, ...]:
+def _numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
     """Return a caveat if positions may be point numbers."""
     name = table.names[place] if table.names else ""
     if _units(table)[place] is not None or (name and not _NUMBERING.fullmatch(name.strip())):
@@ -253,7 +253,7 @@ def _numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tupl
         return ()
     number = _column_numbers(table)[place]
     return (
-        Caveat(
+        FileCaveat(
             "numbering",
             f"column {number} counts {first:.0f}, {first + 1:.0f}, {first + 2:.0f}, ... and is used as positions",
             "if it numbers the points, choose the height column by --columns and give --spacing",

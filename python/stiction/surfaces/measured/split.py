@@ -228,14 +228,14 @@ def _line_above(text: Text, first: int) -> str:
 
 def _reject_ambiguous_commas(text: Text, first: int, last: int, dialect: Dialect) -> None:
     """Reject commas that may all be thousands separators: "1,250" is 1.25 or 1250."""
-    doubtful = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
+    ambiguous = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
     example, shown = -1, ""
     for line in range(first, last + 1):
         if b"," not in text.raw(line):
             continue
         for cell in dialect.cells(text.line(line)):
             if "," in cell:
-                if doubtful.fullmatch(cell) is None:
+                if ambiguous.fullmatch(cell) is None:
                     return
                 example, shown = line, cell
     if example >= 0:

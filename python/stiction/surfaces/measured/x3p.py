@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, Caveat, FormatError, Raw, Source, read_chunks
+from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FileCaveat, FormatError, Raw, Source, read_chunks
 from stiction.surfaces.profile import MAX_POINTS
 
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
@@ -151,11 +151,11 @@ class _StoredAxis:
         self.absolute = kind == "A"
         self.stored = _TYPES[stored]
         self.increment = _number(root, f"{path}/Increment", math.nan)
-        self.caveats: tuple[Caveat, ...] = ()
+        self.caveats: tuple[FileCaveat, ...] = ()
         if self.absolute and stored in ("F", "D"):  # floating-point lengths need no factor
             if abs(self.increment) > 0 and self.increment != 1:
                 self.caveats = (
-                    Caveat(
+                    FileCaveat(
                         "x3p-increment",
                         f"{name} is stored in floating point, as metres, and has an increment of {self.increment:g}, "
                         "which is not applied",

@@ -138,7 +138,7 @@ def _at_nodes(
     judgements, indices = assess_points(study, status[:, :, rule], numbers)
     tables.add("judgement", indices.astype(float))
     for name in sorted(
-        {caveat["number"]["table"] for item in judgements for caveat in item["doubts"] if caveat["number"]}
+        {caveat["number"]["table"] for item in judgements for caveat in item["caveats"] if caveat["number"]}
     ):
         tables.add(f"number_{name}", numbers[name])
     sound = codes == 0
@@ -296,7 +296,7 @@ def assess_points(
         caveats.sort(key=lambda caveat: caveat["severity"] != "fault")
         severities = {caveat["severity"] for caveat in caveats}
         verdict = VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
-        judgements.append({"verdict": verdict, "doubts": caveats})
+        judgements.append({"verdict": verdict, "caveats": caveats})
     return judgements, indices.reshape(status.shape)
 
 

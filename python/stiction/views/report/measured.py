@@ -306,9 +306,9 @@ def _assessments(result: Result) -> list[dict[str, Any]]:
             "at": answer.at, "loadText": with_unit(answer.at["load"], "mN"), "verdict": answer.verdict,
             "covered": answer.covered,
             "sentence": printable(sentence_text(answer), MAX_TEXT_LENGTH * 4),
-            "doubts": [
+            "caveats": [
                 {name: printable(getattr(caveat, name), MAX_TEXT_LENGTH) for name in ("text", "cure", "severity")}
-                for caveat in answer.doubts
+                for caveat in answer.caveats
             ],
             "slopes": slopes_text(answer),
             "bar": _contributions(answer),

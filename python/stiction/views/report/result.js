@@ -177,14 +177,14 @@ function judgement(points, d, l) {
   if (!isMeasured) {
     const at = place();
     const index = ((d * amplitudeCount + state.amplitude) * facts.ways.length + state.way) * loads.length + l;
-    const {verdict, doubts} = facts.judgements[atNearest(numbers.floats, numbers.offsets.judgement + index * at.size, at)];
+    const {verdict, caveats} = facts.judgements[atNearest(numbers.floats, numbers.offsets.judgement + index * at.size, at)];
     const number = (of) => of && between(numbers.floats, numbers.offsets[`number_${of.table}`] + index * at.size, at);
-    return assessment(verdictElements(verdict, doubts.map((doubt) => ({...doubt, text: filled(doubt.text, doubt.number, number(doubt.number))}))));
+    return assessment(verdictElements(verdict, caveats.map((caveat) => ({...caveat, text: filled(caveat.text, caveat.number, number(caveat.number))}))));
   }
   const isWhole = facts.ways[state.way].isWhole;
   const isHere = ({at}) => isSame(at.load, loads[l]) && (at.cut_off === undefined || isSame(at.cut_off, cells.values[d]));
   const answer = facts.answers.find((each) => isHere(each) && isSame(each.at.mu0, state.mu0) && isSame(1000 * each.at.tau0, state.tau0));
-  if (answer) return assessment(verdictElements(answer.verdict, answer.doubts), isWhole && answer.slopes !== "", isWhole ? answer : null);
+  if (answer) return assessment(verdictElements(answer.verdict, answer.caveats), isWhole && answer.slopes !== "", isWhole ? answer : null);
   const near = facts.answers.reduce((best, each) => {
     const apart = ({at}) => Math.abs(Math.log(at.load / loads[l])) + (at.cut_off !== undefined && !isSame(at.cut_off, cells.values[d]) ? 10 : 0);
     return !best || apart(each) < apart(best) ? each : best;
@@ -197,12 +197,12 @@ function judgement(points, d, l) {
 
 const MAX_OPEN_CAVEATS = 3; // caveats shown without opening the list
 
-function verdictElements(verdict, doubts) {
+function verdictElements(verdict, caveats) {
   const kind = VERDICT_CLASSES[verdict];
-  const list = (some) => (some.length ? [element("ul", {class: "doubts"}, ...some.map(({text, cure, severity}) =>
+  const list = (some) => (some.length ? [element("ul", {class: "caveats"}, ...some.map(({text, cure, severity}) =>
     element("li", {class: severity}, `${text.replace(/^[a-z]/, (letter) => letter.toUpperCase())}; ${cure}.`)))] : []);
-  const rest = doubts.slice(MAX_OPEN_CAVEATS);
-  return [element("div", {class: `said ${kind}`}, element("p", {class: `verdict ${kind}`}, verdict), ...list(doubts.slice(0, MAX_OPEN_CAVEATS)),
+  const rest = caveats.slice(MAX_OPEN_CAVEATS);
+  return [element("div", {class: `said ${kind}`}, element("p", {class: `verdict ${kind}`}, verdict), ...list(caveats.slice(0, MAX_OPEN_CAVEATS)),
     ...(rest.length ? [element("details", {}, element("summary", {}, `${rest.length} more`), ...list(rest))] : []))];
 }
 

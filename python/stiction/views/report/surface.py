@@ -45,7 +45,7 @@ def _meaning(characterisation: Characterisation) -> str:
     """Return caveats, the small-slope estimate, and the effect of a finer scan, as markup."""
     caveats = "".join(
         f"<li>{escaped(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.cure}.')}</li>"
-        for caveat in characterisation.doubts
+        for caveat in characterisation.caveats
     )
     values = [f"{value:.2f}" for value in characterisation.friction]
     axes = " along x and y" if len(values) == 2 else ""
@@ -72,7 +72,7 @@ def _meaning(characterisation: Characterisation) -> str:
         finer,
         "For friction at a load, press two surfaces on each other: stiction pair --help has examples.",
     ]  # fmt: skip
-    return (f'<ul class="doubts">{caveats}</ul>' if caveats else "") + "".join(
+    return (f'<ul class="caveats">{caveats}</ul>' if caveats else "") + "".join(
         f"<p>{escaped(line)}</p>" for line in paragraphs
     )
 

@@ -23,7 +23,7 @@ import numpy as np
 from stiction.surfaces.measured.decode import NUMBERS, Text
 from stiction.surfaces.measured.header import is_unit, normalise_line
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import Caveat, FormatError, Raw, length_unit
+from stiction.surfaces.measured.raw import FileCaveat, FormatError, Raw, length_unit
 from stiction.surfaces.measured.split import detect_dialect, find_number_runs, parse_block
 from stiction.surfaces.measured.text import describe_source
 
@@ -81,7 +81,7 @@ def _read(text: Text) -> Raw:
                 f"{values.shape[1]}; export it again"
             )
         caveats.append(
-            Caveat(
+            FileCaveat(
                 "truncated", f"the header declares {counts[1]} rows, but the file has {values.shape[0]}",
                 "export it again, or accept the existing rows",
             )
