@@ -30,7 +30,7 @@ KINDS = 7
 TIMES = 3
 """Runs of each kind, made in turn, of which the median is taken."""
 
-_task = runner.block_task
+_task = runner.compute_block
 
 
 class StoredSums:
@@ -67,8 +67,8 @@ def measure_storage(study: Study, sums: list[dict], executor: Executor, *, seen:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))
-        runner.block_task = StoredSums(str(file), seen)
-        size = runner.block_size(study)
+        runner.compute_block = StoredSums(str(file), seen)
+        size = runner.choose_block_size(study)
         parts = -(-study.ensemble.repetitions // (size * BLOCKS))
         try:
             runner.compute_missing(
@@ -78,7 +78,7 @@ def measure_storage(study: Study, sums: list[dict], executor: Executor, *, seen:
             count = runner.compute_missing(study, Path(folder) / "r", part=(1, parts), executor=executor)
             return count / (time.perf_counter() - start), (time.process_time() - driver_start) / count
         finally:
-            runner.block_task = _task
+            runner.compute_block = _task
 
 
 def rows() -> list[tuple[str, str]]:
@@ -92,7 +92,7 @@ def rows() -> list[tuple[str, str]]:
             sums = member_sums(one, 0)
             cost = dimensions * seconds(lambda one=one: member_sums(one, 1), 1 if half_plane else 3)
             kinds = randomise({name: values.repeat(dimensions, axis=0) for name, values in sums.items()})
-            size = runner.block_size(study)
+            size = runner.choose_block_size(study)
             block = stack_members(study, [kinds[i % KINDS] for i in range(size)])
             encode_members(study, range(size), block)
             writing = (

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from stiction import half_space, self_affine_surface, write_surface
 from stiction.studies.members import load_bodies
-from stiction.studies.onset import FEW, onset_of_member
-from stiction.studies.resolution import FOLDER
+from stiction.studies.onset import NUM_AREAL_ONSET_MEMBERS, compute_member_onset
+from stiction.studies.resolution import CUTOFF_STUDY_FOLDER
 from stiction.studies.store import open_stored
 from stiction.studies.study import Study
 
@@ -62,8 +62,10 @@ def solving(study: Study) -> Callable[[], None]:
 
 def beginning_to_slide(study: Study) -> None:
     load, mu0, tau0 = (float(item[0]) for item in (study.friction.load, study.friction.mu0, study.friction.tau0))
-    for member in range(FEW):
-        result = onset_of_member(study, member, load=load, mu0=mu0, tau0=tau0, cut_off=study.surfaces.quoted_cut_off())
+    for member in range(NUM_AREAL_ONSET_MEMBERS):
+        result = compute_member_onset(
+            study, member, load=load, mu0=mu0, tau0=tau0, cut_off=study.surfaces.quoted_cut_off()
+        )
         assert result is not None
 
 
@@ -78,7 +80,7 @@ def rows() -> list[tuple[str, str]]:
         folder = Path(created)
         scans(folder)
         commands = [measure_command(folder, "0")]
-        study, over = (open_stored(folder / "0" / sub).study for sub in ("", FOLDER))
+        study, over = (open_stored(folder / "0" / sub).study for sub in ("", CUTOFF_STUDY_FOLDER))
         tasks = solving(study), solving(over), lambda: beginning_to_slide(study)
         half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)  # imports, kernels
         solved = []
@@ -90,7 +92,7 @@ def rows() -> list[tuple[str, str]]:
     return [
         ("stiction pair, two maps of 512 x 512, processor time, by the clock", f"{whole:.1f} s, {by_clock:.1f} s"),
         ("its half-space solutions alone: positions, cut-offs", f"{positions:.1f} s, {cut_offs:.1f} s"),
-        (f"how {FEW} of its members begin to slide", f"{onset:.1f} s"),
+        (f"how {NUM_AREAL_ONSET_MEMBERS} of its members begin to slide", f"{onset:.1f} s"),
         ("the command over its solutions and what slides", f"{whole / (positions + cut_offs + onset):.2f}"),
     ]
 

@@ -16,13 +16,13 @@ from pathlib import Path
 
 from stiction.studies import pair_options
 from stiction.studies.pair_options import (
-    GROUPS,
-    OPTIONS,
-    UNITS,
+    DEFAULT_UNITS,
+    OPTION_GROUPS,
+    PAIR_OPTIONS,
     PairOptions,
     ReadingOptions,
+    format_python_name,
     list_choices,
-    name_in_python,
 )
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -31,7 +31,7 @@ COMMAND = ROOT / "python/stiction/cli/pair.py"
 READER = ROOT / "python/stiction/cli/characterise.py"
 LINE_LENGTH = 120
 BODIES = ("upper", "lower")
-IN_PYTHON = [name for name, option in OPTIONS.items() if option.is_in_python]
+IN_PYTHON = [name for name, option in PAIR_OPTIONS.items() if option.is_in_python]
 
 WORDS = {
     "Part": "str, path, Profile, Surface, JoinedSpectrum or array, or several",
@@ -53,12 +53,16 @@ WORDS = {
 def declared_types() -> dict[str, str]:
     """Return the type of each option as the model declares it, "Value | None"."""
     types = {}
-    groups = [group.__name__ for group in GROUPS]
+    groups = [group.__name__ for group in OPTION_GROUPS]
     for node in ast.parse(inspect.getsource(pair_options)).body:
         if not isinstance(node, ast.ClassDef) or node.name not in groups:
             continue
         for entry in node.body:
-            if isinstance(entry, ast.AnnAssign) and isinstance(entry.target, ast.Name) and entry.target.id in OPTIONS:
+            if (
+                isinstance(entry, ast.AnnAssign)
+                and isinstance(entry.target, ast.Name)
+                and entry.target.id in PAIR_OPTIONS
+            ):
                 declared = entry.annotation
                 assert isinstance(declared, ast.Subscript)
                 assert isinstance(declared.slice, ast.Tuple)
@@ -75,7 +79,7 @@ def default_of(name: str) -> str:
 def parameters_in_python() -> str:
     """Return the parameters of `stiction.pair`, the two bodies first."""
     types = declared_types()
-    lines = [f"    {name_in_python(name)}: {types[name]}{default_of(name)},\n" for name in IN_PYTHON]
+    lines = [f"    {format_python_name(name)}: {types[name]}{default_of(name)},\n" for name in IN_PYTHON]
     bodies = [line for line in lines if line.lstrip().startswith(("first:", "second:"))]
     return "".join([*bodies, "    *,\n", *(line for line in lines if line not in bodies)])
 
@@ -86,17 +90,17 @@ def descriptions() -> str:
     order = [
         "upper",
         "lower",
-        *(name for group in GROUPS for name in group.model_fields if name in IN_PYTHON and name not in BODIES),
+        *(name for group in OPTION_GROUPS for name in group.model_fields if name in IN_PYTHON and name not in BODIES),
     ]
     lines = []
     for name in order:
-        option, declared = OPTIONS[name], types[name].removesuffix(" | None")
+        option, declared = PAIR_OPTIONS[name], types[name].removesuffix(" | None")
         choices = ", ".join(f'"{choice}"' for choice in list_choices(name))
         kind = f"{{{choices}}}" if choices and declared != "InterfaceName" else WORDS[declared]
-        unit = f", {UNITS[option.kind]}" if option.kind else ""
+        unit = f", {DEFAULT_UNITS[option.kind]}" if option.kind else ""
         optional = "" if PairOptions.model_fields[name].is_required() or name in BODIES else ", optional"
         text = option.help.format_map(Names()) + (f" By default {option.usual}." if option.usual else "")
-        lines.append(f"    {name_in_python(name)} : {kind}{unit}{optional}")
+        lines.append(f"    {format_python_name(name)} : {kind}{unit}{optional}")
         lines += textwrap.wrap(text, LINE_LENGTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
     return "\n".join(lines) + "\n"
 
@@ -105,18 +109,18 @@ class Names(dict[str, str]):
     """Names of options in Python, for the placeholders of a help line."""
 
     def __missing__(self, name: str) -> str:
-        return f"`{name_in_python(name)}`"
+        return f"`{format_python_name(name)}`"
 
 
 def call() -> str:
     """Return the arguments with which `stiction.pair` makes the model."""
-    return "".join(f"                {name}={name_in_python(name)},\n" for name in IN_PYTHON)
+    return "".join(f"                {name}={format_python_name(name)},\n" for name in IN_PYTHON)
 
 
 def parameters_of_command() -> str:
     """Return the parameters of the command `pair`."""
     lines = []
-    for name, option in OPTIONS.items():
+    for name, option in PAIR_OPTIONS.items():
         if name in BODIES:
             continue
         is_switch = PairOptions.model_fields[name].annotation is bool
@@ -130,7 +134,7 @@ def parameters_of_reader() -> str:
     """Return the parameters of the command `characterise` that say how a file is read."""
     lines = []
     for name in ReadingOptions.model_fields:
-        once = ", repeatable=False" if OPTIONS[name].is_repeatable else ""
+        once = ", repeatable=False" if PAIR_OPTIONS[name].is_repeatable else ""
         lines.append(f'    {name}: Annotated[str | None, pair_option("{name}"{once})] = None,\n')
     return "".join(lines)
 

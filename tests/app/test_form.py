@@ -4,7 +4,7 @@ import json
 
 import pytest
 from stiction.app.form import FIELDS, READING, fields_html, first_option, numbers_json, with_labels
-from stiction.studies.pair_options import OPTIONS, ReadingOptions, list_choices
+from stiction.studies.pair_options import PAIR_OPTIONS, ReadingOptions, list_choices
 
 
 def test_reading_fields_are_reading_options():
@@ -19,7 +19,7 @@ def test_field_is_in_one_place_of_the_form(flag):
 
 
 def test_choices_of_fields_are_values_of_their_options():
-    for name, option in OPTIONS.items():
+    for name, option in PAIR_OPTIONS.items():
         if option.field and option.field.choices and list_choices(name):
             assert {value for value, _ in option.field.choices} <= set(list_choices(name))
 

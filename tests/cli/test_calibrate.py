@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction import Ball, Result, interface, read_interface, self_affine_surface, write_interface, write_surface
 from stiction.studies.store import open_stored
-from stiction.studies.tests_file import friction_tests
+from stiction.studies.tests_file import parse_friction_tests
 from support.command import assert_rejected, call_stiction, check_stiction
 
 MU0, TAU0 = 0.15, 0.012
@@ -143,7 +143,7 @@ def test_tests_file_accepts_semicolons_and_decimal_commas_in_any_encoding(tmp_pa
     (tmp_path / "plain.csv").write_text("\n".join(plain), encoding="utf-8")
     (tmp_path / "commas.csv").write_text("\r\n".join(commas), encoding=encoding)
     bodies = {"ball": Ball("5 mm", "3 GPa")}
-    first, other = (friction_tests(tmp_path / f"{name}.csv", bodies) for name in ("plain", "commas"))
+    first, other = (parse_friction_tests(tmp_path / f"{name}.csv", bodies) for name in ("plain", "commas"))
     for one, two in zip(first, other, strict=True):
         assert (one.load, one.coefficient, one.uncertainty) == (two.load, two.coefficient, two.uncertainty)
 
@@ -152,9 +152,9 @@ def test_tests_file_numbers_lines_after_quoted_line_ends(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text('load (mN),coefficient,run\n1,0.2,"first\nrun"\n# a comment\n2,0.3,second\n3,much,third\n')
     with pytest.raises(ValueError, match="line 6: coefficient must be a number"):
-        friction_tests(path, {"ball": Ball("5 mm", "3 GPa")})
+        parse_friction_tests(path, {"ball": Ball("5 mm", "3 GPa")})
     path.write_text(path.read_text().replace("much", "0.4"))
-    assert [test.run for test in friction_tests(path, {"ball": Ball("5 mm", "3 GPa")})] == [
+    assert [test.run for test in parse_friction_tests(path, {"ball": Ball("5 mm", "3 GPa")})] == [
         "first\nrun",
         "second",
         "third",
@@ -165,7 +165,7 @@ def test_tests_file_uses_units_of_its_columns(tmp_path):
     (tmp_path / "a.csv").write_text("load (mN),coefficient (%),uncertainty (mN)\n2000,50,20\n")
     (tmp_path / "b.csv").write_text("load (N),friction force (N),uncertainty (%)\n2,1,2\n")
     for name in ("a.csv", "b.csv"):
-        (test,) = friction_tests(tmp_path / name, {"ball": Ball("5 mm", "3 GPa")})
+        (test,) = parse_friction_tests(tmp_path / name, {"ball": Ball("5 mm", "3 GPa")})
         assert (test.load, test.coefficient, test.uncertainty) == (2000, 0.5, pytest.approx(0.01))
 
 

@@ -552,7 +552,7 @@ def test_pair_replaces_files_of_a_concurrent_writer(where, monkeypatch):
 
         return made
 
-    for module, name in ((contact_picture, "contact_picture"), (onset, "onset_of_result")):
+    for module, name in ((contact_picture, "contact_picture"), (onset, "compute_onset")):
         monkeypatch.setattr(module, name, beside(getattr(module, name), module.FILE))
     command = ("pair", *MAPS, *MATERIAL, "--load", "1 MPa", "--shifts", 2, "--mechanics", "asperities", "--onset", 2)
     completed = check_stiction(*command, "--output", "twice", cwd=where)

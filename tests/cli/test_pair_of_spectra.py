@@ -18,7 +18,7 @@ from stiction import (
     write_spectrum,
     write_surface,
 )
-from stiction.studies.resolution import resolution_at
+from stiction.studies.resolution import evaluate_cutoffs
 from stiction.studies.store import open_stored
 from stiction.surfaces.pairing import SpectrumPairs
 from stiction.views.resolution import resolution_limits
@@ -119,7 +119,7 @@ def test_pair_of_spectra_supports_all_commands(where):
     assert study.ensemble.repetitions == 2
     check_stiction("at", "pair", "--load", "30 MPa", cwd=where)
     check_stiction("report", "pair", cwd=where, without_figures=True)
-    at_cut_offs = resolution_at(open_stored(where / "pair")).isel(load=0, mu0=0, tau0=0)
+    at_cut_offs = evaluate_cutoffs(open_stored(where / "pair")).isel(load=0, mu0=0, tau0=0)
     closed = resolution_limits(at_cut_offs, study)["spectral"]  # what the picture over cut-offs draws beside
     assert float(closed.mean_pressure.max()) == pytest.approx(4.0)
     assert float(closed.wavelength.max()) > 1.0

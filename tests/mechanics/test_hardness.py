@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction import half_space
 from stiction.mechanics.hardness import area_per_load
-from stiction.studies.hardness import NODES
+from stiction.studies.hardness import NODE_POSITIONS
 from support.rough_surfaces import rough_maps
 
 FRICTION, AREA = 0.01, 0.03
@@ -25,7 +25,7 @@ def test_interpolated_area_agrees_with_direct_solutions(rms: float) -> None:
         return float(curve.contact_area[0] / curve.normal_elastic[0])
 
     elastic = ratio(None)
-    nodes = 0.23 * (1.7 / 0.23) ** np.sort([*NODES, 0.5])
+    nodes = 0.23 * (1.7 / 0.23) ** np.sort([*NODE_POSITIONS, 0.5])
     expected = np.geomspace(0.23, 1.7, 9)
     result = area_per_load(expected, nodes, [ratio(float(node)) for node in nodes], elastic)
     direct = np.array([ratio(float(item)) for item in expected])

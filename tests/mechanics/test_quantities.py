@@ -19,7 +19,7 @@ from stiction.mechanics.quantities import (
     VALIDITY,
     shown_in,
 )
-from stiction.studies.contact_statistics import OF_CONTACTS
+from stiction.studies.contact_statistics import LOAD_FRACTION_FORMULAS
 from stiction.studies.evaluation import at_load
 from stiction.studies.pair import pair_study
 from stiction.studies.study import study_of
@@ -165,7 +165,7 @@ def test_table_of_quantities_agrees_with_the_core_and_the_classes_of_sums():
     assert {*SUMS} == {*Sums.__dataclass_fields__}
     assert {*VALIDITY} == {*Validity.__dataclass_fields__}
     assert {*VALIDITY, *AREAL_VALIDITY} == {*SurfaceValidity.__dataclass_fields__} == {*RATIOS}
-    assert {*OF_CONTACTS} <= {name for name, quantity in QUANTITIES.items() if "measured" in quantity.stored}
+    assert {*LOAD_FRACTION_FORMULAS} <= {name for name, quantity in QUANTITIES.items() if "measured" in quantity.stored}
     assert ADHESION[0] == "contact_load"
     assert not {*HALF_SPACE_SUMS} & {*ADHESION}
     assert [QUANTITIES[name].numerator for name in UNLOADED] == list(SIX_SUMS[3:])

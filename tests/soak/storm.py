@@ -126,7 +126,7 @@ class Storm:
         return (self.folder / "said").read_text()[-1000:]
 
     def written(self) -> int:
-        return sum(1 for _ in (self.path / store.BLOCKS).glob("*.nc"))
+        return sum(1 for _ in (self.path / store.BLOCKS_FOLDER).glob("*.nc"))
 
     def kill(self, what: str, process: subprocess.Popen[bytes]) -> None:
         assert process.poll() is None, f"{what} ended by itself: {process.returncode}: {self.last_said()}"
@@ -194,16 +194,16 @@ class Storm:
 
     def look(self) -> None:
         """That all blocks are whole, none has changed, and no command has computed what was finished at its begin."""
-        if not (self.path / store.BLOCKS).exists():
+        if not (self.path / store.BLOCKS_FOLDER).exists():
             assert not self.bits
             return
         now = {
             file.name: (file.stat().st_ino, file.stat().st_mtime_ns)
-            for file in (self.path / store.BLOCKS).glob("[0-9]*.nc")
+            for file in (self.path / store.BLOCKS_FOLDER).glob("[0-9]*.nc")
         }
         assert self.files.keys() <= now.keys(), f"lost: {sorted(self.files.keys() - now.keys())[:5]}"
         for name in now.keys() - self.files.keys():
-            content = (self.path / store.BLOCKS / name).read_bytes()
+            content = (self.path / store.BLOCKS_FOLDER / name).read_bytes()
             assert name.endswith(f"-{zlib.crc32(content):08x}.nc"), f"{name} is torn"
             members = decode_members(content)
             for place, number in enumerate(members.numbers.tolist()):

@@ -9,7 +9,7 @@ from support.generated_studies import TINY
 @pytest.fixture
 def blocks_of_four(monkeypatch):
     """Blocks of a result hold four members."""
-    monkeypatch.setattr(runner, "block_size", lambda study: 4)
+    monkeypatch.setattr(runner, "choose_block_size", lambda study: 4)
 
 
 @pytest.fixture(scope="session")

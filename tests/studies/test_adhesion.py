@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction import Study, half_space, pair, run, self_affine_surface
 from stiction.mechanics.quantities import HELD
-from stiction.studies.assessment import ADDED, TYPICAL_WORK, added_by_adhesion
+from stiction.studies.assessment import MAX_NEGLECTED_ADHESION, TYPICAL_WORK_OF_ADHESION, estimate_adhesion_load
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.evaluation import at_load
 from stiction.studies.members import load_bodies
@@ -237,8 +237,8 @@ def test_estimated_effect_of_adhesion_agrees_with_solution():
     draw, wrong, flat = np.random.default_rng(7), [], {"hurst_exponent": 0.8, "rms": 1.0, "shape": (64, 64)}
     for _ in range(60):
         spacing, modulus = 10 ** draw.uniform(-2.5, 0), 10 ** draw.uniform(-1, 2.3)
-        length = max(5e-4, np.sqrt(2 * spacing * TYPICAL_WORK / modulus))
-        slope = TYPICAL_WORK / (length * modulus * 10 ** draw.uniform(-2.5, -1.3))
+        length = max(5e-4, np.sqrt(2 * spacing * TYPICAL_WORK_OF_ADHESION / modulus))
+        slope = TYPICAL_WORK_OF_ADHESION / (length * modulus * 10 ** draw.uniform(-2.5, -1.3))
         if not 0.003 < slope < 1:
             continue
         waves = {"longest_wavelength": 32 * spacing, "shortest_wavelength": 4 * spacing}
@@ -253,13 +253,15 @@ def test_estimated_effect_of_adhesion_agrees_with_solution():
         options = {"load": load, "mu0": 0.3, "effective_modulus": modulus, "shifts": 1, "onset": 0, "direction": [0]}
         silent, result = pair(*bodies, **options), pair(*bodies, **options, **WORK)
         point = next(points(silent.at_study_loads))
-        message = added_by_adhesion(point, silent.study)
+        message = estimate_adhesion_load(point, silent.study)
         data = result.dataset.sel(load=float(result.study.friction.load[0]))
         true = float(data["contact_load"].squeeze() / data["load"]) - 1
-        if (message > ADDED) != (true > ADDED):
+        if (message > MAX_NEGLECTED_ADHESION) != (true > MAX_NEGLECTED_ADHESION):
             wrong.append(true)
     assert len(wrong) <= 4
-    assert all(ADDED / RULE_TOLERANCE < item < ADDED * RULE_TOLERANCE for item in wrong)
+    assert all(
+        MAX_NEGLECTED_ADHESION / RULE_TOLERANCE < item < MAX_NEGLECTED_ADHESION * RULE_TOLERANCE for item in wrong
+    )
 
 
 @pytest.mark.filterwarnings("ignore:the pull-off force is at least")

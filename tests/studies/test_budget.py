@@ -13,7 +13,7 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
 from stiction.studies.budget import _CoefficientSamples, _numbers_at, add_uncertainty
 from stiction.studies.evaluation import PerLoad, areas_of, at_load, member_sums
-from stiction.studies.executors import threads
+from stiction.studies.executors import thread_executor
 from stiction.studies.hardness import choose_area_nodes, compute_areas_over_hardness, find_inputs
 from stiction.studies.input_uncertainty import Z_95, parse_input
 from stiction.studies.pair import pair_study
@@ -112,9 +112,9 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
 def test_large_maps_solve_two_members_over_hardness(monkeypatch) -> None:
     options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
     study = pair_study(*bodies(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **options)
-    with threads(1) as executor:
+    with thread_executor(1) as executor:
         many = compute_areas_over_hardness(study, executor)
-        monkeypatch.setattr(hardness, "LARGE_POINTS", 1)
+        monkeypatch.setattr(hardness, "MIN_LARGE_MAP_POINTS", 1)
         few = compute_areas_over_hardness(study, executor)
     assert (many.sizes["repetition"], few.sizes["repetition"]) == (4, 2)
     np.testing.assert_array_equal(few["contact_area"], many["contact_area"][:2])

@@ -22,7 +22,7 @@ from stiction import (
     write_interface,
 )
 from stiction.studies.hardness import find_inputs, load_areas_over_hardness
-from stiction.studies.interfaces import GROWTH, HARDNESS, credible_interval
+from stiction.studies.interfaces import GROWTH_ENTRY, HARDNESS_ENTRY, credible_interval
 from support.rough_surfaces import rough_maps
 
 BALL = Ball("5 mm", "3 GPa")
@@ -142,7 +142,7 @@ def test_friction_test_accepts_result_of_pair() -> None:
     assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]
     assert interface.predict(result, "80 MPa")[0] == pytest.approx(truth, rel=0.02)
     brass = find_inputs(result.study)["hardness"].estimate
-    assert interface.about[HARDNESS] == brass.text
+    assert interface.about[HARDNESS_ENTRY] == brass.text
     assert interface.draws["hardness"].median() == pytest.approx(brass.value, rel=0.1)
 
 
@@ -349,7 +349,7 @@ def test_calibrate_with_growth_returns_the_strength_of_the_tests(truth: float) -
     assert interface.tau0[0] == pytest.approx(0.05, rel=0.02)
     assert interface.mu0[1] < 0.2 < interface.mu0[2]
     assert set(interface.fits[0].junction_growth) == {truth}
-    assert interface.about[GROWTH] == f"{truth:g}"
+    assert interface.about[GROWTH_ENTRY] == f"{truth:g}"
 
 
 def test_calibrate_with_growth_agrees_with_brute_force() -> None:
@@ -403,7 +403,7 @@ def test_growth_that_is_left_out_gives_a_wrong_prediction() -> None:
     wrong, *_ = interface.predict(growing(0, 0.02, "1.25 GPa"), "20 MPa")
     assert wrong > 1.05 * direct(0.2, 0.05, 20.0, 0.02, 1.25)
     assert interface.fits[0].scale > 1.5  # the ball and the pair contradict each other
-    assert interface.about[GROWTH] == "0"
+    assert interface.about[GROWTH_ENTRY] == "0"
 
 
 def test_predict_warns_where_the_growth_differs_from_that_of_the_tests() -> None:
@@ -414,7 +414,7 @@ def test_predict_warns_where_the_growth_differs_from_that_of_the_tests() -> None
 
 
 def test_tests_below_yield_have_no_growth() -> None:
-    assert GROWTH not in calibrate(ball_tests()).about
+    assert GROWTH_ENTRY not in calibrate(ball_tests()).about
 
 
 def test_interface_file_and_pair_keep_the_growth_of_the_tests(tmp_path) -> None:
@@ -422,7 +422,7 @@ def test_interface_file_and_pair_keep_the_growth_of_the_tests(tmp_path) -> None:
     interface = calibrate(growing_tests("0..27", 9.0), sliding="all")
     write_interface(interface, path)
     again = read_interface(path)
-    assert again.about[GROWTH] == "0..27"
+    assert again.about[GROWTH_ENTRY] == "0..27"
     assert again.fits[0].junction_growth == pytest.approx(interface.fits[0].junction_growth, rel=1e-6)
     given = {name: value for name, value in GROWING.items() if name not in ("mu0", "tau0")}
     applied = pair(*faces(0.03), **given, interface=path)

@@ -5,7 +5,7 @@ import pytest
 from stiction import Study, approach_at_load, area_map, friction_map, press, run, stiffness_map
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import intervals
-from stiction.studies.contact_tables import AREAL_LOAD_FACTOR, ladder
+from stiction.studies.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
 from stiction.studies.evaluation import at_load, axes_of, member_values, reached_loads
 from stiction.studies.members import load_bodies
 from support.measured_studies import study_of, write_maps, write_profiles
@@ -159,10 +159,10 @@ def test_load_between_distant_steps_is_not_reached():
 
 
 def test_ladder_of_areas_has_no_gap_between_given_loads():
-    loads = ladder([1e-3, 2e-3, 2.0], press="areas", mechanics="half-space")
+    loads = choose_load_steps([1e-3, 2e-3, 2.0], press="areas", mechanics="half-space")
     assert {1e-3, 2e-3, 2.0} <= set(loads.tolist())
-    assert (loads[1:] / loads[:-1]).max() < 1.02 * AREAL_LOAD_FACTOR
-    few = ladder([1.0, 3.0], press="areas", mechanics="half-space")
+    assert (loads[1:] / loads[:-1]).max() < 1.02 * MAX_AREAL_LOAD_RATIO
+    few = choose_load_steps([1.0, 3.0], press="areas", mechanics="half-space")
     assert few.size == 4
 
 

@@ -13,15 +13,15 @@ from stiction.studies.evaluation import at_load
 from stiction.studies.height_scale import (
     MAX_FACTOR,
     MIN_FACTOR,
-    NotComputedError,
-    at_height_scale,
-    checked_factors,
+    MissingFactorsError,
     compute_factors,
-    missing_factors,
-    scaled_study,
-    stored_factors,
+    evaluate_height_scale,
+    find_missing_factors,
+    open_stored_factors,
+    parse_factors,
+    scale_study_heights,
 )
-from stiction.studies.store import STUDY, open_stored
+from stiction.studies.store import STUDY_FILE, open_stored
 from stiction.views.report import report_page
 from support.generated_studies import TINY
 from support.rough_surfaces import rough_maps
@@ -69,7 +69,7 @@ def result(bodies):
 
 
 def test_factor_1_equals_the_result(result):
-    at = at_height_scale(result.source, 1, loads_of(result)).isel(height_scale=0)
+    at = evaluate_height_scale(result.source, 1, loads_of(result)).isel(height_scale=0)
     own = add_uncertainty(at_load(result.source, loads_of(result)), result.source).isel(cut_off=0)
     for name in (
         "friction_all_round",
@@ -103,7 +103,7 @@ def test_scaled_heights_equal_scaled_modulus(hardness):
 
 @pytest.mark.parametrize(("scaled", "factors"), [("both", (2, 2)), ("upper", (2, 1))])
 def test_stored_factor_equals_result_of_scaled_surfaces(bodies, result, scaled, factors):
-    at = at_height_scale(result.source, [2], loads_of(result), scaled=scaled).isel(height_scale=0)
+    at = evaluate_height_scale(result.source, [2], loads_of(result), scaled=scaled).isel(height_scale=0)
     other = pair(*times(bodies, *factors), **QUICK | HARD)
     expected = add_uncertainty(at_load(other.source, loads_of(other)), other.source).isel(cut_off=0)
     for name in ("friction_all_round", "friction_combined", "contact_area", "normal_stiffness", "rms_gradient"):
@@ -190,14 +190,14 @@ def test_interpolation_between_factors_is_within_stated_error(hardness):
 
 
 def test_missing_factors_are_the_fewest_that_enclose_the_request():
-    assert missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
-    assert missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
-    assert missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]
+    assert find_missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
+    assert find_missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
+    assert find_missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]
     fine = np.round(np.geomspace(0.25, 4, 50), 6)
-    assert missing_factors(fine, np.ones(1)).tolist() == [
+    assert find_missing_factors(fine, np.ones(1)).tolist() == [
         0.25, 0.353553, 0.5, 0.707107, 1.41421, 2.0, 2.82843, 4.0,
     ]  # fmt: skip
-    ends = missing_factors(np.geomspace(MIN_FACTOR, MAX_FACTOR, 99), np.ones(1))
+    ends = find_missing_factors(np.geomspace(MIN_FACTOR, MAX_FACTOR, 99), np.ones(1))
     assert (ends[0], ends[-1]) == (MIN_FACTOR, MAX_FACTOR)
 
 
@@ -205,21 +205,22 @@ def test_missing_values_stay_missing_next_to_unsolved_factor():
     solved = np.array([0.5, 1.0, 2.0])
     values = np.array([[1.0, np.nan], [2.0, 2.0], [4.0, 4.0]])
     assert (
-        height_scale._between(values, solved, 0.7, (0, 1))[1] != height_scale._between(values, solved, 0.7, (0, 1))[1]
+        height_scale._interpolate_factors(values, solved, 0.7, (0, 1))[1]
+        != height_scale._interpolate_factors(values, solved, 0.7, (0, 1))[1]
     )
-    np.testing.assert_allclose(height_scale._between(values, solved, 1.5, (1, 2)), [3.0, 3.0])
+    np.testing.assert_allclose(height_scale._interpolate_factors(values, solved, 1.5, (1, 2)), [3.0, 3.0])
     zeros = np.array([[0.0], [0.0], [1.0]])
-    assert height_scale._between(zeros, solved, 0.7, (0, 1)) == 0.0
+    assert height_scale._interpolate_factors(zeros, solved, 0.7, (0, 1)) == 0.0
 
 
 # ---- Input -----------------------------------------------------------------------------------------------------------
 
 
 def test_factors_accept_numbers_lists_and_ranges():
-    assert checked_factors("0.5..2").tolist() == [0.5, 0.707107, 1.0, 1.41421, 2.0]
-    assert checked_factors("0.3 .. 0.6").tolist() == [0.3, 0.353553, 0.5, 0.6]
-    assert checked_factors("2,0.5,1").tolist() == checked_factors([2, 0.5, 1]).tolist() == [0.5, 1.0, 2.0]
-    assert checked_factors(1 / 3).tolist() == [0.333333]
+    assert parse_factors("0.5..2").tolist() == [0.5, 0.707107, 1.0, 1.41421, 2.0]
+    assert parse_factors("0.3 .. 0.6").tolist() == [0.3, 0.353553, 0.5, 0.6]
+    assert parse_factors("2,0.5,1").tolist() == parse_factors([2, 0.5, 1]).tolist() == [0.5, 1.0, 2.0]
+    assert parse_factors(1 / 3).tolist() == [0.333333]
 
 
 @pytest.mark.parametrize(
@@ -246,12 +247,12 @@ def test_factors_accept_numbers_lists_and_ranges():
 )
 def test_factors_outside_the_range_are_rejected(factors):
     with pytest.raises(ValueError, match="height_scale"):
-        checked_factors(factors)
+        parse_factors(factors)
 
 
 def test_height_scale_rejects_results_that_are_not_stored_pairs(bodies, result):
     with pytest.raises(ValueError, match="two measured surfaces, got generated surfaces"):
-        scaled_study(TINY, 2.0, "both")
+        scale_study_heights(TINY, 2.0, "both")
     gap = pair(gap=bodies[0], **{name: value for name, value in QUICK.items() if name != "shifts"})
     with pytest.raises(ValueError, match="got the gap of one body"):
         gap.at(height_scale=2)
@@ -262,12 +263,12 @@ def test_height_scale_rejects_results_that_are_not_stored_pairs(bodies, result):
     with pytest.raises(ValueError, match="needs a stored result"):
         type(result)(result.dataset).at(height_scale=1)
     with pytest.raises(ValueError, match=r"height_factor must be from 0\.01 to 100, got 200"):
-        scaled_study(scaled_study(result.study, 50.0, "both"), 4.0, "both")
+        scale_study_heights(scale_study_heights(result.study, 50.0, "both"), 4.0, "both")
 
 
 def test_factors_not_computed_raise_error_with_time(result):
     with pytest.raises(
-        NotComputedError, match=r"^height_scale needs .* computed, about .*: give compute=True$"
+        MissingFactorsError, match=r"^height_scale needs .* computed, about .*: give compute=True$"
     ) as caught:
         result.at(height_scale="0.25..4")
     assert caught.value.factors.tolist() == [0.25, 0.353553, 0.707107, 1.41421, 2.82843, 4.0]
@@ -289,7 +290,7 @@ def test_finished_factors_are_preserved_after_interrupt(bodies, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         compute_factors(computed.source, [0.5, 2, 4], announce=interrupt)
     assert lines == ["heights times 0.5 (1 of 3)", "heights times 2 (2 of 3)"]
-    assert list(stored_factors(computed.source, "both")) == [0.5, 1.0]
+    assert list(open_stored_factors(computed.source, "both")) == [0.5, 1.0]
     compute_factors(computed.source, [0.5, 2, 4], announce=lines.append)
     assert lines[2:] == ["heights times 2 (1 of 2)", "heights times 4 (2 of 2)"]
     assert open_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
@@ -304,7 +305,7 @@ def test_factors_follow_new_friction_and_are_removed_with_new_pair(bodies, tmp_p
     assert at["mu0"].values.tolist() == [0.4]
     assert (mean(at["friction_all_round"]) > 0.4).all()
     stiffer = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
-    assert list(stored_factors(stiffer.source, "both")) == [1.0]
+    assert list(open_stored_factors(stiffer.source, "both")) == [1.0]
     at = stiffer.at(height_scale=2, compute=True)
     exact = pair(*times(bodies, 2), **kwargs | {"effective_modulus": "160 GPa"}).at()
     assert mean(at["contact_area"]) == pytest.approx(mean(exact["contact_area"]), rel=SAME)
@@ -322,10 +323,10 @@ def test_factors_with_range_of_hardness_are_solved_over_it(bodies):
 
 def test_studies_without_height_factor_are_opened(bodies, tmp_path):
     computed = pair(*bodies, directory=tmp_path, **QUICK | HARD)
-    text = (tmp_path / STUDY).read_text()
-    (tmp_path / STUDY).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))
+    text = (tmp_path / STUDY_FILE).read_text()
+    (tmp_path / STUDY_FILE).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))
     assert open_stored(tmp_path).study == computed.study
-    doubled = scaled_study(computed.study, 2.0, "upper")
+    doubled = scale_study_heights(computed.study, 2.0, "upper")
     assert doubled.to_toml().count("height_factor = 2.0") == 1
 
 

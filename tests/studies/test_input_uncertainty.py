@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from stiction.studies.input_uncertainty import UNCERTAIN_TEXT, draw_samples, parse_input, parse_study_input
+from stiction.studies.input_uncertainty import UNCERTAINTY_PATTERN, draw_samples, parse_input, parse_study_input
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_rockwell_range_includes_uncertainty_of_conversion(text: str) -> None:
 @pytest.mark.parametrize("text", ["150HV", "150 HV10", "150 HV 10", "150 HV0.5", "150 HV 0.5"])
 def test_vickers_hardness_accepts_test_load(text: str) -> None:
     assert parse_input("hardness", text, "hardness").value == parse_input("hardness", "150 HV", "hardness").value
-    assert UNCERTAIN_TEXT.search(text)
+    assert UNCERTAINTY_PATTERN.search(text)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray
 from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
-from stiction.studies.hardness import _between_loads
+from stiction.studies.hardness import _interpolate_loads
 from stiction.studies.interfaces import ShearStrength
 
 PLASTIC_TOLERANCE = 5e-3
@@ -152,7 +152,7 @@ def test_bad_growth_is_rejected(arguments, word):
 def test_areas_between_solved_loads_follow_a_power_of_the_load():
     loads, areas = np.array([1.0, 4.0, 100.0]), np.array([3.0, 6.0, np.nan])
     solved = xarray.Dataset({"contact_area": ("load", areas)}, {"load": loads})
-    found = _between_loads(solved, np.array([0.1, 1.0, 2.0, 4.0]))["contact_area"].values
+    found = _interpolate_loads(solved, np.array([0.1, 1.0, 2.0, 4.0]))["contact_area"].values
     assert found == pytest.approx([3.0, 3.0, 3.0 * 2**0.5, 6.0])
 
 

@@ -18,7 +18,7 @@ from stiction import (
     surrogate,
 )
 from stiction.mechanics.patches import slopes
-from stiction.studies.contact_statistics import QUANTILES
+from stiction.studies.contact_statistics import STORED_PROBABILITIES
 from stiction.studies.evaluation import at_load, member_values
 from stiction.studies.pair import pair_study
 from stiction.surfaces.pairing import MIN_PIECE_POINTS, MapPairs
@@ -197,7 +197,7 @@ def test_distributions_are_weighted_by_load(mechanics):
     # Areas on the ground plan are smaller by the cosines of slopes.
     assert area.sum() == pytest.approx(float(at["contact_area"]), rel=0.02)
     assert float(at["share_on_largest"]) == pytest.approx(force.max() / force.sum(), rel=1e-6)
-    assert at["patch_area"].values == pytest.approx(np.quantile(area, QUANTILES), rel=1e-6)
+    assert at["patch_area"].values == pytest.approx(np.quantile(area, STORED_PROBABILITIES), rel=1e-6)
     middle = float(at["pressure"].sel(fraction_below=0.5, method="nearest"))
     assert 0 < middle < float(at["pressure"].sel(fraction_below=0.9, method="nearest"))
     mean = 0.1 / float(at["contact_area"])

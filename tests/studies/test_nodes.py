@@ -13,7 +13,7 @@ from stiction.studies.nodes import (
     largest_errors,
     refined,
 )
-from stiction.studies.study import study_from_text
+from stiction.studies.study import parse_study
 from support.generated_studies import SMALL
 from support.measured_studies import study_of, write_maps
 
@@ -69,7 +69,7 @@ def test_inputs_with_ranges_are_ranged_nodes(tmp_path):
     study = study_of(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.ranged.size for axis in axes_of(study)] == [0, 0]
     text = study.with_changes({"friction.tau0": ["40 MPa"]}).to_toml() + '\n[known]\nmu0 = "0.25..0.35"\n'
-    mu0, tau0 = axes_of(study_from_text(text, "test"))
+    mu0, tau0 = axes_of(parse_study(text, "test"))
     assert mu0.ranged.tolist() == [0.3]
     assert np.abs(mu0.rising - 0.3).min() > 3e-4
     assert tau0.ranged.size == 0

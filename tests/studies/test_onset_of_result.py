@@ -8,10 +8,10 @@ import pandas
 import pytest
 import xarray
 from stiction import Profile, Study, approach_at_load, contacts, half_space, open_result, self_affine
-from stiction.studies.executors import threads
+from stiction.studies.executors import thread_executor
 from stiction.studies.intervals import sample_mean
 from stiction.studies.members import load_bodies
-from stiction.studies.onset import FILE, TOLERANCE, backbone, load_onset, onset_of_result
+from stiction.studies.onset import ONSET_FILE, TRACTION_TOLERANCE, compute_onset, format_backbone, load_onset
 from stiction.studies.pair import pair_study
 from stiction.studies.runner import compute_missing
 from stiction.studies.store import export, open_stored
@@ -21,8 +21,8 @@ from support.measured_studies import study_of, write_maps, write_profiles
 
 
 def computed(study, **options):
-    with threads(1) as executor:
-        return onset_of_result(study, executor, **options)
+    with thread_executor(1) as executor:
+        return compute_onset(study, executor, **options)
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def test_onset_is_mean_over_members(study, onset):
         )  # fmt: skip
         steps = onset["fraction"].values.tolist()
         of_load = {"mu0": 0.3, "tau0": 0.05, "steps": steps, "poisson": [0.3, 0.4]}
-        curves.append(curve.onset(0, **of_load, tolerance=TOLERANCE))
+        curves.append(curve.onset(0, **of_load, tolerance=TRACTION_TOLERANCE))
         exact.append(curve.onset(0, **of_load).displacement)
     # The tolerance is that of a study, whose displacements are those of a smaller one but for a part in a million.
     np.testing.assert_allclose(onset["displacement"].sel(statistic="mean"), np.mean(exact, axis=0), rtol=1e-6)
@@ -145,7 +145,7 @@ def test_onset_of_asperities_lists_each_contact(tmp_path):
 
 def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     compute_missing(study, tmp_path)
-    export(onset, tmp_path / FILE)
+    export(onset, tmp_path / ONSET_FILE)
     result = open_result(tmp_path)
     assert {"onset", "slip"} <= set(result.figures())
     figure = result.figure("slip")
@@ -156,7 +156,7 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     for words in ("How the bodies begin to slide", "What slips first", "light points slip first"):
         assert words in page
     assert page.count('<div class="figure"><svg role="img"') == 3  # and single positions
-    export(onset.drop_vars(["slip", "lower_height"]), tmp_path / FILE, replace=True)
+    export(onset.drop_vars(["slip", "lower_height"]), tmp_path / ONSET_FILE, replace=True)
     assert "slip" not in open_result(tmp_path).figures()
     assert "What slips first" not in report_page(open_stored(tmp_path))
 
@@ -165,15 +165,15 @@ def test_stored_onset_is_read_only_with_its_result(study, onset, tmp_path):
     compute_missing(study, tmp_path)
     stored = open_stored(tmp_path)
     assert load_onset(stored) is None
-    export(onset, tmp_path / FILE)
+    export(onset, tmp_path / ONSET_FILE)
     assert load_onset(stored).identical(onset)
     other = onset.assign_attrs(mu0=0.4)
-    export(other, tmp_path / FILE, replace=True)
+    export(other, tmp_path / ONSET_FILE, replace=True)
     assert load_onset(stored) is None
 
 
 def test_onset_table_starts_at_rest(onset):
-    table = pandas.read_csv(io.StringIO(backbone(onset)))
+    table = pandas.read_csv(io.StringIO(format_backbone(onset)))
     assert (table.iloc[0] == 0).all()
     np.testing.assert_allclose(table["displacement (um)"][1:], onset["displacement"].sel(statistic="mean"), rtol=1e-8)
 

@@ -11,13 +11,13 @@ import typer
 from stiction import Study
 from stiction._errors import ArgumentError
 from stiction.cli.application import app
-from stiction.studies.input_uncertainty import KINDS
+from stiction.studies.input_uncertainty import INPUT_KINDS
 from stiction.studies.pair_options import (
-    GROUPS,
-    OPTIONS,
+    OPTION_GROUPS,
+    PAIR_OPTIONS,
     PairOptions,
-    name_in_python,
-    name_on_command_line,
+    format_command_line_name,
+    format_python_name,
     read_options,
 )
 from stiction.studies.values import tables_of
@@ -39,44 +39,44 @@ def test_generated_signatures_match_the_options():
 
 def test_function_has_a_documented_parameter_for_each_option():
     parameters = inspect.signature(stiction.pair).parameters
-    for name, option in OPTIONS.items():
+    for name, option in PAIR_OPTIONS.items():
         if not option.is_in_python:
             assert name not in parameters
             continue
-        assert parameters[name_in_python(name)].default in (None, inspect.Parameter.empty)
-        assert f"\n    {name_in_python(name)} : " in stiction.pair.__doc__
+        assert parameters[format_python_name(name)].default in (None, inspect.Parameter.empty)
+        assert f"\n    {format_python_name(name)} : " in stiction.pair.__doc__
 
 
 def test_command_has_an_option_for_each_option_of_a_pair():
     parameters = {param.name: param for param in command().params}
-    for name in OPTIONS:
+    for name in PAIR_OPTIONS:
         names = (*parameters[name].opts, parameters[name].metavar)
-        assert name_on_command_line(name) in names
+        assert format_command_line_name(name) in names
 
 
 def test_groups_share_no_option():
-    names = [name for group in GROUPS for name in group.model_fields]
+    names = [name for group in OPTION_GROUPS for name in group.model_fields]
     assert len(names) == len(set(names)) == len(PairOptions.model_fields)
 
 
-@pytest.mark.parametrize("name", [name for name, option in OPTIONS.items() if option.key])
+@pytest.mark.parametrize("name", [name for name, option in PAIR_OPTIONS.items() if option.key])
 def test_option_sets_a_key_that_studies_have(name):
     tables = [Study]
-    for part in OPTIONS[name].key.split("."):
+    for part in PAIR_OPTIONS[name].key.split("."):
         fields = [table.model_fields[part] for table in tables if part in table.model_fields]
-        assert fields, OPTIONS[name].key
+        assert fields, PAIR_OPTIONS[name].key
         tables = [table for field in fields for table in tables_of(field.annotation)]
 
 
 def test_placeholders_of_help_and_conditions_name_options():
-    for option in OPTIONS.values():
+    for option in PAIR_OPTIONS.values():
         for text in (option.help, *(apply.message for apply in option.applies)):
-            assert text.format_map({name: name for name in OPTIONS})
+            assert text.format_map({name: name for name in PAIR_OPTIONS})
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("name", INPUT_KINDS)
 def test_input_that_may_be_a_range_is_an_option(name):
-    assert name in OPTIONS
+    assert name in PAIR_OPTIONS
 
 
 @pytest.mark.parametrize(
@@ -99,12 +99,12 @@ def test_input_that_may_be_a_range_is_an_option(name):
 def test_wrong_value_is_reported_by_the_name_on_the_command_line(values, message):
     with pytest.raises(ArgumentError) as caught:
         read_options({"load": "1 mN", **values})
-    assert caught.value.with_names(name_on_command_line).startswith(message)
+    assert caught.value.with_names(format_command_line_name).startswith(message)
 
 
 def test_option_without_value_has_its_default():
     options = read_options({"load": 1.0, "shifts": None, "check": False})
-    assert all(options.given(name) is None for name in OPTIONS if name != "load")
+    assert all(options.given(name) is None for name in PAIR_OPTIONS if name != "load")
 
 
 def test_short_help_lists_twelve_options(monkeypatch):
@@ -121,7 +121,7 @@ def test_long_help_lists_all_options(capsys):
     with pytest.raises(typer.Exit):
         command().make_context("stiction pair", ["--help-all"])
     text = capsys.readouterr().out
-    assert all(name_on_command_line(name) in text for name in OPTIONS)
+    assert all(format_command_line_name(name) in text for name in PAIR_OPTIONS)
 
 
 def test_editor_completes_the_options_of_the_function():

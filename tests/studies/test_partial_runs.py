@@ -64,8 +64,8 @@ def test_workers_write_to_shared_directory_or_return_blocks(tmp_path, undisturbe
     monkeypatch.setattr(
         runner, "write_block", lambda path, first, *rest: written.append(first) or store.write_block(path, first, *rest)
     )
-    task = runner.block_task
-    monkeypatch.setattr(runner, "block_task", lambda *args: completed.append(task(*args)) or completed[-1])
+    task = runner.compute_block
+    monkeypatch.setattr(runner, "compute_block", lambda *args: completed.append(task(*args)) or completed[-1])
     for where, executor, who in (
         ("here", InlineExecutor(), "in 6 files"),
         ("shared", Workers(True), "in 6 files"),

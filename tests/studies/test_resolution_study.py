@@ -5,7 +5,12 @@ import pytest
 from stiction import Study, run, self_affine_surface
 from stiction.studies.evaluation import at_load
 from stiction.studies.members import load_bodies
-from stiction.studies.resolution import FOLDER, resolution_at, resolution_study, seen
+from stiction.studies.resolution import (
+    CUTOFF_STUDY_FOLDER,
+    build_cutoff_study,
+    evaluate_cutoffs,
+    find_resolved_roughness,
+)
 from stiction.studies.runner import compute_missing
 from stiction.studies.store import open_stored
 from stiction.surfaces.scale import scale_dependent_roughness
@@ -26,7 +31,7 @@ def study(folder):
 
 
 def test_resolution_study_has_fewer_members_and_loads(study):
-    over = resolution_study(study)
+    over = build_cutoff_study(study)
     assert over.surfaces.cells()["cut_off"] == pytest.approx([0, 0.2, 0.4], rel=1e-3)
     assert over.ensemble.repetitions == 4
     assert over.contact.steps().tolist() == [2.0]
@@ -35,27 +40,28 @@ def test_resolution_study_has_fewer_members_and_loads(study):
 
 
 def test_resolution_study_continues_at_doubled_cutoffs(study):
-    over = resolution_study(study.with_changes({"surfaces.cut_off": ["0.2 um"]}))
+    over = build_cutoff_study(study.with_changes({"surfaces.cut_off": ["0.2 um"]}))
     assert over.surfaces.cells()["cut_off"] == pytest.approx([0.2, 0.4], rel=1e-3)
 
 
 def test_resolution_study_is_none_without_cutoffs_to_compare(study, tmp_path):
-    assert resolution_study(Study.named("quick")) is None
-    assert resolution_study(study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um"]})) is None
+    assert build_cutoff_study(Study.named("quick")) is None
+    assert build_cutoff_study(study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um"]})) is None
     assert (
-        resolution_study(study.with_changes({"contact.mechanics": "asperities", "contact.law": "hertz-sphere"})) is None
+        build_cutoff_study(study.with_changes({"contact.mechanics": "asperities", "contact.law": "hertz-sphere"}))
+        is None
     )
     small = study_of(tmp_path, spacing=write_maps(tmp_path))  # 48 points: a thirtieth is less than two of them
-    assert resolution_study(small) is None
+    assert build_cutoff_study(small) is None
 
 
 def test_stored_resolution_is_read_only_with_its_result(study, tmp_path):
     few = study.with_changes({"contact.load": ["2 mN"], "ensemble.repetitions": 2})
     compute_missing(few, tmp_path)
-    assert resolution_at(open_stored(tmp_path)) is None
-    over = resolution_study(few)
-    compute_missing(over, tmp_path / FOLDER)
-    result = resolution_at(open_stored(tmp_path))
+    assert evaluate_cutoffs(open_stored(tmp_path)) is None
+    over = build_cutoff_study(few)
+    compute_missing(over, tmp_path / CUTOFF_STUDY_FOLDER)
+    result = evaluate_cutoffs(open_stored(tmp_path))
     expected = at_load(run(over), [2.0])
     np.testing.assert_array_equal(result["friction_all_round"].values, expected["friction_all_round"].values)
     point = result.isel(load=0, mu0=0, tau0=1)
@@ -70,12 +76,12 @@ def test_stored_resolution_is_read_only_with_its_result(study, tmp_path):
     # With another pair beside it, it is none of this one.
     softer = tmp_path / "softer"
     compute_missing(few.with_changes({"contact.hardness": "3 GPa"}), softer)
-    compute_missing(over, softer / FOLDER)
-    assert resolution_at(open_stored(softer)) is None
+    compute_missing(over, softer / CUTOFF_STUDY_FOLDER)
+    assert evaluate_cutoffs(open_stored(softer)) is None
 
 
 def test_wavelengths_are_those_of_the_gap(study):
-    result = seen(study)
+    result = find_resolved_roughness(study)
     upper, lower = load_bodies(study).member(0, 0.0).pair
     gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
     roughness = scale_dependent_roughness(gap)
@@ -83,15 +89,15 @@ def test_wavelengths_are_those_of_the_gap(study):
     assert result.longest == pytest.approx(max(gap.extent))
     assert result.fraction_below(0.8) == pytest.approx(float(roughness.fraction_below(0.8)))
     assert wavelengths_text(result).startswith("Wavelengths from 200 nm to 9.6 µm; those below 400 nm contribute ")
-    assert seen(Study.named("quick")) is None
+    assert find_resolved_roughness(Study.named("quick")) is None
 
 
 def test_wavelengths_begin_at_the_cutoff(study):
-    assert seen(study.with_changes({"surfaces.cut_off": ["0.5 um"]})).shortest == pytest.approx(0.5)
+    assert find_resolved_roughness(study.with_changes({"surfaces.cut_off": ["0.5 um"]})).shortest == pytest.approx(0.5)
 
 
 def test_plastic_wavelength_follows_pressure(study):
-    result = seen(study)
+    result = find_resolved_roughness(study)
     reached = [result.yields_at(ratio, 100.0)[0] for ratio in (0.5, 0.8, 0.95)]
     assert np.all(np.diff(reached) < 0)
     value, lower, upper = result.yields_at(0.8, 100.0)
@@ -104,7 +110,7 @@ def test_elastic_scan_lists_plastic_wavelengths_for_hardnesses(tmp_path):
         np.save(tmp_path / f"{side}.npy", created.heights)
     soft = study_of(tmp_path, spacing="0.1 um", members=2, contact='direction = [0, 180]\nload = ["2 mN"]')
     point = at_load(run(soft), [2.0]).isel(cut_off=0, load=0, mu0=0, tau0=1)
-    table = yield_estimates(point, soft, seen(soft))
+    table = yield_estimates(point, soft, find_resolved_roughness(soft))
     pressure = float(point["mean_pressure"].sel(statistic="mean"))
     assert [row[0] for row in table] == [0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0]
     assert [row[4] for row in table] == pytest.approx([0.3 + 0.05 / row[0] for row in table])
@@ -120,6 +126,6 @@ def test_elastic_scan_lists_plastic_wavelengths_for_hardnesses(tmp_path):
 def test_missing_scan_files_have_no_wavelengths(tmp_path):
     spacing = write_profiles(tmp_path)
     lines = study_of(tmp_path, "lines", spacing=spacing, members=3)
-    assert seen(lines).shortest == pytest.approx(0.04)
+    assert find_resolved_roughness(lines).shortest == pytest.approx(0.04)
     (tmp_path / "upper.npy").unlink()
-    assert seen(lines.with_changes({"ensemble.repetitions": 2})) is None
+    assert find_resolved_roughness(lines.with_changes({"ensemble.repetitions": 2})) is None

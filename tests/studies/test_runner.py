@@ -80,7 +80,7 @@ def test_bits_are_independent_of_executor_and_block_size(result, monkeypatch):
         assert_same_bits(run(SMALL, executor=pool).dataset, result)
     monkeypatch.setattr(runner, "MAX_SUBMITTED_TASKS", 2)
     for size in (1, 2, 3, 100):
-        monkeypatch.setattr(runner, "block_size", lambda study, size=size: size)
+        monkeypatch.setattr(runner, "choose_block_size", lambda study, size=size: size)
         assert_same_bits(run(SMALL, executor=InlineExecutor()).dataset, result)
 
 
@@ -115,7 +115,7 @@ def test_result_has_study_version_and_units(result):
 def test_blocks_are_short_and_many(name):
     study = Study.named(name)
     for total in (1, 10, 100, 1_000_000):
-        size = runner.block_size(with_repetitions(total, study))
+        size = runner.choose_block_size(with_repetitions(total, study))
         assert 1 <= size <= runner.MAX_BLOCK_MEMBERS
         assert size == 1 or size * cost_of_member(study) <= runner.BLOCK_TIME
         assert size == 1 or size * member_bytes(study) <= runner.MAX_BLOCK_BYTES

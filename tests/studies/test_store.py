@@ -22,7 +22,7 @@ import xarray
 from stiction import Result, _files, run
 from stiction.studies import layout, runner, store
 from stiction.studies.runner import compute_missing
-from stiction.studies.store import BLOCKS, STUDY, Block, ExportError, StoreError, export
+from stiction.studies.store import BLOCKS_FOLDER, STUDY_FILE, Block, ExportError, StoreError, export
 from support.generated_studies import TINY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
 
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
@@ -33,7 +33,7 @@ def finished(tmp_path_factory):
     """A finished folder, to be copied."""
     path = tmp_path_factory.mktemp("finished") / "r"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(runner, "block_size", lambda study: 4)
+        patch.setattr(runner, "choose_block_size", lambda study: 4)
         compute_missing(TINY, path)
     return path
 
@@ -46,11 +46,11 @@ def whole(finished, tmp_path):
 
 def files(path):
     """(name, (inode, time)) of every block."""
-    return {file.name: (file.stat().st_ino, file.stat().st_mtime_ns) for file in (path / BLOCKS).iterdir()}
+    return {file.name: (file.stat().st_ino, file.stat().st_mtime_ns) for file in (path / BLOCKS_FOLDER).iterdir()}
 
 
 def block_of(path, first):
-    return next((path / BLOCKS).glob(f"{first:07d}-*.nc"))
+    return next((path / BLOCKS_FOLDER).glob(f"{first:07d}-*.nc"))
 
 
 def put(file, content):
@@ -73,11 +73,11 @@ def test_store_returns_what_was_written(tmp_path, undisturbed):
     path = tmp_path / "deep" / "r"
     assert_same_bits(run(TINY, store=path).dataset, undisturbed)
     assert_same_bits(store.read(path), undisturbed)
-    assert sorted(os.listdir(path)) == [BLOCKS, STUDY]
+    assert sorted(os.listdir(path)) == [BLOCKS_FOLDER, STUDY_FILE]
     assert [file[:15] for file in sorted(files(path))] == [f"{k:07d}-{min(k + 3, 21):07d}" for k in range(0, 22, 4)]
     known = store.info(path)
     assert (known.study, known.finished) == (TINY, 22)
-    assert known.size == sum(file.stat().st_size for file in (path / BLOCKS).iterdir())
+    assert known.size == sum(file.stat().st_size for file in (path / BLOCKS_FOLDER).iterdir())
 
 
 def test_equal_members_have_equal_bytes(tmp_path, whole):
@@ -88,7 +88,7 @@ def test_equal_members_have_equal_bytes(tmp_path, whole):
 def test_xarray_opens_blocks(whole, undisturbed):
     pytest.importorskip("dask")
     block_of(whole, 8).unlink()
-    with xarray.open_mfdataset(str(whole / BLOCKS / "*.nc")) as opened:
+    with xarray.open_mfdataset(str(whole / BLOCKS_FOLDER / "*.nc")) as opened:
         present = opened.load()
     expected = undisturbed.isel(repetition=[*range(8), *range(12, 22)])
     for name, variable in expected.variables.items():
@@ -187,10 +187,10 @@ def test_overlapping_blocks_are_accepted(whole, undisturbed, monkeypatch):
     """As writers leave them whose blocks differ: each repetition is read once."""
     others = whole.with_name("others")
     for size, first in ((3, 3), (7, 7), (5, 5)):
-        monkeypatch.setattr(runner, "block_size", lambda study, size=size: size)
+        monkeypatch.setattr(runner, "choose_block_size", lambda study, size=size: size)
         shutil.rmtree(others, ignore_errors=True)
         compute_missing(TINY, others)
-        shutil.copy(block_of(others, first), whole / BLOCKS)
+        shutil.copy(block_of(others, first), whole / BLOCKS_FOLDER)
     block_of(whole, 4).unlink()
     assert_same_bits(store.read(whole), undisturbed)
 
@@ -215,13 +215,13 @@ def test_other_study_is_rejected_with_its_changed_keys(whole, change):
 
 
 def test_edited_study_file_does_not_change_blocks(whole):
-    text = (whole / STUDY).read_text()
-    (whole / STUDY).write_text(text.replace("seed = 2_016", "seed = 2_017"))
+    text = (whole / STUDY_FILE).read_text()
+    (whole / STUDY_FILE).write_text(text.replace("seed = 2_016", "seed = 2_017"))
     with pytest.raises(StoreError, match=r"another study than study\.toml: ensemble\.seed"):
         store.read(whole)
     with pytest.raises(StoreError, match=r"ensemble\.seed"):
         run(TINY.with_changes({"ensemble.seed": 2017}), store=whole)
-    (whole / STUDY).unlink()
+    (whole / STUDY_FILE).unlink()
     with pytest.raises(StoreError, match=r"no study\.toml"):
         store.read(whole)
     run(TINY, store=whole)
@@ -243,13 +243,13 @@ def test_result_of_another_machine_is_not_continued_if_steps_differ(whole, monke
 
 
 def test_foreign_study_file_without_blocks_is_preserved(tmp_path, undisturbed):
-    (tmp_path / STUDY).write_text("# by hand\n" + TINY.to_toml())
+    (tmp_path / STUDY_FILE).write_text("# by hand\n" + TINY.to_toml())
     with pytest.raises(StoreError, match="contains another study"):
         run(TINY.with_changes({"ensemble.seed": 1}), store=tmp_path)
     assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
-    assert (tmp_path / STUDY).read_text().startswith("# by hand")
-    shutil.rmtree(tmp_path / BLOCKS)
-    (tmp_path / STUDY).write_text(f"{store.MARK} 0.1.0.\n" + TINY.to_toml())
+    assert (tmp_path / STUDY_FILE).read_text().startswith("# by hand")
+    shutil.rmtree(tmp_path / BLOCKS_FOLDER)
+    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_MARK} 0.1.0.\n" + TINY.to_toml())
     assert run(with_repetitions(1).with_changes({"ensemble.seed": 1}), store=tmp_path).dataset.sizes["repetition"] == 1
 
 
@@ -303,7 +303,7 @@ def test_invalid_block_is_reported_in_one_sentence(whole, damage):
 def test_foreign_files_are_left_unchanged(whole, undisturbed):
     names = ["notes.txt", "0000004-0000007.nc", "0000007-0000004-00000000.nc", ".hidden", "4-7-00000000.nc"]
     for name in names:
-        (whole / BLOCKS / name).write_text("mine")
+        (whole / BLOCKS_FOLDER / name).write_text("mine")
     (whole / "more").mkdir()
     assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
     assert {*names} <= files(whole).keys()
@@ -477,12 +477,12 @@ def test_partial_files_of_dead_processes_are_removed(whole):
         ".stiction-00000000-1-00000000-00000001.partial": False,
         "mine.partial": True,
     }
-    for folder, name in itertools.product((whole, whole / BLOCKS), names):
+    for folder, name in itertools.product((whole, whole / BLOCKS_FOLDER), names):
         (folder / name).write_text("half")
         if name.endswith("1.partial"):
             os.utime(folder / name, (0, 0))
     run(TINY, store=whole)
-    for folder in (whole, whole / BLOCKS):
+    for folder in (whole, whole / BLOCKS_FOLDER):
         assert {name for name in os.listdir(folder) if name.endswith(".partial")} == {n for n in names if names[n]}
 
 
@@ -497,7 +497,7 @@ def test_removed_partial_file_is_written_again(tmp_path, undisturbed, monkeypatc
 
     compute_missing(with_repetitions(4), tmp_path)
     monkeypatch.setattr(Path, "replace", sweep)
-    (tmp_path / STUDY).write_text(f"{store.MARK} 0.1.0.\n" + TINY.to_toml())
+    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_MARK} 0.1.0.\n" + TINY.to_toml())
     assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
     assert swept
 
@@ -597,9 +597,9 @@ def test_foreign_netcdf_file_is_rejected(tmp_path, undisturbed):
 def test_equal_members_have_equal_bytes_at_any_time(undisturbed):
     """Files are named by their bytes, in which old versions of h5py put the second."""
     first, second = io.BytesIO(), io.BytesIO()
-    store.write(undisturbed, first)
+    store.write_dataset(undisturbed, first)
     time.sleep(1.01)
-    store.write(undisturbed, second)
+    store.write_dataset(undisturbed, second)
     assert first.getvalue() == second.getvalue()
 
 
@@ -611,7 +611,7 @@ def test_block_equals_file_written_by_xarray(undisturbed):
     )
     for dataset in (part, kinds, part.mean("repetition")):
         ours, theirs = io.BytesIO(), io.BytesIO()
-        store.write(dataset, ours)
+        store.write_dataset(dataset, ours)
         dataset.to_netcdf(
             theirs, engine="h5netcdf", encoding={name: {"_FillValue": None} for name in dataset.variables}
         )
@@ -623,7 +623,7 @@ def test_block_equals_file_written_by_xarray(undisturbed):
                 assert one[name].dtype == other[name].dtype
                 assert one[name].attrs.keys() == other[name].attrs.keys()
     image = io.BytesIO()
-    store.write(part, image)
+    store.write_dataset(part, image)
     assert (
         store.encode_members(TINY, range(4, 8), {name: part[name].values for name in TINY.sums()}) == image.getvalue()
     )

@@ -7,10 +7,10 @@ import pytest
 import xarray
 from stiction.studies import contact_picture, onset
 from stiction.studies.contact_picture import load_contact_picture
-from stiction.studies.executors import threads
-from stiction.studies.onset import load_onset, onset_of_result
+from stiction.studies.executors import thread_executor
+from stiction.studies.onset import compute_onset, load_onset
 from stiction.studies.runner import compute_missing
-from stiction.studies.store import SEAL, StoreError, export, open_stored, read
+from stiction.studies.store import CHECKSUM_SEAL, StoreError, export, open_stored, read
 from support.measured_studies import study_of, write_maps
 
 FILES = {"picture.nc": load_contact_picture, "onset.nc": load_onset}
@@ -24,9 +24,9 @@ def made(tmp_path_factory):
     study = study_of(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=more)
     compute_missing(study, folder / "r")
     stored = open_stored(folder / "r")
-    with threads(1) as executor:
-        of = {"picture.nc": contact_picture.contact_picture(stored), "onset.nc": onset_of_result(study, executor)}
-    assert set(of) == {contact_picture.FILE, onset.FILE}
+    with thread_executor(1) as executor:
+        of = {"picture.nc": contact_picture.contact_picture(stored), "onset.nc": compute_onset(study, executor)}
+    assert set(of) == {contact_picture.PICTURE_FILE, onset.ONSET_FILE}
     return stored, of
 
 
@@ -52,9 +52,9 @@ def test_flipped_bit_is_detected_before_the_file_is_opened(stored, name, monkeyp
     if name == "result.nc":
         export(stored.dataset(), path)
     content = path.read_bytes()
-    assert content[-len(SEAL) - 8 : -8] == SEAL
+    assert content[-len(CHECKSUM_SEAL) - 8 : -8] == CHECKSUM_SEAL
     monkeypatch.setattr(h5py, "File", None)  # in which it may run for ever
-    sealed = 8 * (len(content) - len(SEAL) - 8)
+    sealed = 8 * (len(content) - len(CHECKSUM_SEAL) - 8)
     for place in [0, sealed - 1, 8 * len(content) - 1, *random.Random(5).sample(range(sealed), 50)]:
         damaged = bytearray(content)
         damaged[place // 8] ^= 1 << place % 8

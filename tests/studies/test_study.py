@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from stiction import HertzCylinder, JacksonGreen, Study, friction_map, run, study_names
 from stiction._units import exact_text, quantity
 from stiction.mechanics.quantities import AREAL_SUMS, HALF_SPACE_SUMS, SUMS
-from stiction.studies.study import differences, study_from_text
+from stiction.studies.study import find_differences, parse_study
 from stiction.studies.values import StudyError
 from stiction.views.study_keys import key_tables, study_keys_text
 
@@ -199,8 +199,8 @@ lower = { file = "other/scan.csv", columns = ["x", 3], channel = 0 }
 mu0 = [0.3, 0.4]
 load = ["1 mN", "10 mN"]
 """
-AREAS = study_from_text(MEASURED, "areas")
-LINES = study_from_text(MEASURED.replace('"measured"', '"measured"\npress = "lines"\noffsets = 4'), "lines")
+AREAS = parse_study(MEASURED, "areas")
+LINES = parse_study(MEASURED.replace('"measured"', '"measured"\npress = "lines"\noffsets = 4'), "lines")
 SURFACES = Study().with_changes({"surfaces.kind": "surface", "contact.direction": ["+x", 90]})
 SELF_AFFINE = SURFACES.with_changes({"surfaces.generator": "self-affine"})
 HALF_SPACES = SURFACES.with_changes({"contact.mechanics": "half-space", "contact.hardness": "1 GPa"})
@@ -212,7 +212,7 @@ YIELDING = Study().with_changes(
 class TestCases:
     @pytest.mark.parametrize("study", [SURFACES, SELF_AFFINE, HALF_SPACES, YIELDING, AREAS, LINES])
     def test_study_survives_text_and_pickle(self, study):
-        assert study_from_text(study.to_toml(), "text") == study
+        assert parse_study(study.to_toml(), "text") == study
         assert pickle.loads(pickle.dumps(study)) == study
         assert study.with_changes({}) == study
 
@@ -226,10 +226,10 @@ class TestCases:
         assert (back.contact.detection, back.surfaces.gamma) == ("cell", 1.6)
 
     def test_differences_name_keys_of_both_kinds(self):
-        changed = {key: (one, other) for key, one, other in differences(Study(), SELF_AFFINE)}
+        changed = {key: (one, other) for key, one, other in find_differences(Study(), SELF_AFFINE)}
         assert changed["surfaces.kind"] == ('"profile"', '"surface"')
         assert changed["surfaces.points"] == ("150_000", "none")
-        assert not list(differences(AREAS, AREAS))
+        assert not list(find_differences(AREAS, AREAS))
 
     @pytest.mark.parametrize(
         ("study", "sums", "step", "cells"),
@@ -305,7 +305,7 @@ class TestMeasured:
             assert steps[0] < 0.2
             assert steps[-1] > 90
         with pytest.raises(StudyError, match=r"contact.load"):
-            study_from_text(MEASURED.replace('load = ["1 mN", "10 mN"]', ""), "no load")
+            parse_study(MEASURED.replace('load = ["1 mN", "10 mN"]', ""), "no load")
 
     def test_files_are_relative_to_study_file_and_have_checksums(self, tmp_path, monkeypatch):
         heights = np.random.default_rng(1).normal(size=(24, 20))
@@ -319,7 +319,7 @@ class TestMeasured:
         assert body.spacing == (2.0, 0.5)
         assert body.heights == pytest.approx(heights / 1000)
         known = study.with_checksums()
-        assert known == study_from_text(known.to_toml(), "itself")
+        assert known == parse_study(known.to_toml(), "itself")
         assert known.surfaces.lower.read().heights.shape == (24, 20)
         np.save(tmp_path / "scan.npy", heights[:, ::-1])
         assert study.surfaces.upper.read().heights.shape == (24, 20)
@@ -327,7 +327,7 @@ class TestMeasured:
             known.surfaces.upper.read()
         assert known.with_checksums() == known
         monkeypatch.chdir(tmp_path)
-        assert study_from_text(text, "here").with_checksums().surfaces.upper.file == str(tmp_path / "scan.npy")
+        assert parse_study(text, "here").with_checksums().surfaces.upper.file == str(tmp_path / "scan.npy")
         with pytest.raises(ValueError, match="cannot be read"):
             AREAS.surfaces.upper.with_absolute_paths(tmp_path / "none").known()
         assert Study().with_checksums() == Study()
@@ -352,11 +352,11 @@ def test_mutated_study_file_is_read_or_rejected(seed):
             other = texts[random.integers(len(texts))]
             lines[at] = random.choice([f"{key}= {random.choice(VALUES)}", random.choice(other), ""])
         try:
-            study = study_from_text("\n".join(lines), "changed")
+            study = parse_study("\n".join(lines), "changed")
         except StudyError:
             continue
         used += 1
-        assert study_from_text(study.to_toml(), "itself") == study
+        assert parse_study(study.to_toml(), "itself") == study
         assert study.contact.steps().size
         assert set(study.motions()) <= {"sliding", "direction"}
     assert used
@@ -395,7 +395,7 @@ class TestLoadsAskedFor:
         assert [float(load) for load in self.LISTED.with_changes({"contact.load": ["1 mN"]}).friction.load] == [1.0]
         assert [float(load) for load in self.LISTED.with_changes({"friction.load": ["9 mN"]}).friction.load] == [9.0]
         assert self.LISTED.with_changes({"contact.mechanics": "asperities"}).friction.load == ()
-        assert study_from_text(self.LISTED.to_toml(), "text") == self.LISTED == self.LISTED.with_changes({})
+        assert parse_study(self.LISTED.to_toml(), "text") == self.LISTED == self.LISTED.with_changes({})
 
     def test_requested_loads_have_results(self):
         few = {"surfaces.shape": [32, 32], "ensemble.repetitions": 4, "surfaces.fractal_dimension": [1.2, 1.5]}

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 from stiction import HertzCylinder, HertzSphere, JacksonGreen, Study
-from stiction.studies.contact_tables import CONTACTS, HertzCylinderTable, JacksonGreenTable
-from stiction.studies.store import STUDY
-from stiction.studies.study import FRICTIONS, study_from_text
+from stiction.studies.contact_tables import CONTACT_CASES, HertzCylinderTable, JacksonGreenTable
+from stiction.studies.store import STUDY_FILE
+from stiction.studies.study import FRICTION_CASES, parse_study
 from stiction.studies.values import StudyError
 
 STORED = {path.stem: path.read_text("utf-8") for path in (Path(__file__).parent / "stored_studies").glob("*.toml")}
@@ -16,7 +16,7 @@ STORED = {path.stem: path.read_text("utf-8") for path in (Path(__file__).parent 
 
 @pytest.mark.parametrize("place", STORED)
 def test_stored_study_is_read_as_its_case_and_written_unchanged(place):
-    study = study_from_text(STORED[place], "stored")
+    study = parse_study(STORED[place], "stored")
     assert study.contact.place.removeprefix("the ").replace(" ", "_") == place
     assert study.to_toml().strip() == STORED[place].strip()
     assert pickle.loads(pickle.dumps(study)) == study
@@ -25,20 +25,20 @@ def test_stored_study_is_read_as_its_case_and_written_unchanged(place):
 def test_stored_study_with_a_key_of_another_case_is_rejected_with_the_reason():
     text = STORED["half-space_of_measured_areas"].replace("[friction]", 'law = "hertz-sphere"\n\n[friction]')
     with pytest.raises(StudyError) as caught:
-        study_from_text(text, STUDY)
+        parse_study(text, STUDY_FILE)
     assert caught.value.faults == (
         ("contact.law", "belongs to asperities, not to the half-space of measured areas"),
     )  # fmt: skip
 
 
 def test_contact_tables_have_a_class_for_each_case():
-    cases = [case for cases in CONTACTS.values() for case in cases.values()]
+    cases = [case for cases in CONTACT_CASES.values() for case in cases.values()]
     assert len(set(cases)) == len({case.place for case in cases}) == 8
-    for bodies, by_model in CONTACTS.items():
+    for bodies, by_model in CONTACT_CASES.items():
         for model, case in by_model.items():
             assert case.model_fields["mechanics"].default == model
             assert case.place.endswith(bodies)
-    assert len({case.place for case in FRICTIONS}) == len(FRICTIONS)
+    assert len({case.place for case in FRICTION_CASES}) == len(FRICTION_CASES)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import numpy as np
 from stiction import run, self_affine, self_affine_surface
-from stiction.studies.study import study_from_text
+from stiction.studies.study import parse_study
 
 SIDES = ("upper", "lower")
 
@@ -30,7 +30,7 @@ def study_of(
     files = "\n".join(
         f'{side} = {{ file = "{folder}/{side}{kind}.npy", unit = "um", spacing = "{spacing}" }}' for side in SIDES
     )
-    return study_from_text(
+    return parse_study(
         f"""
 [surfaces]
 kind = "measured"

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from stiction.studies.assessment import HIGH_PRESSURE, HIGHEST_PRESSURE, Caveat
+from stiction.studies.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat
 from stiction.studies.point import points
 from stiction.studies.summary import ORIGIN, summarize, summarize_point
 from stiction.views.point import averaged_directions_text
@@ -63,7 +63,8 @@ def test_summary_has_a_point_for_every_condition():
 FAULTS = {
     "steep": ({"rms_gradient": 1.1}, {"rms_gradient": 0.9}, "gradient"),
     "pressure": (
-        {"mean_pressure": 1.1 * HIGHEST_PRESSURE * 100}, {"mean_pressure": 0.9 * HIGH_PRESSURE * 100}, "pressure",
+        {"mean_pressure": 1.1 * YIELD_PRESSURE_RATIO * 100}, {"mean_pressure": 0.9 * METAL_YIELD_PRESSURE_RATIO * 100},
+        "pressure",
     ),
     "edge": ({"share_at_edge": 0.55}, {"share_at_edge": 0.45}, "edge"),
     "points": ({"contact_count": 1e4, "contact_area": 90.0}, {"contact_count": 1e4, "contact_area": 110.0}, "points"),
@@ -93,7 +94,7 @@ def test_point_with_fault_has_no_number_in_its_sentence(name):
 
 
 CAUTIONS = {
-    "pressure": ({"mean_pressure": 1.1 * HIGH_PRESSURE * 100}, "harder than 1.1 GPa"),
+    "pressure": ({"mean_pressure": 1.1 * METAL_YIELD_PRESSURE_RATIO * 100}, "harder than 1.1 GPa"),
     "small contacts": ({"fraction_on_small": 0.6}, "at most 4 points"),
     "few contacts": ({"contact_count": 9.0}, "few"),
     "one contact": ({"share_on_largest": 0.45}, "one contact carries"),

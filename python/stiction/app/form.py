@@ -7,11 +7,11 @@ import json
 import re
 from typing import Literal
 
-from stiction.studies.pair_options import OPTIONS, FormField, name_on_command_line
+from stiction.studies.pair_options import PAIR_OPTIONS, FormField, format_command_line_name
 
 FIELDS: dict[str, FormField] = {
-    name_on_command_line(name).removeprefix("--"): option.field
-    for name, option in OPTIONS.items()
+    format_command_line_name(name).removeprefix("--"): option.field
+    for name, option in PAIR_OPTIONS.items()
     if option.field is not None
 }
 """Fields by the name of their option, without dashes."""

@@ -9,7 +9,7 @@ from typing import Any
 
 from stiction.app.jobs import REPORTED_ERRORS, remove_paths
 from stiction.studies.pair import Pair
-from stiction.studies.pair_options import OPTIONS, name_on_command_line
+from stiction.studies.pair_options import PAIR_OPTIONS, format_command_line_name
 from stiction.studies.result import Result, open_result
 from stiction.studies.runner import preview_result
 from stiction.studies.study import Study
@@ -20,11 +20,11 @@ from stiction.views.rows import point_record, summary_json
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
     """Return the preview study with the asperity model for the scans and options of a `pair` command."""
-    fields = {name_on_command_line(name): name for name in OPTIONS}
+    fields = {format_command_line_name(name): name for name in PAIR_OPTIONS}
     values: dict[str, list[str]] = {}
     for flag, text in options:
         values.setdefault(fields[f"--{flag}"], []).append(text)
-    arguments = {name: texts if OPTIONS[name].is_repeatable else texts[0] for name, texts in values.items()}
+    arguments = {name: texts if PAIR_OPTIONS[name].is_repeatable else texts[0] for name, texts in values.items()}
     return Pair.from_values(upper=files[0], lower=files[1], **arguments).preview_study
 
 

@@ -241,9 +241,9 @@ _OPTION_NAMES = {"height_scale": "--scale-heights", "compute=True": "--compute"}
 
 def _option_name(argument: str) -> str:
     """Return the command line option for an argument of the Python interface."""
-    from stiction.studies.pair_options import name_on_command_line
+    from stiction.studies.pair_options import format_command_line_name
 
-    return _OPTION_NAMES.get(argument) or name_on_command_line(argument)
+    return _OPTION_NAMES.get(argument) or format_command_line_name(argument)
 
 
 def start() -> int:

@@ -143,19 +143,19 @@ def _print_scaled_heights(
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Print a result for several factors of its heights, and compute missing factors on request."""
-    from stiction.studies.executors import threads
-    from stiction.studies.height_scale import at_height_scale, checked_factors, compute_factors
+    from stiction.studies.executors import thread_executor
+    from stiction.studies.height_scale import compute_factors, evaluate_height_scale, parse_factors
     from stiction.views.height_scale import height_scale_record, height_scale_text
 
     scaled_bodies: Any = scaled
-    factors = checked_factors(text)
+    factors = parse_factors(text)
     if compute:
         try:
-            with threads(workers) as executor:
+            with thread_executor(workers) as executor:
                 compute_factors(stored, factors, scaled_bodies, executor, progress=True, announce=show_status)
         except KeyboardInterrupt:
             raise interruption("; finished factors are stored: run the same command again to resume") from None
-    values = at_height_scale(stored, factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
+    values = evaluate_height_scale(stored, factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
     print_output((height_scale_record if as_json else height_scale_text)(values, stored.study))
 
 

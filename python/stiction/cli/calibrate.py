@@ -77,7 +77,7 @@ def calibrate(
     from stiction.studies.calibration import calibrate as fit_interface
     from stiction.studies.input_uncertainty import Z_95, parse_input
     from stiction.studies.interfaces import Ball, FrictionTest, write_interface
-    from stiction.studies.tests_file import friction_tests
+    from stiction.studies.tests_file import parse_friction_tests
     from stiction.views.calibration import calibration_figure, calibration_record, calibration_text
     from stiction.views.style import save_figure
 
@@ -96,7 +96,7 @@ def calibrate(
         raise ValueError("give the tested surfaces with --pair DIR or --ball RADIUS")
     if forces is not None:
         reject_options(context, "cannot be combined with FORCES.csv", "load", "measured")
-        tests = friction_tests(forces, bodies)
+        tests = parse_friction_tests(forces, bodies)
     elif load is None or measured is None:
         raise ValueError("give FORCES.csv, or --load and --measured of a single test")
     elif len(bodies) > 1:

@@ -15,8 +15,8 @@ from stiction._text import MAX_PATH_LENGTH, printable, printable_path
 from stiction.cli.application import command, option_was_given, print_message, print_output
 from stiction.cli.options import Json, load_measurement, option
 from stiction.cli.pair_options import given_options, pair_option
-from stiction.studies.measured_surfaces import TEXTURES
-from stiction.studies.pair_options import READING
+from stiction.studies.measured_surfaces import MACHINING_PROCESSES
+from stiction.studies.pair_options import READING_OPTION_NAMES
 from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -113,15 +113,15 @@ def characterise(
     from stiction.views.rows import record_json
     from stiction.views.style import save_figure
 
-    reading = {name: str(text) for name, text in given_options(context).items() if name in READING}
+    reading = {name: str(text) for name, text in given_options(context).items() if name in READING_OPTION_NAMES}
     outputs = (
         [] if dry_run or (as_json and output is None) else _outputs(files, output, together=together, repeated=repeated)
     )
     hurst_band = _parse_band(band)
     cutoff_wavelength = None if cutoff is None else parse_quantity("cutoff", cutoff, "length")
     filters = _parse_filters(lc, ls, robust=robust, joined=together or repeated)
-    if texture is not None and texture not in TEXTURES:
-        raise ValueError(f"--texture must be {', '.join(TEXTURES)}, got {texture!r}")
+    if texture is not None and texture not in MACHINING_PROCESSES:
+        raise ValueError(f"--texture must be {', '.join(MACHINING_PROCESSES)}, got {texture!r}")
     radius = None if tip is None else parse_quantity("tip", tip, "length")
     characterisations, readings = [], []
     for file in files:

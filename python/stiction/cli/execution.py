@@ -13,8 +13,8 @@ from stiction._text import printable_path
 from stiction._units import short_repr
 from stiction.cli.application import interruption, print_message, print_output, show_status
 from stiction.cli.options import option
-from stiction.studies.executors import threads
-from stiction.studies.pipeline import complete
+from stiction.studies.executors import thread_executor
+from stiction.studies.pipeline import complete_result
 from stiction.studies.result import Result
 from stiction.studies.store import OtherStudyError, StoreError, open_stored
 from stiction.studies.study import Study
@@ -39,7 +39,7 @@ _FILE_ENDINGS = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json"
 def open_executor(workers: int | None, scheduler: str | None) -> contextlib.AbstractContextManager[Executor]:
     """Return an executor with a number of threads, or with the workers of a Dask scheduler."""
     if scheduler is None:
-        return threads(workers)
+        return thread_executor(workers)
     if workers is not None:
         raise StudyError("--workers cannot be combined with --scheduler")
     from stiction.studies.executors import connect_cluster
@@ -84,13 +84,13 @@ def compute_in_folder(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
     **options: Any,
 ) -> Result:  # fmt: skip
-    """Call `complete` with messages for a terminal and report how to resume after Ctrl-C.
+    """Call `complete_result` with messages for a terminal and report how to resume after Ctrl-C.
 
     `print_written` prints the names of written files.
     """
     check_output_directory(directory)
     try:
-        return complete(
+        return complete_result(
             study, directory, executor, progress=True, said=print_written, say=print_message, announce=show_status,
             **options,
         )  # fmt: skip

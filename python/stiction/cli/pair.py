@@ -27,7 +27,7 @@ from stiction.cli.pair_options import COMMON_PARAMETERS, HelpAll, given_options,
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import read_options
 from stiction.studies.result import Result
-from stiction.studies.store import STUDY
+from stiction.studies.store import STUDY_FILE
 from stiction.studies.study import Study
 
 UpperFile = Annotated[str | None, pair_argument("upper")]
@@ -150,7 +150,7 @@ def pair(
 
     with open_executor(workers, scheduler) as executor:
         results: list[Result] = []
-        if replace or not (output / STUDY).exists():
+        if replace or not (output / STUDY_FILE).exists():
             submit_preview(bodies.preview_study, executor)
         for study in studies:
             folder = output / study.contact.mechanics if results else output

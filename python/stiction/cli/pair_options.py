@@ -9,9 +9,9 @@ import typer
 
 from stiction.cli.application import SHOW_ALL, option_was_given, print_output
 from stiction.cli.options import option
-from stiction.studies.pair_options import GROUPS, OPTIONS, name_on_command_line
+from stiction.studies.pair_options import OPTION_GROUPS, PAIR_OPTIONS, format_command_line_name
 
-COMMON_PARAMETERS = frozenset(name for name, declared in OPTIONS.items() if declared.is_common) | {
+COMMON_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.items() if declared.is_common) | {
     "upper", "lower", "output", "help_all",
 }  # fmt: skip
 """Parameters in the short help of `pair`."""
@@ -21,32 +21,32 @@ class _OptionNames(dict[str, str]):
     """Option names on the command line that replace the placeholders of a help line."""
 
     def __missing__(self, name: str) -> str:
-        return name_on_command_line(name)
+        return format_command_line_name(name)
 
 
 def option_help(name: str) -> str:
     """Return the help line of an option of `pair`, with option names as on the command line."""
-    return OPTIONS[name].help.format_map(_OptionNames())
+    return PAIR_OPTIONS[name].help.format_map(_OptionNames())
 
 
 def pair_option(name: str, *, repeatable: bool = True) -> Any:
     """Return an option of `pair` for a command, in the help panel of its group."""
-    declared = OPTIONS[name]
-    panel = next(group.title for group in GROUPS if name in group.model_fields)
+    declared = PAIR_OPTIONS[name]
+    panel = next(group.title for group in OPTION_GROUPS if name in group.model_fields)
     suffix = " Repeatable." if declared.is_repeatable and repeatable else ""
-    flags = f"{name_on_command_line(name)} {declared.value}".strip()
+    flags = f"{format_command_line_name(name)} {declared.value}".strip()
     return option(flags, option_help(name) + suffix, declared.usual or False, panel=panel)
 
 
 def pair_argument(name: str) -> Any:
     """Return the argument of a command for a body of `pair`."""
-    return typer.Argument(metavar=OPTIONS[name].value, help=option_help(name))
+    return typer.Argument(metavar=PAIR_OPTIONS[name].value, help=option_help(name))
 
 
 def given_options(context: typer.Context) -> dict[str, object]:
     """Return the options of `pair` on the command line by the names of their fields."""
     values: Mapping[str, object] = context.params
-    return {name: value for name, value in values.items() if name in OPTIONS and option_was_given(context, name)}
+    return {name: value for name, value in values.items() if name in PAIR_OPTIONS and option_was_given(context, name)}
 
 
 def _show_all(context: typer.Context, is_requested: bool) -> None:

@@ -21,7 +21,7 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
     """Show the inputs and the progress of a result, its friction at a few loads, and its reliability."""
     from stiction.studies.result import Result
     from stiction.studies.store import open_stored
-    from stiction.studies.study import Study, differences
+    from stiction.studies.study import Study, find_differences
     from stiction.views.text import wrap_text
 
     stored = open_stored(directory)
@@ -34,7 +34,7 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
         print_result(Result(stored), command="info", as_json=True, fields=fields)
         return
     if not study.is_measured:
-        changes = [f"{key} = {value}" for key, _, value in differences(Study(), study)]
+        changes = [f"{key} = {value}" for key, _, value in find_differences(Study(), study)]
         lines = ["default values except", *changes] if changes else ["default values"]
         for index, line in enumerate(lines):
             print_output(wrap_text(f"{'' if index else 'study':<13}{line}", hang=" " * 15))

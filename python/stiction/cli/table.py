@@ -17,10 +17,10 @@ from stiction.cli.application import command, print_output
 from stiction.cli.execution import Scheduler, Workers
 from stiction.cli.options import option
 from stiction.cli.pair_options import pair_option
-from stiction.studies.store import SEAL
+from stiction.studies.store import CHECKSUM_SEAL
 
 TABLE, NUMBERS, LAWS = "table.nc", "table.csv", "laws.csv"
-MARKS = {TABLE: SEAL, NUMBERS: b"stiffness over area (GPa/um)", LAWS: b"b of k/A0 = b p^c"}
+MARKS = {TABLE: CHECKSUM_SEAL, NUMBERS: b"stiffness over area (GPa/um)", LAWS: b"b of k/A0 = b p^c"}
 """Marks by which files of an earlier table are recognised. Other files are not overwritten."""
 
 
@@ -58,13 +58,13 @@ def table_command(
     values of mu0 and tau0 need no new contact computation.
     """
     from stiction.cli.execution import compute_in_folder, open_executor
-    from stiction.studies.elasticity import elasticity_of
+    from stiction.studies.elasticity import find_elasticity
     from stiction.studies.friction_table import friction_table, table_study
     from stiction.studies.store import export
     from stiction.views.files import check_files, replace_text
     from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
 
-    modulus = elasticity_of(effective_modulus, young, poisson).effective_modulus
+    modulus = find_elasticity(effective_modulus, young, poisson).effective_modulus
     lengths = parse_quantities("wavelengths", wavelengths, "length")
     if len(lengths) != 2:
         raise ValueError(f'--wavelengths must be two lengths, such as "0.3 um,2.5 um", got {wavelengths!r}')

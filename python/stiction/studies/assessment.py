@@ -1,4 +1,4 @@
-"""Assessment of a coefficient: caveats with their remedies, and whether the value may be quoted."""
+"""Assess a coefficient of friction: list caveats with their remedies, and decide whether the value may be quoted."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from stiction.mechanics.materials import softer_material
 from stiction.studies.evaluation import ABOVE_NOMINAL, COMPLETE
 from stiction.studies.hardness import find_inputs, find_junction_growth, find_materials
 from stiction.studies.input_uncertainty import UncertainInput
-from stiction.studies.interfaces import find_interface
+from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH, find_interface
 from stiction.studies.point import (
     RuleValue,
     contact_status_of,
@@ -38,74 +38,78 @@ if TYPE_CHECKING:
 
 Severity = Literal["caution", "fault"]
 
-HIGHEST_PRESSURE, HIGH_PRESSURE = 1 / 20, 1 / 100
-"""Mean pressure in contact over E*, above which every material has yielded, and most metals."""
+YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
+"""Ratios of the mean contact pressure to E* above which every material, and most metals, have yielded."""
 
-SOFT = 0.1  # effective modulus (GPa) below which bodies are taken to be rubber or gels, which do not yield
+MAX_RUBBER_MODULUS = 0.1  # GPa: bodies with a smaller E* are assumed to be rubber or gels, which do not yield
 
-FEWEST_CONTACTS = 10  # contacts of all members together below which there is no mean
-MIN_CONTACTS, FEW_CONTACTS = 5, 10
-"""Contacts of a member, on average, below which the mean is that of single contacts, and below which it is close to."""
+MIN_TOTAL_CONTACTS = 10  # contacts of all members together that a mean requires
+MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
+"""Average numbers of contacts of a member below which a coefficient is not quoted, and below which it has a caveat."""
 
-MAX_LOAD_ON_ONE = 0.5  # fraction of the load on one contact above which it is the friction of this contact
-LARGE_LOAD_ON_ONE = 0.4  # fraction above which one contact still weighs much
+MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # above this fraction of the load on one contact, the value is not quoted
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # above this fraction of the load on one contact, the value has a caveat
 
-MERGED = 0.3  # true over nominal area from which on contacts are few because they have merged
-HALF = 0.5  # fraction of the load, of members or of the length of a scan above which a value has a caveat or a mark
-FILLED = 0.02  # part of the points of a scan from which on it matters that they are interpolated
-COARSER = 3.0  # ratio of spacings above which one scan is too coarse beside the other
-GROWTH = 27.0  # α of junction growth at which a body shears at its hardness over 27^(1/2) (von Mises)
-GROWN = 0.05  # relative increase of a coefficient by junction growth above which there is a caveat
+MERGED_AREA_FRACTION = 0.3  # true over nominal area above which contacts are few because they have merged
+MAX_AFFECTED_FRACTION = 0.5  # fraction of the load, of the members or of the scan length above which there is a caveat
+MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated points in a scan above which there is a caveat
+MAX_SPACING_RATIO = 3.0  # ratio of the spacings of two scans above which the coarser scan is too coarse
 
-NEARLY = 0.7  # τ0 over H/√α above which an interface is nearly as strong as the bulk
-SEIZING = 0.025  # fraction of samples of the inputs that seize above which an interval has no upper end
+NEARLY_BULK_STRENGTH = 0.7  # τ0 over H/√α above which an interface is nearly as strong as the bulk
+MAX_SEIZING_FRACTION = 0.025  # fraction of input samples with seizure above which an interval has no upper end
 
-PART_BEYOND = 0.1
-"""Part of the load that has to be at the hardness for its strength to be compared with that of the body."""
+MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
+"""Fraction of the load on plastic contacts above which the interface is compared with the strength of the body."""
 
-ADDED = 0.05  # part of the load that adhesion adds to that of the contacts, from which on it decides
-TYPICAL_WORK = 5e-5  # mN/µm, 50 mJ/m²: what most solids have in air
-RIM = 4.3  # least squares over 395 solved pairs, lines and areas, E* 2 MPa to 200 GPa; see docs/explanation/adhesion.md
-ONLY_MU0 = 0.02  # relative difference of a coefficient from mu0 below which it is that
-ROUND_UP = 1 + 1e-12  # factor by which a number in the middle of two, as 2.25 is, is rounded up as on a page
-WIDE = 0.5  # half the width of an interval over its value above which a coefficient says too little
+MAX_NEGLECTED_ADHESION = 0.05  # fraction of the load that adhesion may add to the contacts without a caveat
+TYPICAL_WORK_OF_ADHESION = 5e-5  # mN/µm, which is 50 mJ/m²: typical of solids in air
+RIM_ATTRACTION_FACTOR = 4.3
+"""Factor of the attraction around contacts, fitted to 395 solved pairs of lines and areas, E* from 2 MPa to 200 GPa.
+
+docs/explanation/adhesion.md describes the fit."""
+
+MAX_DEVIATION_FROM_MU0 = 0.02  # relative difference below which a coefficient counts as equal to mu0
+ROUND_UP_FACTOR = 1 + 1e-12  # makes a number halfway between two digits, such as 2.25, round up as in the report
+MAX_RELATIVE_HALF_WIDTH = 0.5  # half width of an interval over the value above which there is a caveat
 
 
 @dataclass(frozen=True)
 class Caveat:
-    """Caveat: why a value is to be quoted with care or not at all, and the remedy."""
+    """Reason to quote a value with care or not at all, with a remedy."""
 
     text: str
     cure: str
     severity: Severity
     cut_off: float = math.inf
-    """Cutoff wavelength (µm) from which on the caveat does not apply."""
+    """Cutoff wavelength (µm) at and above which the caveat does not apply."""
     has_readings: bool = False
-    """True if the interval contains a reading without these wavelengths."""
+    """True if the interval covers the result both with and without the wavelengths of the caveat."""
     name: str = ""
-    """Number of the point that was checked, if it was one: a name of `QUANTITIES` or of `_numbers`."""
+    """Name of the checked number, in `QUANTITIES` or `_compute_checked_numbers`; empty if no number was checked."""
     value: float = field(default=math.nan, compare=False)
-    """That number, in core units."""
+    """Value of the checked number, in core units."""
     limit: float = field(default=math.nan, compare=False)
-    """Limit that it exceeds."""
+    """Limit that the checked number exceeds."""
 
 
 class Check(NamedTuple):
-    """Number of a point, the limit above which it is a caveat, and the text; {} stands for the number `about`."""
+    """Limit of a number above which a point has a caveat. In the text, {} stands for the number `about`."""
 
     name: str
     limit: float
     text: str
     cure: str
     severity: Severity = "fault"
-    shown: str = "digits"  # "digit" (a single one), "percent", or a unit
-    about: str = ""  # number that the text shows; `name` unless given
+    shown: str = "digits"  # format of the number: "digit" for one digit, "digits" for two, "percent", or a unit
+    about: str = ""  # number in the text; by default the checked number
 
     def caveat(self, numbers: Mapping[str, float]) -> Caveat:
-        """Return the caveat of a point whose number is above the limit."""
+        """Return the caveat for a point at which the checked number exceeds the limit."""
         value = numbers[self.about or self.name]
         if self.shown in ("digits", "digit"):
-            words = significant(value * ROUND_UP, 2 if self.shown == "digits" else 1).replace("-", "\N{MINUS SIGN}")
+            words = significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
+                "-", "\N{MINUS SIGN}"
+            )
         else:
             words = percent(value) if self.shown == "percent" else with_unit(value, self.shown)
         return Caveat(
@@ -114,12 +118,12 @@ class Check(NamedTuple):
         )  # fmt: skip
 
 
-Checks = Sequence[Sequence[Check]]  # groups of checks: in each the first that is not passed is said
+Checks = Sequence[Sequence[Check]]  # groups of checks; the first failed check of each group is reported
 
 VERDICTS = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
-"""Assessment by the worst severity of all caveats."""
+"""Text of the assessment, by the worst severity of all caveats."""
 
-ADVICE = {
+STATUS_EXPLANATIONS = {
     "not-reached": (
         "no solved load is as large, or the solved loads around it are more than a factor of 10 apart",
         "use a smaller load or larger steps of contact, or solve this load too",
@@ -135,142 +139,162 @@ ADVICE = {
     "no-contact": ("the bodies do not touch", "use a larger load or a larger approach"),
     "": ("there is no coefficient", "check how many members have a value"),
 }
-"""Meaning and remedy of each status; the last one is for any other."""
+"""Meaning and remedy of each status of a point; the last entry is for all other statuses."""
 
-WIDE_INTERVAL = f"the interval is wider than ±{100 * WIDE:.0f} %"
+WIDE_INTERVAL_TEXT = f"the interval is wider than ±{100 * MAX_RELATIVE_HALF_WIDTH:.0f} %"
 
-OF_VALUE = (
+VALUE_CHECKS = (
     Check("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
-    Check("missing_interval", HALF, "there is no interval", "an interval requires at least 8 different members"),
-    Check("half_width", WIDE, WIDE_INTERVAL, "use more members"),
+    Check(
+        "missing_interval",
+        MAX_AFFECTED_FRACTION,
+        "there is no interval",
+        "an interval requires at least 8 different members",
+    ),
+    Check("half_width", MAX_RELATIVE_HALF_WIDTH, WIDE_INTERVAL_TEXT, "use more members"),
 )
 
-OF_GAP = Check(
-    "missing_interval", HALF, "a gap has one position, so the spread between places is unknown",
+SINGLE_GAP_CHECK = Check(
+    "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
     "press gaps of other places", "caution",
 )  # fmt: skip
 
-STEEP = Check(
+STEEP_SURFACE_CHECK = Check(
     "rms_gradient", 1.0, "the gap has a root-mean-square gradient of {}, too steep for any contact model here",
     "check the units of heights and spacing, or filter the scan",
 )  # fmt: skip
 
 
-def _share(name: str, text: str, cure: str, severity: Severity = "fault", limit: float = HALF) -> Check:
+def _fraction_check(
+    name: str, text: str, cure: str, severity: Severity = "fault", limit: float = MAX_AFFECTED_FRACTION
+) -> Check:
     return Check(name, limit, text, cure, severity, "percent")
 
 
-OF_ASPERITIES: Checks = (
-    [_share(
+ASPERITY_CHECKS: Checks = (
+    [_fraction_check(
         "share_beyond_hertz", "{} of the load is beyond Hertz (overlap above a tenth of the radius)",
         "use a smaller load, or the half-space",
     )],
-    [_share(
+    [_fraction_check(
         "share_below_grid", "{} of the load is on radii below the grid spacing: a finer grid would give another result",
         "use a finer grid, or filter the surfaces",
     )],
 )  # fmt: skip
 
-_OVERLAPPING = _share(
+_OVERLAP_CHECK = _fraction_check(
     "share_overlapping", "{} of the load is on overlapping ellipses, where contacts merge", "use the half-space"
 )
-ON_ONE = "one contact carries {} of the load"
-MORE_CONTACTS = "use larger scans or a higher load"
-_FINER = "scan more finely, filter the scan, or give a hardness"
+LARGEST_CONTACT_TEXT = "one contact carries {} of the load"
+MORE_CONTACTS_REMEDY = "use larger scans or a higher load"
+_FINER_SCAN_REMEDY = "scan more finely, filter the scan, or give a hardness"
 
-IS_MU0 = Check(
-    "share_of_mu0", 1 - ONLY_MU0, "τ0 is 0, so the coefficient is the given μ0; the surfaces add {}",
+EQUALS_MU0_CHECK = Check(
+    "share_of_mu0", 1 - MAX_DEVIATION_FROM_MU0, "τ0 is 0, so the coefficient is the given μ0; the surfaces add {}",
     "give --tau0, or determine both with stiction calibrate", "caution", "digit", "beyond_mu0",
 )  # fmt: skip
 
-OF_COUNTS = (
+CONTACT_COUNT_CHECKS = (
     Check("contacts_missing_of_all", 0.0,
-          f"all members together have fewer than {FEWEST_CONTACTS} contacts, on average {{}}",
+          f"all members together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}}",
           "use a higher load, larger surfaces or more members", about="contact_count"),
     Check("contacts_missing", 0.0, "{} contacts on average are too few",
-          MORE_CONTACTS, about="contact_count"),
-    _share("share_on_separate", ON_ONE, MORE_CONTACTS, "fault", MAX_LOAD_ON_ONE),
+          MORE_CONTACTS_REMEDY, about="contact_count"),
+    _fraction_check(
+        "share_on_separate", LARGEST_CONTACT_TEXT, MORE_CONTACTS_REMEDY, "fault", MAX_LOAD_FRACTION_ON_CONTACT
+    ),
     Check("contacts_wanting", 0.0, "{} contacts on average are few",
-          MORE_CONTACTS, "caution", about="contact_count"),
-    _share("share_on_largest", ON_ONE, MORE_CONTACTS, "caution", LARGE_LOAD_ON_ONE),
+          MORE_CONTACTS_REMEDY, "caution", about="contact_count"),
+    _fraction_check(
+        "share_on_largest", LARGEST_CONTACT_TEXT, MORE_CONTACTS_REMEDY, "caution", CAUTION_LOAD_FRACTION_ON_CONTACT
+    ),
 )  # fmt: skip
-"""Too few contacts for a mean, of which the first check that fails is reported."""
+"""Checks for too few contacts; only the first check that fails is reported."""
 
-OF_CONTACTS: Checks = (
-    [_share(
+CONTACT_CHECKS: Checks = (
+    [_fraction_check(
         "share_of_pull_off_bounds", "the pull-off force is a lower bound: {} of the members have only a bound",
         "half_space gives the reason as a warning", "caution", 0.0,
     )],
-    [_share(
+    [_fraction_check(
         "share_at_edge", "{} of the load is on contacts at the edge", "use larger maps or a smaller load"
     )],
     [
-        Check("single_cells", HALF, "contacts are single grid points", _FINER),
-        _share(
+        Check("single_cells", MAX_AFFECTED_FRACTION, "contacts are single grid points", _FINER_SCAN_REMEDY),
+        _fraction_check(
             "fraction_on_small",
-            "{} of the load is on contacts of at most 4 points: a finer scan would give another result", _FINER,
-            "caution",
+            "{} of the load is on contacts of at most 4 points: a finer scan would give another result",
+            _FINER_SCAN_REMEDY, "caution",
         ),
     ],
-    *OF_ASPERITIES,
-    [_OVERLAPPING, _OVERLAPPING._replace(limit=0.1, severity="caution")],
+    *ASPERITY_CHECKS,
+    [_OVERLAP_CHECK, _OVERLAP_CHECK._replace(limit=0.1, severity="caution")],
 )  # fmt: skip
 
 
-NO_COEFFICIENT = Caveat(
+NO_COEFFICIENT_CAVEAT = Caveat(
     "the load is less than 1 % of the pull-off force, so a coefficient has no meaning",
     "report the pull-off force and the friction at no load, or use a higher load", "fault",
 )  # fmt: skip
 
 
 def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, status: str) -> Iterator[Caveat]:
-    """Yield the caveats of one point, whose value would be quoted if its status is "ok"."""
+    """Yield the caveats of one point; a status other than "ok" is a caveat itself."""
     if is_unloaded(point):
-        yield NO_COEFFICIENT
-        yield from _of_the_adhesion(point, study)
-        yield from _of_the_scans(point, study)
-        yield from apply_checks(OF_CONTACTS, _numbers(point, study, value))
+        yield NO_COEFFICIENT_CAVEAT
+        yield from _find_adhesion_caveats(point, study)
+        yield from _find_grid_caveats(point, study)
+        yield from apply_checks(CONTACT_CHECKS, _compute_checked_numbers(point, study, value))
         return
     if status != friction.STATUS_OK or math.isnan(value.value):
-        text, cure = ADVICE.get(status, ADVICE[""])
+        text, cure = STATUS_EXPLANATIONS.get(status, STATUS_EXPLANATIONS[""])
         yield Caveat(text, cure, "fault")
         return
     members = value_of(point, "members")
-    ok = float(point["ok"].min()) if "ok" in point else math.nan  # in the direction where fewest have an answer
-    if ok < HALF * members:
+    ok = (
+        float(point["ok"].min()) if "ok" in point else math.nan
+    )  # in the direction in which the fewest members have a solution
+    if ok < MAX_AFFECTED_FRACTION * members:
         text = f"only {ok:.0f} of {members:.0f} members have an answer"
         yield Caveat(text, "check the statuses, and try another load", "fault")
-    numbers = _numbers(point, study, value)
-    pressures = pressure_checks(study, modulus_of(point, study))
-    yield from apply_checks(([OF_GAP] if study.is_gap else OF_VALUE, [STEEP], *pressures), numbers)
-    yield from _of_the_strength(point, study, value)
-    yield from _of_the_adhesion(point, study)
-    yield from _of_the_scans(point, study)
-    yield from _of_the_area(point, study)
-    yield from apply_checks((OF_COUNTS, *OF_CONTACTS), numbers)
+    numbers = _compute_checked_numbers(point, study, value)
+    pressures = list_pressure_checks(study, modulus_of(point, study))
+    yield from apply_checks(
+        ([SINGLE_GAP_CHECK] if study.is_gap else VALUE_CHECKS, [STEEP_SURFACE_CHECK], *pressures), numbers
+    )
+    yield from _find_strength_caveats(point, study, value)
+    yield from _find_adhesion_caveats(point, study)
+    yield from _find_grid_caveats(point, study)
+    yield from _find_area_caveats(point, study)
+    yield from apply_checks((CONTACT_COUNT_CHECKS, *CONTACT_CHECKS), numbers)
 
 
-def limit_of(name: str) -> float | None:
-    """Return the smallest limit of a number that is checked for all bodies; None if it is not checked."""
+def find_smallest_limit(name: str) -> float | None:
+    """Return the smallest limit of a number in the checks that apply to all bodies; None if there is no such check."""
     return min(
-        (check.limit for group in (OF_COUNTS, *OF_CONTACTS) for check in group if check.name == name), default=None
+        (check.limit for group in (CONTACT_COUNT_CHECKS, *CONTACT_CHECKS) for check in group if check.name == name),
+        default=None,
     )
 
 
 def apply_checks(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Caveat]:
-    """Yield the caveat of the first check of each group that fails; a missing number passes."""
+    """Yield the caveat of the first check that fails in each group; a check without its number passes."""
     for group in checks:
         failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
         yield from (check.caveat(numbers) for check in itertools.islice(failed, 1))
 
 
-def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, float]:
+def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, float]:
     width = value.upper - value.lower
     area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
     steps = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    cell = float(np.prod(steps)) if steps.size == 2 and study.uses_half_space else math.nan  # of maps
-    own = {check.name: value_of(point, check.name) for group in ([STEEP], OF_COUNTS, *OF_CONTACTS) for check in group}
-    merged = _area_fraction(point, study) > MERGED
+    cell = float(np.prod(steps)) if steps.size == 2 and study.uses_half_space else math.nan  # for maps
+    own = {
+        check.name: value_of(point, check.name)
+        for group in ([STEEP_SURFACE_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS)
+        for check in group
+    }
+    merged = _area_fraction(point, study) > MERGED_AREA_FRACTION
     mu0, members = float(point["mu0"]), float(point["ok"].min() if "ok" in point else value_of(point, "members"))
     relative = value.value / mu0 if mu0 > 0 and float(point["tau0"]) == 0 else math.nan
     return own | {
@@ -278,11 +302,11 @@ def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str,
         "missing_interval": float(math.isnan(value.lower) or math.isnan(value.upper)),
         "half_width": width / (2 * value.value) if value.value else math.inf * width,
         "mean_pressure": pressure_of(point),
-        # Contacts that have merged into one over much of the area average over it.
+        # Contacts that have merged over much of the nominal area are few, but average over many asperities.
         "contact_count": count,
-        "contacts_missing_of_all": FEWEST_CONTACTS - count * members,
-        "contacts_missing": math.nan if merged else MIN_CONTACTS - count,
-        "contacts_wanting": math.nan if merged else FEW_CONTACTS - count,
+        "contacts_missing_of_all": MIN_TOTAL_CONTACTS - count * members,
+        "contacts_missing": math.nan if merged else MIN_CONTACTS_PER_MEMBER - count,
+        "contacts_wanting": math.nan if merged else CAUTION_CONTACTS_PER_MEMBER - count,
         "share_of_mu0": 1 - abs(relative - 1),
         "beyond_mu0": value.value - mu0,
         "share_on_separate": math.nan if merged else own["share_on_largest"],
@@ -290,10 +314,11 @@ def _numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str,
     }
 
 
-def pressure_checks(study: Study, modulus: float) -> Checks:
-    """Return the checks of elastic bodies for yielding, by their hardness if it is known, otherwise by typical ones.
+def list_pressure_checks(study: Study, modulus: float) -> Checks:
+    """Return checks of whether elastic bodies would yield, from their hardness or, if unknown, from typical hardnesses.
 
-    There are none if pressures are limited, or if bodies of this modulus (GPa) are too soft to yield.
+    There are no checks if the contact model limits the pressure, or if the effective modulus (GPa) is so small that the
+    bodies are rubber or gels.
     """
     if is_capped(study):
         return ()
@@ -308,9 +333,9 @@ def pressure_checks(study: Study, modulus: float) -> Checks:
         text = f"the mean pressure in contact is {{}}, and {softer.name} yields at {ends}"
         cure = "use --mechanics half-space or --law jackson-green"
         return ((check(high, text, cure, "fault"), check(low, text, cure, "caution")),)
-    if modulus < SOFT:
+    if modulus < MAX_RUBBER_MODULUS:
         return ()
-    highest, high = HIGHEST_PRESSURE * modulus, HIGH_PRESSURE * modulus
+    highest, high = YIELD_PRESSURE_RATIO * modulus, METAL_YIELD_PRESSURE_RATIO * modulus
     if study.is_measured:
         yielded = "the mean pressure in contact is {}, at which nearly every material has yielded"
         harder = "the result is valid only if the softer body is harder than {}, the mean pressure in contact"
@@ -320,71 +345,75 @@ def pressure_checks(study: Study, modulus: float) -> Checks:
     return ((check(highest, text, "use lower heights, a lower D, or a hardness", "caution"),),)
 
 
-LIMITS_OF_CONTACTS = {
-    "of_all": FEWEST_CONTACTS, "least": MIN_CONTACTS, "few": FEW_CONTACTS, "merged": MERGED,
+CONTACT_COUNT_LIMITS = {
+    "of_all": MIN_TOTAL_CONTACTS, "least": MIN_CONTACTS_PER_MEMBER, "few": CAUTION_CONTACTS_PER_MEMBER,
+    "merged": MERGED_AREA_FRACTION,
 }  # fmt: skip
-"""Limits with which the report counts contacts as `_numbers` does."""
+"""Limits on the number of contacts, which the report applies as `_compute_checked_numbers` does."""
 
 
-def checks_of_ensemble(study: Study) -> list[list[dict[str, Any]]]:
-    """Return the checks of a point of generated bodies for the report, which applies them as `apply_checks` does."""
-    pressures = pressure_checks(study, float(study.contact.effective_modulus))
-    groups = (OF_VALUE, *pressures, [IS_MU0], OF_COUNTS, *OF_ASPERITIES)
+def list_ensemble_checks(study: Study) -> list[list[dict[str, Any]]]:
+    """Return the checks for points of generated bodies as dictionaries, which the report applies."""
+    pressures = list_pressure_checks(study, float(study.contact.effective_modulus))
+    groups = (VALUE_CHECKS, *pressures, [EQUALS_MU0_CHECK], CONTACT_COUNT_CHECKS, *ASPERITY_CHECKS)
     return [[check._asdict() for check in group] for group in groups]
 
 
-def _of_the_strength(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Caveat]:
-    """Yield caveats of a strength above that of the softer body, and of a coefficient that is mu0."""
+def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Caveat]:
+    """Yield caveats about an interface as strong as the softer body, and about a coefficient that only repeats mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
-    if hardness is not None and value_of(point, "load_share_at_hardness") > PART_BEYOND:
+    if hardness is not None and value_of(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
         growth = find_junction_growth(study)
-        own, grown = tabor_friction(float(hardness), mu0, tau0, [0.0, GROWTH])
-        bulk = float(hardness) * GROWTH**-0.5
+        own, grown = tabor_friction(float(hardness), mu0, tau0, [0.0, VON_MISES_GROWTH])
+        bulk = float(hardness) * VON_MISES_GROWTH**-0.5
         interface = find_interface(study)
         if interface is not None and interface.growth is not None and not interface.has_growth(growth):
             pair, tests = (each.short_text if each is not None else "0" for each in (growth, interface.growth))
             text = f"the interface was calibrated with α = {tests} of junction growth, and the pair has α = {pair}"
             yield Caveat(text, "give both the same --junction-growth", "caution")
         if growth is not None:
-            yield from _of_the_growth(point, float(hardness), tau0, growth)
-        elif study.contact.junction_growth is None and not grown <= (1 + GROWN) * own:
+            yield from _find_seizure_caveats(point, float(hardness), tau0, growth)
+        elif study.contact.junction_growth is None and not grown <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * own:
             more = f"by up to {percent(grown / own - 1)}" if math.isfinite(grown) else "without limit (seizure)"
             text = (
                 f"τ0 is {percent(tau0 / bulk)} of the shear strength of the softer body, {with_unit(bulk, 'GPa')}; "
                 f"junction growth, which is taken as 0, would raise the friction of a ductile body {more}"
             )
             cure = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
-            if study.contact.adheres:  # whose contacts at the onset of sliding are not solved
+            if study.contact.adheres:  # junction growth of adhesive contacts is not solved
                 cure = "compare with the pair without --adhesion, whose contacts grow"
             yield Caveat(text, cure, "caution")
-    yield from apply_checks(([IS_MU0],), _numbers(point, study, value))
+    yield from apply_checks(([EQUALS_MU0_CHECK],), _compute_checked_numbers(point, study, value))
 
 
-def _of_the_growth(point: xarray.Dataset, hardness: float, tau0: float, growth: UncertainInput) -> Iterator[Caveat]:
-    """Yield caveats of an interface that is nearly as strong as the bulk."""
+def _find_seizure_caveats(
+    point: xarray.Dataset, hardness: float, tau0: float, growth: UncertainInput
+) -> Iterator[Caveat]:
+    """Yield caveats about seizure, and about an interface that is nearly as strong as the bulk."""
     strength = hardness * growth.high**-0.5 if growth.high else math.inf
     seizing = value_of(point, "fraction_seizing")
     if seizing > 0:
         text = (
             f"{percent(seizing)} of the samples of the inputs seize: τ0 is at least H/√α, and junctions grow without "
-            "limit" + ("; the interval has no upper end" if seizing > SEIZING else "")
+            "limit" + ("; the interval has no upper end" if seizing > MAX_SEIZING_FRACTION else "")
         )
-        yield Caveat(text, "measure the hardness and τ0", "fault" if seizing > SEIZING else "caution")
-    elif tau0 > NEARLY * strength:
+        yield Caveat(text, "measure the hardness and τ0", "fault" if seizing > MAX_SEIZING_FRACTION else "caution")
+    elif tau0 > NEARLY_BULK_STRENGTH * strength:
         text = (
             f"the interface is nearly as strong as the bulk: τ0 is {tau0 / strength:.2f} of H/√α at α = {growth.high:g}"
         )
         yield Caveat(text, "friction rises without limit at 1: measure the hardness and τ0", "caution")
 
 
-def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats of adhesion: a range that the grid decides, or an interval without its contribution."""
+def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
+    """Yield caveats about neglected adhesion, an unresolved range of adhesion, and its missing uncertainty."""
     if not study.contact.adheres:
-        added = added_by_adhesion(point, study)
-        least = ADDED if study.uses_half_space else 1.0  # asperities cannot say that there is none
+        added = estimate_adhesion_load(point, study)
+        least = MAX_NEGLECTED_ADHESION if study.uses_half_space else 1.0  # the asperity model cannot include adhesion
         if study.is_measured and study.contact.work_of_adhesion is None and added > least:
             more = f"at least {percent(added)}" if added < 1 else "more than 100 %"
-            text = f"adhesion of {1e6 * TYPICAL_WORK:g} mJ/m² would increase the load on the contacts by {more}"
+            work = f"{1e6 * TYPICAL_WORK_OF_ADHESION:g} mJ/m²"
+            text = f"adhesion of {work} would increase the load on the contacts by {more}"
             also = "" if study.uses_half_space else "--mechanics half-space and "
             yield Caveat(text, f"specify {also}--adhesion ('0 mJ/m^2' if there is none)", "caution")
         return
@@ -396,45 +425,46 @@ def _of_the_adhesion(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
             text, "the pull-off force is close to that of a short range; scan more finely for the rest", "caution"
         )
     known = {name.split("_")[0] for name in find_inputs(study)} & {"hardness", "effective", "young", "poisson"}
-    if known and value_of(point, "contact_load") > (1 + ADDED) * float(point["load"]):
+    if known and value_of(point, "contact_load") > (1 + MAX_NEGLECTED_ADHESION) * float(point["load"]):
         names = "the hardness" if known == {"hardness"} else "E*" if "hardness" not in known else "E* and the hardness"
         text = f"the interval does not include the effect of {names} on the attraction"
         yield Caveat(text, "compute both ends of the ranges", "caution")
 
 
-def added_by_adhesion(point: xarray.Dataset, study: Study) -> float:
-    """BodyAttributes what the typical work of adhesion would add to the contact load, as a part of the load.
+def estimate_adhesion_load(point: xarray.Dataset, study: Study) -> float:
+    """Estimate the load that a typical work of adhesion would add to the contacts, as a fraction of the load.
 
-    w/ρ on the true area A, and on what lies closer than ρ around contacts of the width d = (A/n)^(1/2), whose gap opens
-    as in Pastewka & Robbins (PNAS 111 (2014) 3298): (w/ρ) (A/F) (1 + 4.3 u^(2/3)), u = ρ/(h' d), ρ as the grid has it.
-    With A = κF/(E* h'), s = w/(E* h'² d) and Tabor's parameter μ of asperities of radius d/h', it is
+    The attraction per area w/ρ acts on the true area A, and on a rim around contacts of width d = (A/n)^(1/2) in which
+    the gap is below the range ρ. The gap opens as in Pastewka & Robbins (PNAS 111 (2014) 3298), so that the fraction is
+    (w/ρ) (A/F) (1 + 4.3 u^(2/3)) with u = ρ/(h' d), where ρ is the range that the grid resolves. With A = κF/(E* h'),
+    s = w/(E* h'² d) and Tabor's parameter μ of asperities of radius d/h', it equals
     κ μ s^(1/3) (1 + 4.3 (s^(2/3)/μ)^(2/3)).
     """
     area, count, slope = (value_of(point, name) for name in ("contact_area", "contact_count", "rms_gradient"))
     if not (area > 0 and count > 0 and slope > 0):
         return math.nan
     step = float(np.max(point.attrs.get("spacing_um", 0.0)))
-    length = max(ADHESION_RANGE, resolved_range(TYPICAL_WORK, step, modulus_of(point, study)))
-    strips = has_nominal_area(point, study) and not study.is_areal  # 1 µm thick
+    length = max(ADHESION_RANGE, resolved_range(TYPICAL_WORK_OF_ADHESION, step, modulus_of(point, study)))
+    strips = has_nominal_area(point, study) and not study.is_areal  # profiles are 1 µm thick
     width = area / count if strips else math.sqrt(area / count)
-    around = RIM * (length / (slope * width)) ** (2 / 3)
-    return float(TYPICAL_WORK / length / pressure_of(point) * (1 + around))
+    around = RIM_ATTRACTION_FACTOR * (length / (slope * width)) ** (2 / 3)
+    return float(TYPICAL_WORK_OF_ADHESION / length / pressure_of(point) * (1 + around))
 
 
-def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
+def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     sides = ("upper", "lower")
     if not all(f"{side}_spacing_um" in point.attrs for side in sides):
         return
     steps = [float(np.max(point.attrs[f"{side}_spacing_um"])) for side in sides]
     coarser, finer = (sides[steps.index(choose(steps))] for choose in (max, min))
-    if max(steps) > COARSER * min(steps):
+    if max(steps) > MAX_SPACING_RATIO * min(steps):
         ratio = significant(max(steps) / min(steps), 2)
         text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so it lacks short wavelengths"
         yield Caveat(text, "scan both alike", "caution")
     contact = value_of(point, "contact_area") / value_of(point, "contact_count")
     for side in sides:
         part, hole = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
-        if part > FILLED or hole > contact:
+        if part > MAX_INTERPOLATED_FRACTION or hole > contact:
             text = f"{side}: {percent(part)} of the points are interpolated"
             if hole > contact:
                 text += f", in gaps larger than the contacts, up to {hole:.3g} {'µm²' if study.is_areal else 'µm'}"
@@ -444,12 +474,12 @@ def _of_the_scans(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     if study.surfaces.press == "surrogates":
         piece = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))
         whole = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in sides)
-        if piece < HALF * whole:
+        if piece < MAX_AFFECTED_FRACTION * whole:
             text = f"pieces of {with_unit(piece, 'um')} are pressed, without the longer wavelengths of the scan"
             yield Caveat(f"{text} of {with_unit(whole, 'um')}", "use profiles without --lay isotropic", "caution")
 
 
-def _of_the_area(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
+def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     status = contact_status_of(point, study)
     if status == COMPLETE:
         cure = (
@@ -462,7 +492,7 @@ def _of_the_area(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _area_fraction(point: xarray.Dataset, study: Study) -> float:
-    """Return the true area over the nominal area; NaN of generated profiles, which have none."""
+    """Return the true area over the nominal area; NaN for generated profiles, which have no nominal area."""
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return value_of(point, "contact_area_fraction")
     surfaces: Any = study.surfaces

@@ -19,9 +19,15 @@ from stiction.mechanics.brackets import friction_bracket
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies.evaluation import PerLoad, areas_of, member_sums, member_values
-from stiction.studies.hardness import Areas, find_creep, find_inputs, find_junction_growth, relative_modulus
+from stiction.studies.hardness import (
+    AreaInterpolator,
+    compute_relative_modulus,
+    find_creep,
+    find_inputs,
+    find_junction_growth,
+)
 from stiction.studies.input_uncertainty import NUM_SAMPLES, Z_95, UncertainInput, stratified_points
-from stiction.studies.interfaces import HARDNESS, find_interface
+from stiction.studies.interfaces import HARDNESS_ENTRY, find_interface
 from stiction.studies.intervals import MAX_FREEDOM, ScansMean, scans_mean
 from stiction.studies.result import Result
 
@@ -78,7 +84,7 @@ def add_uncertainty(
     inputs, strengths = find_inputs(study), []
     if (known := find_interface(study)) is not None:
         fit, hardness = known.fits[0], inputs.get("hardness")
-        joint = hardness is not None and hardness.estimate.agrees_with(known.about.get(HARDNESS, ""))
+        joint = hardness is not None and hardness.estimate.agrees_with(known.about.get(HARDNESS_ENTRY, ""))
         growth = fit.junction_growth if known.has_growth(find_junction_growth(study)) else None
         more = fit.hardness if joint else None, growth
         strengths = [(*each, *more) for each in ((fit.mu0, fit.tau0), *known.at_bounds)]
@@ -204,8 +210,8 @@ class _CoefficientSamples:
     """
 
     def __init__(
-        self, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: PerLoad, areas: Areas,
-        strengths: Sequence[Strength] = (), of_parts: ScansMean | None = None,
+        self, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: PerLoad,
+        areas: AreaInterpolator, strengths: Sequence[Strength] = (), of_parts: ScansMean | None = None,
     ) -> None:  # fmt: skip
         self.study, self.friction, self.areas, self.load = study, friction, areas, where.get("load", 0)
         self.mu0, self.tau0 = float(point["mu0"]), float(point["tau0"])
@@ -396,7 +402,7 @@ class _CoefficientSamples:
         if (creep := find_creep(self.study)) is not None:
             hardness = hardness * wait ** -creep.quantile(cube[:, -1])
         softest = None if self.areas.hardness is None else hardness
-        modulus = relative_modulus(self.study, samples)
+        modulus = compute_relative_modulus(self.study, samples)
         return columns, samples, hardness, self.areas.factor(self.load, softest, modulus), modulus
 
 

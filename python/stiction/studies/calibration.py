@@ -16,15 +16,15 @@ from stiction._units import short_repr, to_core_units
 from stiction.mechanics.model import Sliding
 from stiction.studies.calibration_fit import MIN_VARIATION, CalibrationProblem
 from stiction.studies.interfaces import (
-    EXCLUDED,
-    GROWTH,
-    HARDNESS,
-    RULES,
-    UNLIKELY,
+    EXCLUDED_PROBABILITY,
+    GROWTH_ENTRY,
+    HARDNESS_ENTRY,
+    SLIDING_RULES,
+    UNLIKELY_PROBABILITY,
     Ball,
     FrictionTest,
     Interface,
-    sliding_rules_of,
+    list_sliding_rules,
 )
 
 MIN_TESTS = 3  # tests that slid, to estimate errors from their scatter
@@ -106,7 +106,7 @@ def calibrate(
     )
     if any(value is not None and value < 0 for value in known):
         raise ValueError("mu0 and tau0 must not be negative")
-    available = [rule for rule in RULES if all(rule in sliding_rules_of(test.result) for test in tests)]
+    available = [rule for rule in SLIDING_RULES if all(rule in list_sliding_rules(test.result) for test in tests)]
     if all(isinstance(test.result, Ball) for test in tests) and sliding == "both":
         available = available[:1]  # both rules are the same for a ball
     rules = available if sliding == "both" else [sliding]
@@ -116,7 +116,7 @@ def calibrate(
         )
     problems = [CalibrationProblem(tests, rule, common, known, outliers=outliers) for rule in rules]
     fits = [problem.fit() for problem in problems]
-    if len(fits) == 2 and fits[0].probability < EXCLUDED and fits[1].probability > UNLIKELY:
+    if len(fits) == 2 and fits[0].probability < EXCLUDED_PROBABILITY and fits[1].probability > UNLIKELY_PROBABILITY:
         fits, problems = fits[::-1], problems[::-1]
     first = problems[0]
     separated = any(value is not None for value in known) or (len(tests) > 2 and first.variation >= MIN_VARIATION)
@@ -125,6 +125,6 @@ def calibrate(
         for ratio, test in zip(first.ratio, tests, strict=True)
     ]
     advice = () if separated else first.advice()
-    about = {"kind": "measured"} | ({HARDNESS: first.shared_hardness.text} if first.shared_hardness else {})
-    about |= {GROWTH: first.growth.short_text} if first.growth is not None else {}
+    about = {"kind": "measured"} | ({HARDNESS_ENTRY: first.shared_hardness.text} if first.shared_hardness else {})
+    about |= {GROWTH_ENTRY: first.growth.short_text} if first.growth is not None else {}
     return Interface(tuple(fits), first.pivot, first.variation, separated, advice, tuple(points), about)

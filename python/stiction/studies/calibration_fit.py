@@ -22,7 +22,14 @@ from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
 from stiction.studies.calibration_growth import best_coefficients, range_of_strength
 from stiction.studies.input_uncertainty import UncertainInput, parse_input, sobol_points
-from stiction.studies.interfaces import UNLIKELY, Fit, FrictionTest, ShearStrength, depends_on_growth, evaluate_friction
+from stiction.studies.interfaces import (
+    UNLIKELY_PROBABILITY,
+    Fit,
+    FrictionTest,
+    ShearStrength,
+    depends_on_growth,
+    evaluate_friction,
+)
 
 MIN_VARIATION = 0.1  # of A/F among tests (standard deviation over mean): mu0 and tau0 are not separated below it
 ROUND_POINTS, MAX_POINTS = 256, 8192  # nuisance points per round of adaptation; maximum for the result
@@ -338,7 +345,7 @@ class CalibrationProblem:
         fitted = min(sum(value is None for value in self.known), 1 if self.variation < MIN_VARIATION else 2)
         freedom = max(0, slid - fitted - max(0, len(self._offsets) - 1))
         probability = float(chi2.sf(chi_squared, freedom)) if self.has_errors and freedom else math.nan
-        is_scaled = freedom > 0 and (not self.has_errors or (probability < UNLIKELY and not self.outliers))
+        is_scaled = freedom > 0 and (not self.has_errors or (probability < UNLIKELY_PROBABILITY and not self.outliers))
         scale = best.scale * math.sqrt(chi_squared / freedom) if is_scaled else 1.0
         loads = np.log(self.load[self.slid])
         trend = float(linregress(loads, best.residuals).pvalue) if slid > 2 and np.ptp(loads) > 0 else math.nan

@@ -1,4 +1,7 @@
-"""Contacts of members from a second solution: of a typical member for figures, stored as a file, and as a table."""
+"""Contacts of single members: a typical member for figures, stored as a file, and a table of all contacts.
+
+Results do not store single contacts, so the members are solved again.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +17,11 @@ from stiction._checks import Floats, float_array, whole_number
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import attributes_of
-from stiction.studies.contact_statistics import Table
-from stiction.studies.contact_tables import HalfSpace
+from stiction.studies.contact_statistics import ContactList
+from stiction.studies.contact_tables import HalfSpaceContactTable
 from stiction.studies.evaluation import member_values
 from stiction.studies.maps import cells_of
-from stiction.studies.measured_surfaces import Measured
+from stiction.studies.measured_surfaces import MeasuredSurfaces
 from stiction.studies.member_solution import OneLoad
 from stiction.studies.members import load_bodies, pair_of
 from stiction.studies.result import Result
@@ -31,11 +34,11 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-FILE = "picture.nc"  # in the folder of a result
-MAX_MAP_SIZE = 512  # rows and columns of a stored map
-PULL_OFF_LOADS = (0.25, 0.5, 1, 2, 3, 4)  # loads of the adhesion figure, in units of the pull-off force
-WINDOW_DIVISOR = 8  # ratio of the map size to the window around the contact with the largest load
-MIN_WINDOW_SIZE = 16
+PICTURE_FILE = "picture.nc"  # name of the file in the folder of a result
+MAX_PICTURE_SIZE = 512  # largest number of rows and of columns of a stored map
+LOADS_PER_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads of the adhesion figure, in units of the pull-off force
+ZOOM_DIVISOR = 8  # ratio of the map size to the window around the contact with the largest load
+MIN_ZOOM_SIZE = 16
 
 _CONTACT_VARIABLES = {
     "contact_x": ("x", "um", "centre of a contact along x"),
@@ -51,7 +54,7 @@ _CONTACT_VARIABLES = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-_UNITS = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}  # suffixes of column names of the cells
+_COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}  # units in column names
 
 
 def contact_picture(result: Result | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
@@ -67,12 +70,12 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     Returns
     -------
     xarray.Dataset or None
-        For maps: upper_height and lower_height (µm) over height_y and height_x, and patch, the number of the contact at
-        each point, from 1. With the half-space also zoom_pressure (GPa) and zoom_height (µm) over zoom_y and zoom_x,
-        around the interior contact with the largest load. For lines: lower_height and gap (µm) over height_x. For every
-        contact, over contact: contact_x, contact_y, contact_force, contact_patch_area, contact_slope_x,
-        contact_slope_y, contact_at_edge. Attributes: member, load_mN, x and y (µm, shift of the upper body). None if no
-        member has a solution.
+        For maps: upper_height and lower_height (µm) with dimensions height_y and height_x, and patch, the number of the
+        contact at each point, from 1. With the half-space also zoom_pressure (GPa) and zoom_height (µm) with dimensions
+        zoom_y and zoom_x, around the interior contact with the largest load. For lines: lower_height and gap (µm) with
+        dimension height_x. With dimension contact: contact_x, contact_y, contact_force, contact_patch_area,
+        contact_slope_x, contact_slope_y, contact_at_edge. Attributes: member, load_mN, x and y (µm, shift of the upper
+        body). None if no member has a solution.
 
     Raises
     ------
@@ -81,7 +84,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     """
     result = Result.of(result)
     study = result.study
-    if not isinstance(study.surfaces, Measured):
+    if not isinstance(study.surfaces, MeasuredSurfaces):
         return None
     load = float(study.friction.load[0]) if load is None else load
     cut_off = study.surfaces.quoted_cut_off()
@@ -89,35 +92,38 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     area = members["contact_area"].values
     if not np.isfinite(area).any():
         return None
-    index = int(members["repetition"].values[typical(area)])
+    index = int(members["repetition"].values[find_typical_index(area)])
     member = load_bodies(study).member(index, cut_off)
     pressed = OneLoad.of(study, member.pair, load)
     if pressed is None:
         return None
     table = pressed.table()
-    picture = _map_picture(pressed, table) if study.is_areal else _line_picture(pressed)
+    picture = _build_map_picture(pressed, table) if study.is_areal else _build_line_picture(pressed)
     for name, (column, unit, long_name) in _CONTACT_VARIABLES.items():
         picture[name] = ("contact", getattr(table, column).astype(np.float64), {"units": unit, "long_name": long_name})
     return picture.assign_attrs({"member": index, "load_mN": load, "x": member.x, "y": member.y})
 
 
 def coming_and_going(result: Result) -> xarray.Dataset | None:
-    """Return load, contact area (µm²) and approach of an adhesive member in loading and unloading; None if unsolved."""
+    """Return load, contact area (µm²) and approach of an adhesive member in loading and unloading.
+
+    Returns None for bodies without adhesion, and if the solver fails.
+    """
     import xarray
 
     study = result.study
     contact = study.contact
-    if not isinstance(contact, HalfSpace) or not contact.adheres:
+    if not isinstance(contact, HalfSpaceContactTable) or not contact.adheres:
         return None
     max_load, first_cell = float(contact.steps()[-1]), dict.fromkeys(study.surfaces.cells(), 0)
     areas = member_values(result, [max_load])["contact_area"].isel(first_cell)
     area, members = areas.values[:, 0], areas["repetition"].values
-    index = int(members[typical(area)]) if np.isfinite(area).any() else 0
+    index = int(members[find_typical_index(area)]) if np.isfinite(area).any() else 0
     cell = {name: float(values[0]) for name, values in study.surfaces.cells().items()}
     try:
         pair = _load_pair(study, index, cell)
         solve: Any = functools.partial(half_space, *pair, **contact.solid())
-        loads = np.array([0, *PULL_OFF_LOADS]) * solve([0.0]).pull_off
+        loads = np.array([0, *LOADS_PER_PULL_OFF]) * solve([0.0]).pull_off
         loads = np.append(loads[loads < max_load], max_load)
         loading, unloading = solve(loads), solve(loads[::-1])
         curves = [loading, unloading, unloading.parting]
@@ -134,15 +140,15 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
     """Read the contact picture stored alongside a result, if there is one; `StoreError` if it is damaged."""
     zoom = ("zoom_pressure", "zoom_height") if result.study.uses_half_space else ()
     body_variables = ("upper_height", "patch", *zoom) if result.study.is_areal else ("gap",)
-    return read_companion(result.path / FILE, (*_CONTACT_VARIABLES, "lower_height", *body_variables))
+    return read_companion(result.path / PICTURE_FILE, (*_CONTACT_VARIABLES, "lower_height", *body_variables))
 
 
-def typical(area: Floats) -> int:
-    """Return the index of the value nearest to the mean, without NaN."""
+def find_typical_index(area: Floats) -> int:
+    """Return the index of the area nearest to the mean; NaN are ignored."""
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 
-def _line_picture(pressed: OneLoad) -> xarray.Dataset:
+def _build_line_picture(pressed: OneLoad) -> xarray.Dataset:
     import xarray
 
     upper, lower = pressed.upper, pressed.lower
@@ -158,7 +164,7 @@ def _line_picture(pressed: OneLoad) -> xarray.Dataset:
     )
 
 
-def _map_picture(pressed: OneLoad, table: Table) -> xarray.Dataset:
+def _build_map_picture(pressed: OneLoad, table: ContactList) -> xarray.Dataset:
     import xarray
 
     upper, lower, pressure = pressed.upper, pressed.lower, None
@@ -166,9 +172,9 @@ def _map_picture(pressed: OneLoad, table: Table) -> xarray.Dataset:
         solved = pressed.curve.at(0)
         pressure, patch = solved.on_grid(solved.values), solved.on_grid(solved.patch)
     else:
-        patch = _discs(lower, table)
+        patch = _number_discs(lower, table)
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
-    step = -(-max(rows, columns) // MAX_MAP_SIZE)
+    step = -(-max(rows, columns) // MAX_PICTURE_SIZE)
     length = {"units": "um"}
     variables: dict[str, Any] = {
         f"{side}_height": (("height_y", "height_x"), body.heights[::step, ::step], length)
@@ -184,7 +190,7 @@ def _map_picture(pressed: OneLoad, table: Table) -> xarray.Dataset:
         largest = int(np.argmax(np.where(inside, table.force, -1.0)))
         box = []
         for centre, size in ((table.y[largest] / dy, rows), (table.x[largest] / dx, columns)):
-            width = min(max(size // WINDOW_DIVISOR, MIN_WINDOW_SIZE), size)
+            width = min(max(size // ZOOM_DIVISOR, MIN_ZOOM_SIZE), size)
             first = int(np.clip(centre - width / 2, 0, size - width))
             box.append(slice(first, first + width))
         variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[*box], {"units": "GPa"})
@@ -194,7 +200,7 @@ def _map_picture(pressed: OneLoad, table: Table) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates)
 
 
-def _discs(lower: Surface, table: Table) -> NDArray[Any]:
+def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
     """Return a map of contact numbers in which each asperity contact is a disc of its area."""
     numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
@@ -212,7 +218,7 @@ def _discs(lower: Surface, table: Table) -> NDArray[Any]:
 
 
 def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None) -> pandas.DataFrame:
-    """Return all contacts of some members at elastic loads (mN), from a new solution: see `Result.contacts`."""
+    """Solve some members at elastic loads (mN) and return all their contacts, as described in `Result.contacts`."""
     import pandas
 
     study = result.study
@@ -229,7 +235,7 @@ def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int]
         for load, index in _select_members(cell_areas, unique_loads, indices):
             pressed = OneLoad.of(study, _load_pair(study, index, cell), load)
             if pressed is not None:
-                columns: dict[str, Any] = {f"{name}{_UNITS[name]}": value for name, value in cell.items()}
+                columns: dict[str, Any] = {f"{name}{_COLUMN_SUFFIXES[name]}": value for name, value in cell.items()}
                 table = pressed.table()
                 columns |= {"load_mN": load, "x_um": table.x, "y_um": table.y, "force_mN": table.force}
                 columns |= {"area_um2": table.area, "mean_pressure_GPa": table.force / table.area}
@@ -259,7 +265,7 @@ def _select_members(areas: xarray.DataArray, loads: Floats, indices: list[int] |
             continue
         area = areas.sel(load=load).values
         if np.isfinite(area).any():
-            yield load, int(areas["repetition"].values[typical(area)])
+            yield load, int(areas["repetition"].values[find_typical_index(area)])
 
 
 def _load_pair(study: Study, index: int, cell: dict[str, float]) -> Any:

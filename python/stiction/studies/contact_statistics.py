@@ -17,16 +17,16 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-STEEPEST = 0.1  # fraction of the points of a body that count as steepest
+STEEPEST_FRACTION = 0.1  # fraction of the points of a body that count as the steepest points
 
-QUANTILES = tuple(round(0.05 * step, 2) for step in range(1, 20))
-"""Probabilities of the stored quantiles of contact areas, and of pressures over the true contact area."""
+STORED_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
+"""Probabilities of the stored quantiles of the contact areas, and of the pressures weighted by true contact area."""
 
-MAX_SMALL_CELLS = 4  # grid cells of a contact that a scan hardly resolves
+MAX_CELLS_OF_SMALL_CONTACT = 4  # largest number of grid cells of a contact that the scan hardly resolves
 
 
 @dataclass(frozen=True, eq=False)
-class Slopes:
+class PairSlopes:
     """Slopes of both bodies of a pair at every grid point, along (y and) x."""
 
     upper: list[Floats]
@@ -36,13 +36,13 @@ class Slopes:
     measured: Any = ...  # mask of points measured in both bodies
 
     @classmethod
-    def of(cls, upper: Profile | Surface, lower: Profile | Surface) -> Slopes:
+    def of(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
         """Compute the slopes of a pair on one grid with natural cubic splines."""
-        along = {side: slopes_of(body) for side, body in (("upper", upper), ("lower", lower))}
+        along = {side: compute_slopes(body) for side, body in (("upper", upper), ("lower", lower))}
         magnitude = {side: np.sqrt(sum(np.square(slope) for slope in slopes)) for side, slopes in along.items()}
         missing = combine_missing(upper, lower)
         measured = ... if missing is None else ~missing
-        limits = {side: float(np.quantile(slope[measured], 1 - STEEPEST)) for side, slope in magnitude.items()}
+        limits = {side: float(np.quantile(slope[measured], 1 - STEEPEST_FRACTION)) for side, slope in magnitude.items()}
         steep = {side: magnitude[side] > limit for side, limit in limits.items()}
         return cls(along["upper"], along["lower"], steep, limits, measured)
 
@@ -61,7 +61,7 @@ class Slopes:
         return float(np.sqrt(sum(squares))), np.sqrt(np.maximum(along, 0.0))
 
 
-def slopes_of(body: Profile | Surface) -> list[Floats]:
+def compute_slopes(body: Profile | Surface) -> list[Floats]:
     """Compute the slopes at every point, along (y and) x."""
     from stiction.mechanics.patches import slopes
 
@@ -69,8 +69,8 @@ def slopes_of(body: Profile | Surface) -> list[Floats]:
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
-    """Contacts of a pair at a load, one row per contact, and pressures over the true contact area; lengths in µm."""
+class ContactList:
+    """Contacts of a pair at a load, one entry per contact, and the distribution of the pressure; lengths in µm."""
 
     x: Floats  # centre, weighted by the pressure; y is 0 for profiles
     y: Floats
@@ -79,7 +79,7 @@ class Table:
     slope_x: Floats  # mean slope; a contact opposes motion in directions in which the slope is positive
     slope_y: Floats
     cells: Floats  # number of grid cells
-    at_edge: NDArray[np.bool_]  # whether the contact reaches the edge of the grid
+    at_edge: NDArray[np.bool_]  # True if the contact reaches the edge of the grid
     pressure: Floats  # (p,), GPa
     weight: Floats  # (p,), relative weight of each pressure in the true contact area
 
@@ -87,31 +87,31 @@ class Table:
         """Compute the stored statistics: load fractions, and quantiles of contact area and pressure."""
         order = np.argsort(self.pressure, kind="stable")
         below = np.cumsum(self.weight[order])
-        return {name: formula(self) for name, formula in OF_CONTACTS.items()} | {
-            "patch_area": _quantiles(self.area),
+        return {name: formula(self) for name, formula in LOAD_FRACTION_FORMULAS.items()} | {
+            "patch_area": _compute_quantiles(self.area),
             "pressure": np.interp(
-                QUANTILES, (below - self.weight[order] / 2) / below[-1], self.pressure[order]
+                STORED_PROBABILITIES, (below - self.weight[order] / 2) / below[-1], self.pressure[order]
             ),
         }  # fmt: skip
 
 
-def _quantiles(values: Floats) -> Floats:
-    """Compute quantiles as `numpy.quantile`, ten times faster for few values."""
-    ordered, position = np.sort(values), np.array(QUANTILES) * (values.size - 1)
+def _compute_quantiles(values: Floats) -> Floats:
+    """Compute the same quantiles as `numpy.quantile`, but ten times faster for few values."""
+    ordered, position = np.sort(values), np.array(STORED_PROBABILITIES) * (values.size - 1)
     below = position.astype(np.intp)
     low, high, part = ordered[below], ordered[np.minimum(below + 1, values.size - 1)], position - below
     return np.where(part < 0.5, low + (high - low) * part, high - (high - low) * (1 - part))
 
 
-OF_CONTACTS: dict[str, Callable[[Table], float]] = {
+LOAD_FRACTION_FORMULAS: dict[str, Callable[[ContactList], float]] = {
     "share_on_largest": lambda table: table.force.max() / table.force.sum(),
     "share_at_edge": lambda table: table.force[table.at_edge].sum() / table.force.sum(),
-    "fraction_on_small": lambda table: table.force[table.cells <= MAX_SMALL_CELLS].sum() / table.force.sum(),
+    "fraction_on_small": lambda table: table.force[table.cells <= MAX_CELLS_OF_SMALL_CONTACT].sum() / table.force.sum(),
 }
 """Formulas of contact statistics, by their names in `QUANTITIES`."""
 
 
-def patches_of(pressed: ContactSolution) -> Table:
+def list_contact_patches(pressed: ContactSolution) -> ContactList:
     """Compute the contact table of a half-space solution."""
     problem, pressure, patch = pressed.problem, pressed.values, pressed.patch - 1
     total = np.bincount(patch, weights=pressure)
@@ -126,7 +126,7 @@ def patches_of(pressed: ContactSolution) -> Table:
     edge = np.zeros(pressure.size, dtype=bool)
     for index, size in zip(indices, problem.gap.shape, strict=True):
         edge |= (index == 0) | (index == size - 1)
-    return Table(
+    return ContactList(
         x=mean(positions[-1]), y=mean(positions[0] if len(positions) == 2 else zeros),
         force=np.asarray(problem.cell * total, np.float64),
         area=np.asarray(problem.cell * np.bincount(patch, weights=pressed.share), np.float64), slope_x=mean(along[-1]),
@@ -135,7 +135,7 @@ def patches_of(pressed: ContactSolution) -> Table:
     )  # fmt: skip
 
 
-def asperities_of(touching: Contacts, body: Profile | Surface) -> Table:
+def list_asperity_contacts(touching: Contacts, body: Profile | Surface) -> ContactList:
     """Compute the contact table of the asperity model; both bodies have the same grid."""
     spacing, extent = body.spacings, np.atleast_1d(body.extent)
     normal = touching.normal
@@ -148,15 +148,15 @@ def asperities_of(touching: Contacts, body: Profile | Surface) -> Table:
     else:
         cells = touching.area / float(np.prod(spacing))
         at_edge = (x - half < 0) | (x + half > extent[1]) | (y - half < 0) | (y + half > extent[0])
-    return Table(
+    return ContactList(
         x=x, y=y if len(spacing) == 2 else np.zeros(x.size), force=touching.force * normal[:, 2], area=touching.area,
         slope_x=steep[:, 0], slope_y=steep[:, 1] if len(spacing) == 2 else np.zeros(x.size), cells=cells,
         at_edge=at_edge, pressure=touching.force / touching.area, weight=touching.area,
     )  # fmt: skip
 
 
-def on_steepest(table: Table, slopes: Slopes) -> dict[str, float]:
-    """Compute the load fraction on the steepest tenth of each body from the slopes of contacts."""
+def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
+    """Compute the fraction of the load on the steepest tenth of each body from the mean slopes of the contacts."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total = table.force.sum()
     return {
@@ -165,8 +165,8 @@ def on_steepest(table: Table, slopes: Slopes) -> dict[str, float]:
     }
 
 
-def pressed_on_steepest(pressed: ContactSolution, slopes: Slopes) -> dict[str, float]:
-    """Compute the load fraction on the steepest tenth of each body from the points of a half-space."""
+def find_load_on_steep_points(pressed: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
+    """Compute the fraction of the load on the steepest tenth of each body from a half-space solution."""
     total = pressed.values.sum()
     return {
         f"share_on_steepest_{side}": float(pressed.values[mask.ravel()[pressed.points]].sum() / total)

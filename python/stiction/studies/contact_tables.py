@@ -15,9 +15,9 @@ from stiction._units import MAGNITUDES, quantity, short_repr
 from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
 from stiction.mechanics.law import LAWS_BY_NAME, HertzCylinder, JacksonGreen, LawName, as_law
 from stiction.mechanics.model import THICKNESS, ContactModel, Curvature, Detection, Direction, Shear, Sliding
-from stiction.studies.generated_surfaces import Generated, Profiles
-from stiction.studies.input_uncertainty import MAX_GROWTH
-from stiction.studies.measured_surfaces import Measured
+from stiction.studies.generated_surfaces import GeneratedProfiles, GeneratedSurfaces
+from stiction.studies.input_uncertainty import MAX_JUNCTION_GROWTH
+from stiction.studies.measured_surfaces import MeasuredSurfaces
 from stiction.studies.values import (
     ApproachesOrRange,
     ApproachRange,
@@ -43,11 +43,11 @@ from stiction.studies.values import (
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion of measured areas, degrees
 MAX_DIRECTIONS = 360  # of motion, for measured areas
-LINE_LOAD_FACTOR = 30.0  # ratio by which a load curve of asperities on lines extends beyond the given loads
-NUM_LINES_LOADS = 25
-HALF_SPACE_LOAD_FACTOR = 10.0  # same ratio for half-planes, where every load needs its own solution
+LINE_LOAD_MARGIN = 30.0  # ratio by which a load curve of asperities on lines extends beyond the given loads
+NUM_LINE_LOADS = 25
+HALF_PLANE_LOAD_MARGIN = 10.0  # same ratio for half-planes, where every load needs its own solution
 NUM_HALF_PLANE_LOADS = 7
-AREAL_LOAD_FACTOR = 10**0.5  # largest ratio between successive loads of areas
+MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio between successive loads of areas
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
@@ -107,8 +107,8 @@ LawEntry = Annotated[LawName | LawTable, PlainValidator(_read_law), PlainSeriali
 
 # ---- Contacts -------------------------------------------------------------------------------------------------------
 
-_Name = Annotated[str, Field(min_length=1, max_length=80)]
-_Ratio = Annotated[float, Field(gt=-1, le=0.5)]
+_MaterialName = Annotated[str, Field(min_length=1, max_length=80)]
+_PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 DetectionKey = Annotated[
     Detection,
     Field(
@@ -118,8 +118,8 @@ DetectionKey = Annotated[
 CurvatureKey = Annotated[
     Curvature, Field(description="Whether both bodies must be convex at a contact, or only their gap.")
 ]
-TwoNames = Annotated[tuple[_Name, _Name], as_tuple]
-TwoRatios = Annotated[tuple[_Ratio, _Ratio], as_tuple]  # upper and lower body
+MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], as_tuple]
+PoissonRatios = Annotated[tuple[_PoissonRatio, _PoissonRatio], as_tuple]  # upper and lower body
 
 
 class OnsetTable(Table):
@@ -139,9 +139,9 @@ class OnsetTable(Table):
         return self
 
 
-DIRECTION = "Direction of motion of the upper body, instead of `shear`; "
+DIRECTION_DESCRIPTION = "Direction of motion of the upper body, instead of `shear`; "
 "areas also accept degrees from +x towards +y, or a list."
-LOAD = "Elastic normal loads; measured bodies use loads around `friction.load` by default."
+LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `friction.load` by default."
 
 
 class ContactTable(Case):
@@ -188,7 +188,7 @@ class GeneratedContact(ContactTable):
     poisson_ratio: ClassVar[None] = None
 
     shear: Shear = Field(default="+x", description="Direction of motion of the upper body along a profile.")
-    direction: Directions = Field(default=None, description=DIRECTION)
+    direction: Directions = Field(default=None, description=DIRECTION_DESCRIPTION)
     sliding: Rules = Field(
         default="opposing",
         description="Contacts with friction: only those that oppose the "
@@ -222,7 +222,8 @@ class GeneratedLoads(GeneratedContact):
     place: ClassVar[str] = "the half-space of generated surfaces"
 
     load: LoadsOrRange = Field(
-        default=LoadRange(start=quantity("0.01 mN", "force"), stop=quantity("1 mN", "force"), count=8), description=LOAD
+        default=LoadRange(start=quantity("0.01 mN", "force"), stop=quantity("1 mN", "force"), count=8),
+        description=LOAD_DESCRIPTION,
     )
 
     def steps(self) -> Floats:
@@ -235,11 +236,11 @@ class MeasuredContact(ContactTable):
 
     place: ClassVar[str] = "measured surfaces"
 
-    load: LoadsOrRange = Field(description=LOAD)
-    materials: TwoNames | None = Field(
+    load: LoadsOrRange = Field(description=LOAD_DESCRIPTION)
+    materials: MaterialNames | None = Field(
         default=None, description="Material names of the upper and the lower body; they do not affect the calculation."
     )
-    poisson_ratio: TwoRatios | None = Field(
+    poisson_ratio: PoissonRatios | None = Field(
         default=None,
         description="Poisson's ratios of the upper and the lower body, for the onset of sliding; 0.3 by default.",
     )
@@ -268,7 +269,7 @@ class MeasuredAreasContact(MeasuredContact):
 
     place: ClassVar[str] = "measured areas"
 
-    direction: Directions = Field(default=DEFAULT_DIRECTIONS, description=DIRECTION)
+    direction: Directions = Field(default=DEFAULT_DIRECTIONS, description=DIRECTION_DESCRIPTION)
 
     def ways(self) -> tuple[Direction, ...]:
         """Return all directions of motion."""
@@ -276,7 +277,7 @@ class MeasuredAreasContact(MeasuredContact):
         return self.direction if isinstance(self.direction, tuple) else (self.direction,)
 
 
-class HalfSpace(ContactTable):
+class HalfSpaceContactTable(ContactTable):
     """Keys for contact of elastic half-spaces."""
 
     place: ClassVar[str] = "the half-space"
@@ -293,7 +294,7 @@ class HalfSpace(ContactTable):
     junction_growth: float | None = Field(
         default=None,
         ge=0,
-        le=MAX_GROWTH,
+        le=MAX_JUNCTION_GROWTH,
         description="α of p² + α s² = H², the growth of plastic contacts under shear; without it 0, with a caveat.",
     )
     compliance_share: Fraction = Field(
@@ -314,7 +315,7 @@ class HalfSpace(ContactTable):
     )
 
     @model_validator(mode="after")
-    def _has_consistent_growth(self) -> HalfSpace:
+    def _has_consistent_growth(self) -> HalfSpaceContactTable:
         if self.junction_growth and self.hardness is None:
             raise fault_at("junction_growth", "must not be given without a hardness: elastic contacts do not grow")
         if self.junction_growth and self.adheres:
@@ -324,7 +325,7 @@ class HalfSpace(ContactTable):
         return self
 
     @model_validator(mode="after")
-    def _has_consistent_adhesion(self) -> HalfSpace:
+    def _has_consistent_adhesion(self) -> HalfSpaceContactTable:
         if self.adhesion_range is not None and not self.adheres:
             raise fault_at("adhesion_range", "must not be given without a work_of_adhesion above 0")
         strength = float(self.work_of_adhesion or 0) / float(self.adhesion_range or ADHESION_RANGE)
@@ -341,7 +342,7 @@ class HalfSpace(ContactTable):
         return bool(self.work_of_adhesion)
 
     @model_validator(mode="after")
-    def _has_consistent_tilt(self) -> HalfSpace:
+    def _has_consistent_tilt(self) -> HalfSpaceContactTable:
         if self.tilt == "free" and (self.adheres or self.boundary == "periodic"):
             raise fault_at("tilt", 'must be "fixed" with periodic boundaries or a work of adhesion, got "free"')
         return self
@@ -359,7 +360,7 @@ class HalfSpace(ContactTable):
         }
 
 
-class Asperities(ContactTable):
+class AsperityContactTable(ContactTable):
     """Keys for the asperity model, whose contacts do not interact."""
 
     place: ClassVar[str] = "asperities"
@@ -394,7 +395,7 @@ class Asperities(ContactTable):
 # ---- Combinations of contact model and kind of surfaces --------------------------------------------------------------
 
 
-class GeneratedAsperities(Asperities, GeneratedContact):
+class GeneratedAsperities(AsperityContactTable, GeneratedContact):
     """Keys for asperities of generated surfaces, which are pressed to approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
@@ -444,14 +445,14 @@ class AsperitiesOfGeneratedAreas(GeneratedAsperities):
     curvature: CurvatureKey = "signed"
 
 
-class AsperitiesOfMeasuredLines(Asperities, MeasuredLinesContact):
+class AsperitiesOfMeasuredLines(AsperityContactTable, MeasuredLinesContact):
     """Asperities of lines of measured bodies."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
-class AsperitiesOfMeasuredAreas(Asperities, MeasuredAreasContact):
+class AsperitiesOfMeasuredAreas(AsperityContactTable, MeasuredAreasContact):
     """Asperities of measured height maps."""
 
     place: ClassVar[str] = "asperities of measured areas"
@@ -460,25 +461,25 @@ class AsperitiesOfMeasuredAreas(Asperities, MeasuredAreasContact):
     curvature: CurvatureKey = "signed"
 
 
-class HalfSpaceOfGeneratedLines(HalfSpace, GeneratedLoads):
+class HalfSpaceOfGeneratedLines(HalfSpaceContactTable, GeneratedLoads):
     """Half-planes of generated profiles."""
 
     place: ClassVar[str] = "the half-space of generated lines"
 
 
-class HalfSpaceOfGeneratedAreas(HalfSpace, GeneratedLoads):
+class HalfSpaceOfGeneratedAreas(HalfSpaceContactTable, GeneratedLoads):
     """Half-spaces of generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated areas"
 
 
-class HalfSpaceOfMeasuredLines(HalfSpace, MeasuredLinesContact):
+class HalfSpaceOfMeasuredLines(HalfSpaceContactTable, MeasuredLinesContact):
     """Half-planes of lines of measured bodies."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
-class HalfSpaceOfMeasuredAreas(HalfSpace, MeasuredAreasContact):
+class HalfSpaceOfMeasuredAreas(HalfSpaceContactTable, MeasuredAreasContact):
     """Half-spaces of measured height maps."""
 
     place: ClassVar[str] = "the half-space of measured areas"
@@ -496,7 +497,7 @@ Contact = (
 )
 """Table `[contact]` of a study."""
 
-CONTACTS: dict[str, dict[str, type[Contact]]] = {
+CONTACT_CASES: dict[str, dict[str, type[Contact]]] = {
     "generated lines": {"asperities": AsperitiesOfGeneratedLines, "half-space": HalfSpaceOfGeneratedLines},
     "generated areas": {"asperities": AsperitiesOfGeneratedAreas, "half-space": HalfSpaceOfGeneratedAreas},
     "measured lines": {"asperities": AsperitiesOfMeasuredLines, "half-space": HalfSpaceOfMeasuredLines},
@@ -504,39 +505,50 @@ CONTACTS: dict[str, dict[str, type[Contact]]] = {
 }
 """Cases of the table by kind of bodies and by the key `mechanics`; the first value is the default."""
 
-SHARED: tuple[type[ContactTable], ...] = (
-    Asperities, GeneratedAsperities, MeasuredContact, GeneratedContact, MeasuredAreasContact, HalfSpace, GeneratedLoads,
+SHARED_CONTACT_TABLES: tuple[type[ContactTable], ...] = (
+    AsperityContactTable, GeneratedAsperities, MeasuredContact, GeneratedContact, MeasuredAreasContact,
+    HalfSpaceContactTable, GeneratedLoads,
 )  # fmt: skip
 """Classes of keys that several cases share; messages about misplaced keys name them."""
 
 
-def contact_case(surfaces: type[Generated | Measured], table: Mapping[str, Any]) -> type[Contact]:
+def select_contact_case(
+    surfaces: type[GeneratedSurfaces | MeasuredSurfaces], table: Mapping[str, Any]
+) -> type[Contact]:
     """Return the case of a table by the surfaces and its key `mechanics`."""
-    cases = CONTACTS[surfaces.bodies]
+    cases = CONTACT_CASES[surfaces.bodies]
     return cases[chosen("mechanics", table, cases)]
 
 
-def read_contact(value: Mapping[str, Any], surfaces: Generated | Measured) -> Contact:
+def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | MeasuredSurfaces) -> Contact:
     """Read the table and check it against the surfaces."""
-    case = contact_case(type(surfaces), value)
-    check_keys(value, case, SHARED)
+    case = select_contact_case(type(surfaces), value)
+    check_keys(value, case, SHARED_CONTACT_TABLES)
     contact = case.model_validate(value)
     if isinstance(contact, MeasuredAreasContact):
         direction = contact.direction
         if direction is None or len(contact.ways()) > MAX_DIRECTIONS:
             raise fault_at("direction", f"must be from 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
         contact = contact.model_copy(update={"direction": tuple(contact.degrees().tolist())})
-    is_profile = isinstance(surfaces, Profiles)
+    is_profile = isinstance(surfaces, GeneratedProfiles)
     if is_profile and isinstance(contact, GeneratedContact) and contact.direction not in (None, "+x", "-x"):
         raise fault_at("direction", f'must be "+x" or "-x" on profiles, got {short_repr(contact.direction)}')
-    if isinstance(contact, Asperities) and surfaces.is_areal:
+    if isinstance(contact, AsperityContactTable) and surfaces.is_areal:
         try:
             contact.model().for_surfaces()
         except ValueError as error:
             key, _, why = str(error).partition(" ")
             raise fault_at(key, why) from None
-    if isinstance(contact, HalfSpace) and contact.hardness is not None and not isinstance(surfaces, Measured):
-        area = float(surfaces.extent) * THICKNESS if isinstance(surfaces, Profiles) else math.prod(surfaces.extents())
+    if (
+        isinstance(contact, HalfSpaceContactTable)
+        and contact.hardness is not None
+        and not isinstance(surfaces, MeasuredSurfaces)
+    ):
+        area = (
+            float(surfaces.extent) * THICKNESS
+            if isinstance(surfaces, GeneratedProfiles)
+            else math.prod(surfaces.extents())
+        )
         if not contact.steps()[-1] < (max_load := float(contact.hardness) * area):
             raise fault_at(
                 "load", f"must be below hardness times area, {max_load:g} mN, got {contact.steps()[-1]:g} mN"
@@ -553,9 +565,9 @@ def _extend_loads(given: Floats, ratio: float, steps: int) -> Floats:
 
 
 def _fill_loads(given: Floats) -> Floats:
-    """Return given loads (mN) and loads between them, in ratios of at most about `AREAL_LOAD_FACTOR`."""
+    """Return given loads (mN) and loads between them, in ratios of at most about `MAX_AREAL_LOAD_RATIO`."""
     given = np.unique(given)
-    steps = np.ceil(np.log(given[1:] / given[:-1]) / np.log(1.01 * AREAL_LOAD_FACTOR)).astype(int)
+    steps = np.ceil(np.log(given[1:] / given[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     between = [
         np.geomspace(low, high, count, endpoint=False)[1:]
         for low, high, count in zip(given[:-1], given[1:], steps, strict=True)
@@ -563,22 +575,24 @@ def _fill_loads(given: Floats) -> Floats:
     return np.concatenate([given, *between])
 
 
-def ladder(loads: ArrayLike, *, press: str, mechanics: str, most: float | None = None, lighter: int = 1) -> Floats:
+def choose_load_steps(
+    loads: ArrayLike, *, press: str, mechanics: str, most: float | None = None, lighter: int = 1
+) -> Floats:
     """Return the loads (mN) at which a measured pair is solved: the given loads with loads around and between them.
 
     All loads are below `most`. Areas have `lighter` loads below the given loads, and ratios of at most
-    `AREAL_LOAD_FACTOR` between successive loads.
+    `MAX_AREAL_LOAD_RATIO` between successive loads.
     """
     given = np.atleast_1d(float_array("loads", loads))
     if not given.size or not (given > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     if press == "lines" and mechanics == "asperities":
-        around = _extend_loads(given, LINE_LOAD_FACTOR, NUM_LINES_LOADS)
+        around = _extend_loads(given, LINE_LOAD_MARGIN, NUM_LINE_LOADS)
     elif press == "lines":
-        around = _extend_loads(given, HALF_SPACE_LOAD_FACTOR, NUM_HALF_PLANE_LOADS)
+        around = _extend_loads(given, HALF_PLANE_LOAD_MARGIN, NUM_HALF_PLANE_LOADS)
     else:
-        below = given.min() / AREAL_LOAD_FACTOR ** np.arange(1, lighter + 1)
-        around = np.unique(np.concatenate([_fill_loads(given), below, [given.max() * AREAL_LOAD_FACTOR]]))
+        below = given.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, lighter + 1)
+        around = np.unique(np.concatenate([_fill_loads(given), below, [given.max() * MAX_AREAL_LOAD_RATIO]]))
     # Given loads stay exact; other loads are rounded to six digits.
     exact = set(given.tolist())
     rounded = np.array([load if load in exact else float(f"{load:.6g}") for load in around.tolist()])

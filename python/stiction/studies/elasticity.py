@@ -29,7 +29,7 @@ class Elasticity:
     renamed: str = ""  # note about materials given by alternative names
 
 
-def elasticity_of(
+def find_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> Elasticity:  # fmt: skip
@@ -47,7 +47,7 @@ def elasticity_of(
     sources = {"{effective_modulus}": modulus, "{young}": young, materials_text: upper or lower}
     given = [source for source, value in sources.items() if value is not None]
     if young is not None and bool(upper) != bool(lower):
-        return _from_one_material(upper, lower, young, poisson)
+        return _combine_material_with_moduli(upper, lower, young, poisson)
     if len(given) != 1:
         raise ArgumentError(
             f"give {{effective_modulus}}, or {{young}} and {{poisson}}, or {materials_text}"
@@ -58,7 +58,7 @@ def elasticity_of(
             raise ArgumentError(
                 f"{{poisson}} must not be given together with {materials_text}, which have Poisson's ratios"
             )
-        return _from_materials(str(upper or lower), str(lower or upper))
+        return _combine_materials(str(upper or lower), str(lower or upper))
     ratios = None if poisson is None else parse_numbers("poisson", poisson)
     if ratios is not None and (len(ratios) > 2 or not all(0 <= ratio <= 0.5 for ratio in ratios)):
         raise ArgumentError("{poisson} must be one or two numbers from 0 to 0.5, got {got}", got=repr(poisson))
@@ -80,10 +80,10 @@ def elasticity_of(
             "{young} needs {poisson}: one value for both bodies, or the values of the upper and the lower body"
         )
     (upper_modulus, lower_modulus), (upper_ratio, lower_ratio) = (2 * moduli)[:2], (2 * ratios)[:2]
-    return _from_moduli(upper_modulus, upper_ratio, lower_modulus, lower_ratio)
+    return _combine_moduli(upper_modulus, upper_ratio, lower_modulus, lower_ratio)
 
 
-def _from_one_material(upper: str | None, lower: str | None, young: Any, poisson: Any) -> Elasticity:
+def _combine_material_with_moduli(upper: str | None, lower: str | None, young: Any, poisson: Any) -> Elasticity:
     moduli = [float(value) for value in parse_quantities("young", young, "pressure")]
     ratios = [] if poisson is None else parse_numbers("poisson", poisson)
     if len(moduli) != 1 or len(ratios) != 1 or not 0 <= ratios[0] <= 0.5:
@@ -92,19 +92,22 @@ def _from_one_material(upper: str | None, lower: str | None, young: Any, poisson
         )
     name = "upper_material" if upper else "lower_material"
     body = _load_material(name, str(upper or lower))
-    bodies = [(_round(body.young_modulus), _round(body.poisson_ratio)), (moduli[0], ratios[0])]
+    bodies = [
+        (_round_to_three_digits(body.young_modulus), _round_to_three_digits(body.poisson_ratio)),
+        (moduli[0], ratios[0]),
+    ]
     (upper_modulus, upper_ratio), (lower_modulus, lower_ratio) = bodies if upper else bodies[::-1]
     is_softer = body.hardness is not None and body.young_modulus <= moduli[0]
     return replace(
-        _from_moduli(upper_modulus, upper_ratio, lower_modulus, lower_ratio),
-        hardness=_round(body.hardness) if is_softer else None,
+        _combine_moduli(upper_modulus, upper_ratio, lower_modulus, lower_ratio),
+        hardness=_round_to_three_digits(body.hardness) if is_softer else None,
         source=f"{body.name}: E {bodies[0][0]:g} GPa, ν {bodies[0][1]:g}",
-        hardness_source=f"hardness {_round(body.hardness):g} GPa ({body.hardness.source})"
+        hardness_source=f"hardness {_round_to_three_digits(body.hardness):g} GPa ({body.hardness.source})"
         if is_softer else "the other body's hardness is not known",
     )  # fmt: skip
 
 
-def _from_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio: float) -> Elasticity:
+def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio: float) -> Elasticity:
     modulus = float(effective_modulus(upper, upper_ratio, lower, lower_ratio))
     return Elasticity(
         modulus, compliance_share=modulus * (1 - lower_ratio**2) / lower,
@@ -112,26 +115,27 @@ def _from_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio: fl
     )  # fmt: skip
 
 
-def _from_materials(upper: str, lower: str) -> Elasticity:
+def _combine_materials(upper: str, lower: str) -> Elasticity:
     """Return the elasticity of two materials, with the hardness of the softer material if it yields."""
     above, below = _load_material("upper_material", upper), _load_material("lower_material", lower)
-    modulus = _round(effective_modulus(above, below))
+    modulus = _round_to_three_digits(effective_modulus(above, below))
     softer = softer_material(above, below) or min((above, below), key=lambda body: body.young_modulus)
     hardness, hardness_source = softer.hardness, f"{softer.name} does not yield"
     if hardness is not None:
         limits = "" if hardness.low == hardness.high else f", of {hardness.low:g} to {hardness.high:g} GPa"
-        hardness_source = f"hardness {_round(hardness):g} GPa{limits} ({hardness.source})"
+        hardness_source = f"hardness {_round_to_three_digits(hardness):g} GPa{limits} ({hardness.source})"
     return Elasticity(
-        modulus, compliance_share=_round(compliance_fraction(above, below)),
-        poisson_ratio=float(softer.poisson_ratio), hardness=None if hardness is None else _round(hardness),
+        modulus, compliance_share=_round_to_three_digits(compliance_fraction(above, below)),
+        poisson_ratio=float(softer.poisson_ratio),
+        hardness=None if hardness is None else _round_to_three_digits(hardness),
         source=f"{above.name} on {below.name}: E* {modulus:g} GPa", hardness_source=hardness_source,
         materials=(above.name, below.name),
-        poisson_ratios=(_round(above.poisson_ratio), _round(below.poisson_ratio)),
-        renamed=_format_renamed(dict.fromkeys(((upper, above.name), (lower, below.name)))),
+        poisson_ratios=(_round_to_three_digits(above.poisson_ratio), _round_to_three_digits(below.poisson_ratio)),
+        renamed=_format_alias_note(dict.fromkeys(((upper, above.name), (lower, below.name)))),
     )  # fmt: skip
 
 
-def _format_renamed(names: Iterable[tuple[str, str]]) -> str:
+def _format_alias_note(names: Iterable[tuple[str, str]]) -> str:
     """Return a note about alternative names, from pairs of given and standard name; empty if there are none."""
     aliases = [f'"{given}"{{}} as {name}' for given, name in names if not is_name_of(given, name)]
     text = ", ".join(alias.format("" if index else " is taken") for index, alias in enumerate(aliases))
@@ -151,6 +155,6 @@ def _load_material(argument: str, name: str) -> Any:
         raise ArgumentError(f"{{{argument}}} {{why}}", why=str(error).removeprefix("name ")) from None
 
 
-def _round(value: float) -> float:
+def _round_to_three_digits(value: float) -> float:
     """Round a number to three significant digits, the accuracy of material data."""
     return float(f"{value:.3g}")

@@ -41,11 +41,11 @@ from stiction.mechanics.quantities import (
     attributes_of,
 )
 from stiction.studies import intervals
-from stiction.studies.hardness import Areas
+from stiction.studies.hardness import AreaInterpolator
 from stiction.studies.intervals import Crossing
 from stiction.studies.maps import CELLS, MOTIONS, cells_of, ensemble_map, material_of, means
 from stiction.studies.result import Result
-from stiction.studies.study import Study, step_of, study_of
+from stiction.studies.study import Study, find_step_dimension, study_of
 
 if TYPE_CHECKING:
     import xarray
@@ -212,7 +212,7 @@ def _evaluate_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats)
             first = first.assign_coords(axis=("axis", axes, attributes_of("axis")))
     others = [name for name in (*ONSET, "contact_load") if name in head]
     for what in ("contact_area", "contact_count", "normal_stiffness", *others):
-        if what == "normal_stiffness" and head.sizes[step_of(head)] < MIN_STIFFNESS_STEPS:
+        if what == "normal_stiffness" and head.sizes[find_step_dimension(head)] < MIN_STIFFNESS_STEPS:
             continue
         try:
             found = read(what, every)
@@ -248,7 +248,7 @@ def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
     highest = float(elastic.max())
     if not highest > 0:
         raise ValueError("no pair of this result touches within its steps, so there is nothing to draw")
-    lowest = float(elastic.isel({step_of(elastic.to_dataset(name="load_of_step")): 0}).max())
+    lowest = float(elastic.isel({find_step_dimension(elastic.to_dataset(name="load_of_step")): 0}).max())
     if not 1e-6 * highest < lowest < 0.5 * highest:
         lowest = 1e-6 * highest if lowest < highest / 2 else highest / 10
     return np.asarray(np.geomspace(lowest, highest, steps))
@@ -431,29 +431,31 @@ def _members_before_growth(
 ) -> xarray.Dataset:
     """Return `member_values` without junction growth."""
     return _evaluate_pieces(
-        result, of, lambda piece: evaluate_piece(piece, loads, mu0, tau0, reading, ratio=step_of(piece) == "load")
+        result,
+        of,
+        lambda piece: evaluate_piece(piece, loads, mu0, tau0, reading, ratio=find_step_dimension(piece) == "load"),
     )
 
 
 # ---- Junction growth -------------------------------------------------------------------------------------------------
 
 
-def areas_of(at: xarray.Dataset, result: Result | xarray.Dataset) -> Areas:
+def areas_of(at: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpolator:
     """Return how the true area follows hardness and E* at the loads of what `at_load` gives of a result."""
     result = Result.of(result)
     study, loads = result.study, at["load"].values
     area = at["contact_area"].sel(statistic="mean")
     ratio = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
     gradient = float(at["rms_gradient"].sel(statistic="mean").mean())
-    return Areas.of(loads, ratio, gradient, growth_of_area(result, loads), study, result)
+    return AreaInterpolator.of(loads, ratio, gradient, growth_of_area(result, loads), study, result)
 
 
-def _areas_of_members(members: xarray.Dataset, result: Result) -> Areas:
+def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolator:
     """Return how the true area follows the hardness at the study's own E*, from `member_values`."""
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
     ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
     study = result.study
-    return Areas.of(loads, ratio, float(gradient.mean()), np.zeros(loads.size), study, result)
+    return AreaInterpolator.of(loads, ratio, float(gradient.mean()), np.zeros(loads.size), study, result)
 
 
 def growth_of_area(result: Result, loads: Floats) -> Floats:
@@ -470,7 +472,7 @@ def growth_of_area(result: Result, loads: Floats) -> Floats:
     return np.zeros(loads.size)
 
 
-def area_growth(areas: Areas, study: Study, rule: str, mu0: Floats, tau0: Floats) -> Floats:
+def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, tau0: Floats) -> Floats:
     """Return the true area at the onset of sliding over that before shear, (loads, mu0, tau0).
 
     Infinite where interfaces seize.
@@ -482,7 +484,7 @@ def area_growth(areas: Areas, study: Study, rule: str, mu0: Floats, tau0: Floats
     return np.array(grown).reshape(-1, *pressure.shape)
 
 
-def _with_growth(members: xarray.Dataset, result: Result, areas: Areas, of: Kind | None) -> xarray.Dataset:
+def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolator, of: Kind | None) -> xarray.Dataset:
     """Return `member_values` whose adhesive forces are those of the true area at the onset of sliding."""
     import xarray
 
@@ -525,7 +527,7 @@ def member_sums(
     import xarray
 
     def read(piece: xarray.Dataset) -> xarray.Dataset:
-        sums, off = _curves(piece, loads, names, ratio=step_of(piece) == "load")
+        sums, off = _curves(piece, loads, names, ratio=find_step_dimension(piece) == "load")
         dims = (*cells_of(piece), "repetition", *MOTIONS, "load")
         values = np.broadcast_arrays(*map(off.at, sums.values()))
         kept = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
@@ -585,7 +587,7 @@ def evaluate_piece(
     """Evaluate members in memory as `member_values` does; with `ratio`, interpolate over the logarithm of the load."""
     import xarray
 
-    cells, step = cells_of(piece), step_of(piece)
+    cells, step = cells_of(piece), find_step_dimension(piece)
     lead = (*cells, "repetition")
     there = piece.variables
     sums, off = _curves(piece, loads, ratio=ratio)
@@ -651,7 +653,7 @@ def _curves(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, ratio: bool
 ) -> tuple[dict[str, Floats], Crossing]:
     """Return sums of members over sliding, direction and step, and where their elastic loads reach the given loads."""
-    step = step_of(piece)
+    step = find_step_dimension(piece)
     lead = (*cells_of(piece), "repetition")
     there = piece.variables  # without coordinates, which take longer to carry along than the numbers to compute
     elastic = _over(there["normal_elastic"], (*lead, step))
@@ -710,7 +712,7 @@ def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, 
     locked = known & (normal <= 0)
     status = friction.combine_status(touched=True, reached=known & reached & ~locked, locked=locked, below=below)
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
-    step = step_of(piece)
+    step = find_step_dimension(piece)
     if "status" in piece:
         # Why a member has no answer is said at the step that is nearest above.
         codes = _over(piece.variables["status"], (*cells_of(piece), "repetition", step)).astype(int)

@@ -16,14 +16,14 @@ from stiction._text import MAX_PATH_LENGTH, printable
 from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
-MIN_SHARED_POINTS = 2**16  # grid points above which threads share a transform; below, they would wait for each other
-WORKER_DIED = "a worker process ended unexpectedly; the available memory may be too small"
+MIN_THREADED_POINTS = 2**16  # grid points above which threads share a transform; below, they would wait for each other
+WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
 CONNECTION_TIMEOUT = "15s"
 
 
 @contextlib.contextmanager
-def executor_or_threads(given: Executor | None) -> Iterator[Executor]:
+def enter_executor(given: Executor | None) -> Iterator[Executor]:
     """Enter the given executor, which the caller shuts down, or an executor of threads.
 
     Raises a `StudyError` if a worker process ends.
@@ -32,14 +32,14 @@ def executor_or_threads(given: Executor | None) -> Iterator[Executor]:
         if given is not None:
             yield given
         else:
-            with threads() as pool:
+            with thread_executor() as pool:
                 yield pool
     except BrokenExecutor:
-        raise StudyError(WORKER_DIED) from None
+        raise StudyError(WORKER_DIED_MESSAGE) from None
 
 
 @contextlib.contextmanager
-def threads(workers: int | None = None) -> Iterator[Executor]:
+def thread_executor(workers: int | None = None) -> Iterator[Executor]:
     """Enter an executor of threads, by default one for each core. Raises a `RuntimeError` if no thread can start."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     pool = ThreadPoolExecutor(workers or cores or 1, thread_name_prefix="stiction")
@@ -52,7 +52,7 @@ def threads(workers: int | None = None) -> Iterator[Executor]:
     pool.shutdown()
 
 
-def share_threads(
+def use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
     """Return the function of a task, with several threads per FFT if large tasks are fewer than the threads.
@@ -61,7 +61,7 @@ def share_threads(
     """
     workers = executor._max_workers if isinstance(executor, ThreadPoolExecutor) else 1
     threads_per_task = workers // max(tasks, 1)
-    if points < MIN_SHARED_POINTS or threads_per_task < 2:
+    if points < MIN_THREADED_POINTS or threads_per_task < 2:
         return function
 
     def shared(*arguments: Any) -> _Result:

@@ -29,8 +29,8 @@ from stiction.surfaces.surface import SurfaceAmplitude
 
 LengthScale = Annotated[Length, Field(description="L of Eq. 1, which sets the longest wavelength.")]
 Gamma = Annotated[float, Field(gt=1, description="Ratio of neighbouring frequencies in Eq. 1.")]
-WaveDirections = Annotated[int, Field(ge=1, le=MAX_VALUES, description="M of Eq. 1: number of directions.")]
-Frequencies = Annotated[
+NumWaveDirections = Annotated[int, Field(ge=1, le=MAX_VALUES, description="M of Eq. 1: number of directions.")]
+NumFrequencies = Annotated[
     int, Field(ge=1, le=MAX_VALUES, description="n_max of Eq. 1: number of frequencies per direction.")
 ]
 BandLimit = Annotated[
@@ -41,7 +41,7 @@ ConventionOfEquation = Annotated[
     Convention, Field(description="Definition of D: that of the paper, H = 4 - 2D, or the classical one, H = 2 - D.")
 ]
 AreaExtent = Annotated[tuple[Length, Length], as_tuple, Field(description="Lengths of a surface along y and x.")]
-Shape = Annotated[tuple[Side, Side], as_tuple, Field(description="Rows and columns of a surface.")]
+GridShape = Annotated[tuple[Side, Side], as_tuple, Field(description="Rows and columns of a surface.")]
 AreaAmplitude = Annotated[
     SurfaceAmplitude, Field(description="Measure of the amplitude: total height, mean (Sa) or root mean square (Sq).")
 ]
@@ -50,7 +50,7 @@ AreaAmplitude = Annotated[
 MAX_HARMONICS = 1_000_000  # largest product of directions and frequencies, which limits the run time per point
 
 
-class FractalParameters(Case):
+class GeneratedSurfaceKeys(Case):
     """Keys that all generated ensembles share: fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # name in `place` of contact tables
@@ -98,7 +98,7 @@ class FractalParameters(Case):
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
-class Profiles(FractalParameters):
+class GeneratedProfiles(GeneratedSurfaceKeys):
     """Keys for pairs of fractal profiles by Eq. 1 of the paper."""
 
     place: ClassVar[str] = "fractal profiles"
@@ -116,8 +116,8 @@ class Profiles(FractalParameters):
         description="Number of points of a profile; the spacing is the extent divided by it.",
     )  # fmt: skip
     gamma: Gamma = 1.5
-    directions: WaveDirections = 40
-    frequencies: Frequencies = 40
+    directions: NumWaveDirections = 40
+    frequencies: NumFrequencies = 40
     convention: ConventionOfEquation = "paper"
     band_limit: BandLimit = "none"
 
@@ -127,15 +127,15 @@ class Profiles(FractalParameters):
         return float(self.extent) / self.points
 
 
-class Areas(FractalParameters):
+class GeneratedAreas(GeneratedSurfaceKeys):
     """Keys that all generated areas share: extent and shape of the grid."""
 
     kind: Literal["surface"] = Field(default="surface", description="Kind of surfaces: lines or areas.")
     extent: AreaExtent = (quantity("10 um", "length"), quantity("10 um", "length"))
-    shape: Shape = (512, 512)
+    shape: GridShape = (512, 512)
 
     @model_validator(mode="after")
-    def _check_points(self) -> Areas:
+    def _check_points(self) -> GeneratedAreas:
         if self.shape[0] * self.shape[1] > MAX_POINTS:
             raise fault_at("shape", f"must have at most {MAX_POINTS} points, got {list(self.shape)}")
         return self
@@ -151,7 +151,7 @@ class Areas(FractalParameters):
         return along_y / rows, along_x / columns
 
 
-class WeierstrassMandelbrotSurfaces(Areas):
+class WeierstrassMandelbrotSurfaces(GeneratedAreas):
     """Keys for pairs of fractal surfaces by Eq. 1 of the paper."""
 
     place: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
@@ -162,8 +162,8 @@ class WeierstrassMandelbrotSurfaces(Areas):
     amplitude_measure: AreaAmplitude = "height"
     length_scale: LengthScale = quantity("1 um", "length")
     gamma: Gamma = 1.5
-    directions: WaveDirections = 40
-    frequencies: Frequencies = 40
+    directions: NumWaveDirections = 40
+    frequencies: NumFrequencies = 40
     convention: ConventionOfEquation = "paper"
     band_limit: BandLimit = "none"
 
@@ -180,7 +180,7 @@ def _to_fractal_dimensions(exponents: Any) -> Any:
         raise fault_at("hurst_exponent", f"must be numbers above 0, at most 1, got {short_repr(exponents)}") from None
 
 
-class SelfAffineSurfaces(Areas):
+class SelfAffineSurfaces(GeneratedAreas):
     """Keys for pairs of surfaces with Gaussian heights and a power-law spectrum."""
 
     place: ClassVar[str] = "self-affine surfaces"
@@ -257,5 +257,5 @@ class SelfAffineSurfaces(Areas):
         return max(self.extents()) if self.longest_wavelength is None else float(self.longest_wavelength)
 
 
-Generated = Profiles | WeierstrassMandelbrotSurfaces | SelfAffineSurfaces
+GeneratedSurfaces = GeneratedProfiles | WeierstrassMandelbrotSurfaces | SelfAffineSurfaces
 """Table `[surfaces]` of a generated ensemble."""

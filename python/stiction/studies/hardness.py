@@ -19,10 +19,10 @@ from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_sepa
 from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.materials import Material, material, softer_material
 from stiction.mechanics.resolution import KAPPA
-from stiction.studies.contact_tables import HalfSpace
+from stiction.studies.contact_tables import HalfSpaceContactTable
 from stiction.studies.input_uncertainty import UncertainInput, parse_input, parse_study_input
 from stiction.studies.members import count_points, load_bodies
-from stiction.studies.moduli import Moduli, hardness_of_material, moduli_of_material
+from stiction.studies.moduli import Moduli, find_material_hardness, find_material_moduli
 from stiction.studies.store import StoredResult, read_companion
 from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
@@ -32,68 +32,68 @@ if TYPE_CHECKING:
 
     from stiction.studies.result import Result
 
-FILE = "hardness.nc"
+AREAS_FILE = "hardness.nc"
 """File in the folder of a result with the true areas of its first members at the nodes."""
 
-MEMBERS, LARGE, LINES = 4, 2, 16
+NUM_MAP_MEMBERS, NUM_LARGE_MAP_MEMBERS, NUM_PROFILE_MEMBERS = 4, 2, 16
 """Numbers of members that are solved at other hardnesses: of maps, of large maps, and of profiles."""
 
-LARGE_POINTS = 2**19
+MIN_LARGE_MAP_POINTS = 2**19
 """Points of a large map. Members of 384² points differ by 0.1 % if all contacts yield, and by 2 % if some do."""
 
-MIN_MEMBERS = 2  # members from whose scatter the error of the area over hardness is estimated
+MIN_ERROR_MEMBERS = 2  # members from whose scatter the error of the area over hardness is estimated
 
-NODES = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
+NODE_POSITIONS = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
 """Positions of nodes in the range of ln H, by the number of moduli; the study's own and elastic bodies are added."""
 
-NARROW = 0.2
+MAX_NARROW_HALF_RANGE = 0.2
 """Half of the range of ln E* below which the growth of the area with the load replaces solutions at other moduli."""
 
-SHEARED_STEP, NUM_SHEARED = 0.6, 3
+SHEAR_NODE_STEP, NUM_SHEAR_NODES = 0.6, 3
 """Step of ln H between the nodes that junction growth adds below the range of the hardness, and their number.
 
 Below the last node contacts are taken as plastic: their area is proportional to 1/H."""
 
-OUTER = (0.005, 0.995)
+NODE_QUANTILES = (0.005, 0.995)
 """Quantiles of a range between which nodes lie."""
-_MODULI = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
-ROUNDED = 0.006  # largest relative error of a number in three digits
+_MODULUS_LABELS = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
+THREE_DIGIT_ERROR = 0.006  # largest relative error of a number in three digits
 
 
 @dataclass(frozen=True)
-class StudyInput:
+class LabelledInput:
     """An uncertain input of a study and its label."""
 
     label: str
     estimate: UncertainInput
 
 
-def find_inputs(study: Study) -> dict[str, StudyInput]:
+def find_inputs(study: Study) -> dict[str, LabelledInput]:
     """Return the uncertain inputs of a study of measured bodies by their names."""
     if not study.is_measured:
         return {}
     table, contact = study.known, study.contact
     bodies = find_materials(study)
-    found: dict[str, StudyInput] = {}
+    found: dict[str, LabelledInput] = {}
     for name, words, kind in (("mu0", "μ0", ""), ("tau0", "τ0", "pressure")):
         if (text := getattr(table, name)) is not None:
-            found[name] = StudyInput(words, parse_input(name, text, kind))  # type: ignore[arg-type]
+            found[name] = LabelledInput(words, parse_input(name, text, kind))  # type: ignore[arg-type]
     moduli = find_moduli(study).inputs
     if "effective_modulus" in moduli:
-        found["effective_modulus"] = StudyInput("E*", moduli.pop("effective_modulus"))
+        found["effective_modulus"] = LabelledInput("E*", moduli.pop("effective_modulus"))
     if contact.hardness is not None:
         softer = softer_material(*bodies)
         words = f"the hardness of the {softer.name}" if softer else "the hardness"
         if table.hardness is not None:
-            found["hardness"] = StudyInput(words, parse_input("hardness", table.hardness, "hardness"))
-        elif softer and softer.hardness and abs(float(contact.hardness) / softer.hardness - 1) < ROUNDED:
-            found["hardness"] = StudyInput(words, hardness_of_material(softer.hardness))
+            found["hardness"] = LabelledInput(words, parse_input("hardness", table.hardness, "hardness"))
+        elif softer and softer.hardness and abs(float(contact.hardness) / softer.hardness - 1) < THREE_DIGIT_ERROR:
+            found["hardness"] = LabelledInput(words, find_material_hardness(softer.hardness))
     if (growth := find_junction_growth(study)) is not None:
-        found["junction_growth"] = StudyInput("the junction growth α", growth)
+        found["junction_growth"] = LabelledInput("the junction growth α", growth)
     for key, value in moduli.items():
         name, _, side = key.partition("_")
-        words = f"{_MODULI[name]} of the {bodies[SIDES.index(side)].name if bodies else f'{side} body'}"
-        found[key] = StudyInput(words, value)
+        words = f"{_MODULUS_LABELS[name]} of the {bodies[SIDES.index(side)].name if bodies else f'{side} body'}"
+        found[key] = LabelledInput(words, value)
     return {name: each for name, each in found.items() if not each.estimate.is_exact}
 
 
@@ -120,7 +120,7 @@ def find_moduli(study: Study) -> Moduli:
             for e, nu in given
         ]
         return Moduli(middle, bodies=tuple(bodies))
-    bodies = [moduli_of_material(each) for each in materials]
+    bodies = [find_material_moduli(each) for each in materials]
     return Moduli(middle, bodies=tuple(bodies), is_one_material=bool(materials) and materials[0] == materials[1])
 
 
@@ -132,7 +132,7 @@ def find_materials(study: Study) -> tuple[Material, ...]:
         return ()
 
 
-def relative_modulus(study: Study, drawn: Mapping[str, Floats]) -> Floats | float:
+def compute_relative_modulus(study: Study, drawn: Mapping[str, Floats]) -> Floats | float:
     """Return E* over that of the study, from samples of its inputs by their names."""
     return find_moduli(study).relative(drawn)
 
@@ -149,31 +149,31 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     inputs, creep, own = find_inputs(study), find_creep(study), study.contact.hardness
     # Relative range of E*: contributions of its inputs, each at its ends, added in quadrature.
     steps = [
-        np.ptp(np.log(relative_modulus(study, {name: each.estimate.quantile(OUTER)}))) / 2
+        np.ptp(np.log(compute_relative_modulus(study, {name: each.estimate.quantile(NODE_QUANTILES)}))) / 2
         for name, each in inputs.items()
         if name not in ("mu0", "tau0", "hardness", "junction_growth")
     ]
     wide = float(np.hypot.reduce([0.0, *steps]))
-    moduli = np.exp([-wide, 0.0, wide]) if wide > NARROW else np.ones(1)
+    moduli = np.exp([-wide, 0.0, wide]) if wide > MAX_NARROW_HALF_RANGE else np.ones(1)
     if own is None:
         return np.array([np.inf] if moduli.size > 1 else []), moduli
     if "hardness" not in inputs and creep is None and moduli.size == 1 and find_junction_growth(study) is None:
         return np.zeros(0), moduli
-    ends = inputs["hardness"].estimate.quantile(OUTER) if "hardness" in inputs else np.repeat(float(own), 2)
+    ends = inputs["hardness"].estimate.quantile(NODE_QUANTILES) if "hardness" in inputs else np.repeat(float(own), 2)
     if creep is not None:
-        falls = np.power.outer([1.0, *study.friction.wait], -creep.quantile(OUTER))
+        falls = np.power.outer([1.0, *study.friction.wait], -creep.quantile(NODE_QUANTILES))
         ends = ends * [falls.min(), falls.max()]
     half = np.hypot(np.ptp(np.log(ends)) / 2, np.log(moduli[-1]))
-    parts = np.exp(half * (2 * np.array(NODES[moduli.size]) - 1)) if half > 0 else np.ones(0)
+    parts = np.exp(half * (2 * np.array(NODE_POSITIONS[moduli.size]) - 1)) if half > 0 else np.ones(0)
     nodes = np.unique([*np.sqrt(ends.prod()) * parts, float(own), np.inf])
-    return np.unique([*_nodes_under_shear(study, float(nodes[0])), *nodes]), moduli
+    return np.unique([*_choose_shear_nodes(study, float(nodes[0])), *nodes]), moduli
 
 
-def _nodes_under_shear(study: Study, softest: float) -> Floats:
+def _choose_shear_nodes(study: Study, softest: float) -> Floats:
     """Return the nodes below a hardness (GPa) for junction growth, which serve all mu0 and tau0."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
-    return np.asarray(softest * np.exp(-SHEARED_STEP * np.arange(1, NUM_SHEARED + 1)))
+    return np.asarray(softest * np.exp(-SHEAR_NODE_STEP * np.arange(1, NUM_SHEAR_NODES + 1)))
 
 
 def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
@@ -184,13 +184,13 @@ def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Data
     if not hardnesses.size:
         return None
     loads = np.array([float(load) for load in study.friction.load])
-    members = _members(study)
+    members = _count_members(study)
     tasks = list(product(range(members), moduli.tolist(), hardnesses.tolist()))
-    found = np.array(list(executor.map(partial(_areas_of_member, study, loads), tasks)))
+    found = np.array(list(executor.map(partial(_solve_member_areas, study, loads), tasks)))
     areas = found.reshape(members, moduli.size, hardnesses.size, -1, loads.size)
     dims = ("repetition", "relative_modulus", "hardness", "load")
     return xarray.Dataset(
-        {name: (dims, areas[..., index, :], {"units": "um^2"}) for index, name in enumerate(_area_names(study))},
+        {name: (dims, areas[..., index, :], {"units": "um^2"}) for index, name in enumerate(_list_area_names(study))},
         {
             "hardness": ("hardness", hardnesses, {"units": "GPa", "long_name": "hardness over the relative modulus"}),
             "relative_modulus": ("relative_modulus", moduli, {"units": "1"}),
@@ -203,20 +203,20 @@ def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Data
 def count_solutions(study: Study) -> int:
     """Return the number of solutions that `compute_areas_over_hardness` needs."""
     hardnesses, moduli = choose_area_nodes(study)
-    return hardnesses.size * moduli.size * _members(study) * len(study.friction.load) if hardnesses.size else 0
+    return hardnesses.size * moduli.size * _count_members(study) * len(study.friction.load) if hardnesses.size else 0
 
 
-def _members(study: Study) -> int:
-    few = LARGE if count_points(study) >= LARGE_POINTS else MEMBERS
-    return min(few if study.is_areal else LINES, study.ensemble.repetitions)
+def _count_members(study: Study) -> int:
+    few = NUM_LARGE_MAP_MEMBERS if count_points(study) >= MIN_LARGE_MAP_POINTS else NUM_MAP_MEMBERS
+    return min(few if study.is_areal else NUM_PROFILE_MEMBERS, study.ensemble.repetitions)
 
 
-def _area_names(study: Study) -> tuple[str, ...]:
+def _list_area_names(study: Study) -> tuple[str, ...]:
     """Return the names of the areas that are solved over hardness."""
     return ("contact_area", "opposing_area") if find_junction_growth(study) is not None else ("contact_area",)
 
 
-def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:
+def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, float]) -> Floats:
     """Return true areas (µm²), (areas, loads), of a member at a relative E* and a hardness over it.
 
     With junction growth the second area is that of the contacts that oppose the motion, times their slope factors, as a
@@ -226,22 +226,22 @@ def _areas_of_member(study: Study, loads: Floats, task: tuple[int, float, float]
     bodies, contact, hardness = load_bodies(study), study.contact, modulus * ratio
     surfaces: Any = study.surfaces
     upper, lower = bodies.member(index, surfaces.quoted_cut_off()).pair
-    assert isinstance(contact, HalfSpace), "the mechanics must be half-space"
+    assert isinstance(contact, HalfSpaceContactTable), "the mechanics must be half-space"
     modulus *= float(contact.effective_modulus)
     solid = contact.solid() | {"hardness": hardness if np.isfinite(hardness) else None, "effective_modulus": modulus}
     can = np.flatnonzero(loads < hardness * float(bodies.attributes().nominal_area or 0.0))
-    areas = np.full((len(_area_names(study)), loads.size), np.nan)
+    areas = np.full((len(_list_area_names(study)), loads.size), np.nan)
     solid |= {"direction": contact.degrees().tolist()} if study.is_areal and len(areas) > 1 else {}
     for at, curve in (
         solve_separately(partial(half_space, upper, lower, **solid, sliding="all"), loads[can]) if can.size else ()
     ):
         areas[0, can[at]] = curve.contact_area
         if len(areas) > 1:
-            areas[1, can[at]] = _opposing_area(curve, is_areal=study.is_areal)
+            areas[1, can[at]] = _compute_opposing_area(curve, is_areal=study.is_areal)
     return areas
 
 
-def _opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
+def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
     """Return the tangential load per shear strength (µm²) of the contacts that oppose the motion, over the loads."""
     opposing = curve.with_sliding("opposing")
     ways = [opposing] if is_areal else [opposing, opposing.with_direction("-x")]
@@ -255,7 +255,7 @@ def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
     hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     wanted = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
     names = ("hardness", "relative_modulus", "load")
-    found = read_companion(result.path / FILE, (*names, *_area_names(study))) if hardnesses.size else None
+    found = read_companion(result.path / AREAS_FILE, (*names, *_list_area_names(study))) if hardnesses.size else None
     if found is None:
         return None
     there = [found[name].values for name in names]
@@ -267,7 +267,7 @@ def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
 
 
 @dataclass(frozen=True)
-class Areas:
+class AreaInterpolator:
     """True area at each load over hardness and E*.
 
     A solution at (F, E*, H) equals that at (F/e, E*/e, H/e), which has the study's E* and another load and hardness.
@@ -285,7 +285,9 @@ class Areas:
     kept: dict[Any, Any] = field(default_factory=dict)  # samples that several points share
 
     @classmethod
-    def of(cls, loads: Floats, ratio: Floats, gradient: float, growth: Floats, study: Study, result: Result) -> Areas:
+    def of(
+        cls, loads: Floats, ratio: Floats, gradient: float, growth: Floats, study: Study, result: Result
+    ) -> AreaInterpolator:
         """Return the areas of a result.
 
         Parameters
@@ -308,14 +310,14 @@ class Areas:
         if solved is not None and (grows or set(loads.tolist()) <= set(solved["load"].values.tolist())):
             means = solved.mean("repetition")
             over = (means * means["relative_modulus"] / means["load"]).transpose("load", "relative_modulus", "hardness")
-            over = _between_loads(over, loads)
+            over = _interpolate_loads(over, loads)
             areas, nodes, moduli = over["contact_area"], over["hardness"].values, over["relative_modulus"].values
             borne = np.isfinite(areas.values).all(axis=(0, 1))
             if borne[-1] and (own is None or borne.sum() > 1):
                 finite = borne & np.isfinite(nodes)
                 table = nodes[finite], areas.values[..., finite], areas.values[..., -1]
                 growth = growth if moduli.size == 1 else np.zeros(loads.size)
-                errors = _errors_over_hardness(solved.sel(load=loads, method="nearest"), own)[:, finite]
+                errors = _estimate_node_errors(solved.sel(load=loads, method="nearest"), own)[:, finite]
                 opposing = (
                     over["opposing_area"].values[:, moduli.size // 2, finite] if "opposing_area" in over else None
                 )
@@ -339,7 +341,7 @@ class Areas:
             now, own = (area_per_load(np.ravel(each), *known) for each in (ratio, self.hardness))
             now = now.reshape(-1, *(ratio.shape or (1,)))
         scale = np.power(modulus, -(1.0 + self.growth[load]))
-        return np.asarray(scale * _between(now, self.moduli, modulus) / own[self.moduli.size // 2])
+        return np.asarray(scale * _interpolate_moduli(now, self.moduli, modulus) / own[self.moduli.size // 2])
 
     def error(self, load: int, hardness: Floats) -> Floats:
         """Return the relative standard error of `factor` at hardnesses over the relative modulus (GPa)."""
@@ -398,7 +400,7 @@ class Areas:
         return self.opposing[load], elastic * float(self.opposing[load, -1] / areas[-1])
 
 
-def _between_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
+def _interpolate_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
     """Return areas at loads, interpolated as powers of the load and constant beyond the loads of the dataset."""
     import xarray
 
@@ -410,18 +412,18 @@ def _between_loads(areas: xarray.Dataset, loads: Floats) -> xarray.Dataset:
     return lower ** (1 - part) * upper**part  # exact at loads of the dataset, even if the neighbor is NaN
 
 
-def _errors_over_hardness(solved: xarray.Dataset, own: float | None) -> Floats:
+def _estimate_node_errors(solved: xarray.Dataset, own: float | None) -> Floats:
     """Return (loads, n) relative standard errors of the area at the nodes over that at the study's hardness."""
     area = solved["contact_area"].sel(relative_modulus=1.0, method="nearest")
     area = area.transpose("load", "hardness", "repetition")
     count = area.sizes["repetition"]
-    if own is None or count < MIN_MEMBERS:
+    if own is None or count < MIN_ERROR_MEMBERS:
         return np.zeros(area.shape[:2])
     relative = np.log((area / area.sel(hardness=own, method="nearest")).values)
     return np.asarray(relative.std(axis=-1, ddof=1) / np.sqrt(count))
 
 
-def _between(values: Floats, moduli: Floats, wanted: Floats | float) -> Floats:
+def _interpolate_moduli(values: Floats, moduli: Floats, wanted: Floats | float) -> Floats:
     """Interpolate positive values over moduli e^(-w), 1, e^w by a parabola of their logarithms in ln E*."""
     if moduli.size == 1:
         return np.asarray(values[0])

@@ -26,24 +26,38 @@ from stiction.studies.values import Table, as_tuple
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half of the 95 % interval of a normal distribution over its standard deviation
 NUM_SAMPLES = 2**14  # samples of the inputs; budget fractions of equal inputs differ by less than 0.01
-MIN_DEVIATION = 1e-9  # smallest relative standard uncertainty
-UNCERTAIN_TEXT = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
+MIN_RELATIVE_DEVIATION = 1e-9  # smallest relative standard uncertainty
+UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
 """Part of a text that makes it more than a number with a unit."""
 
-_ROCKWELL = {20: 238, 25: 266, 30: 302, 35: 345, 40: 392, 45: 446, 50: 513, 55: 595, 60: 697, 65: 832, 68: 940}
+_VICKERS_BY_ROCKWELL = {
+    20: 238,
+    25: 266,
+    30: 302,
+    35: 345,
+    40: 392,
+    45: 446,
+    50: 513,
+    55: 595,
+    60: 697,
+    65: 832,
+    68: 940,
+}
 """Vickers hardness of steels over the Rockwell hardness C, from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-ROCKWELL_ERROR = 0.05  # half of the relative range of a hardness that is converted from HRC: 10 to 20 HV
-_VICKERS = 9.80665e-3 / 0.9272  # mean pressure (GPa) of 1 HV, kgf/mm²; the projected area is 0.9272 of the faces
-_RANGE = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
-_WITH_UNCERTAINTY = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
-_PERCENT = re.compile(r"(.+?)\s*%\s*(.*)")  # a relative uncertainty, and the unit of the value if it follows
-_UNIT = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
-_TEST_LOAD = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")  # "HV10", "HV 0.5": kgf
-Kind = Literal["", "pressure", "modulus", "hardness"]
-MAX_POISSON = 0.5  # largest Poisson's ratio, of an incompressible body
-MAX_GROWTH = 100.0  # largest α of junction growth; a von Mises body whose hardness is three yield strengths has 27
-MAX_CREEP = 0.5  # largest exponent of indentation creep; the hardness of a melt falls to a third in a decade of time
+ROCKWELL_CONVERSION_ERROR = 0.05  # half of the relative range of a hardness that is converted from HRC: 10 to 20 HV
+_VICKERS_PRESSURE = 9.80665e-3 / 0.9272
+"""Mean pressure (GPa) of 1 HV, which is 1 kgf per mm² of the faces; the projected area is 0.9272 of the faces."""
+
+_RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
+_PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
+_PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")  # a relative uncertainty, and the unit of the value if it follows
+_TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
+_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")  # "HV10", "HV 0.5": kgf
+InputKind = Literal["", "pressure", "modulus", "hardness"]
+MAX_POISSON_RATIO = 0.5  # of an incompressible body
+MAX_JUNCTION_GROWTH = 100.0  # α; a von Mises body whose hardness is three yield strengths has α = 27
+MAX_CREEP_EXPONENT = 0.5  # of indentation creep; the hardness then falls to a third in a decade of time
 
 
 @dataclass(frozen=True)
@@ -94,7 +108,7 @@ class UncertainInput:
         return np.asarray(np.maximum(self.value + deviation * ndtri(below + probability * (1 - below)), 0.0))
 
 
-def parse_input(name: str, given: Any, kind: Kind = "") -> UncertainInput:
+def parse_input(name: str, given: Any, kind: InputKind = "") -> UncertainInput:
     """Parse a number in core units, or a text: "0.2±0.02", "20..80 MPa", "150 HV", "150 ± 10 % HV".
 
     Raises
@@ -108,20 +122,20 @@ def parse_input(name: str, given: Any, kind: Kind = "") -> UncertainInput:
         value = _parse_value(name, given, kind)
         return UncertainInput(value, value, value, "exact", exact_text(value, "GPa") if kind else repr(value))
     text = " ".join(given.split())
-    parsed = _parse_text(name, _TEST_LOAD.sub("HV", text) if kind == "hardness" else text, kind)
+    parsed = _parse_text(name, _TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind)
     if not parsed.high <= MAX_NUMBER:
         raise ValueError(f"{name} must be at most {MAX_NUMBER:g} with its uncertainty, got {short_repr(text)}")
-    if parsed.distribution == "normal" and parsed.high - parsed.low < 2 * Z_95 * MIN_DEVIATION * parsed.value:
+    if parsed.distribution == "normal" and parsed.high - parsed.low < 2 * Z_95 * MIN_RELATIVE_DEVIATION * parsed.value:
         raise ValueError(f"{name} must have a larger uncertainty or none, got {short_repr(text)}")
     return replace(parsed, text=text)
 
 
-def _parse_text(name: str, text: str, kind: Kind) -> UncertainInput:
+def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
     """Return the distribution that a text with single blanks gives."""
     is_rockwell = text.find("HRC") >= 0 and kind == "hardness"
-    if match := _RANGE.fullmatch(text):
+    if match := _RANGE_PATTERN.fullmatch(text):
         is_uniform, first, last = match.groups()
-        low, high = (_parse_value(name, end, kind) for end in _share_unit(first, last))
+        low, high = (_parse_value(name, end, kind) for end in _complete_units(first, last))
         if not 0 <= low < high:
             raise ValueError(f"{name} must be a range from a smaller to a larger value, got {short_repr(text)}")
         if kind in ("hardness", "modulus") and low == 0:
@@ -133,22 +147,24 @@ def _parse_text(name: str, text: str, kind: Kind) -> UncertainInput:
         if kind:
             return UncertainInput(math.sqrt(low * high), low, high, "log-normal", text)
         return UncertainInput(0.5 * (low + high), low, high, "normal", text)
-    if match := _WITH_UNCERTAINTY.fullmatch(text):
+    if match := _PLUS_MINUS_PATTERN.fullmatch(text):
         first, last = match.groups()
-        if percent := _PERCENT.fullmatch(last):
+        if percent := _PERCENT_PATTERN.fullmatch(last):
             value = _parse_value(name, f"{first} {percent[2]}".strip(), kind)
             deviation = value * _parse_value(name, percent[1], "") / 100
-            deviation = math.hypot(deviation, ROCKWELL_ERROR * value / Z_95) if is_rockwell else deviation
+            deviation = math.hypot(deviation, ROCKWELL_CONVERSION_ERROR * value / Z_95) if is_rockwell else deviation
         elif is_rockwell:
-            middle, steps = (_parse_number(name, _UNIT.sub("", part).strip()) for part in (first, last))
+            middle, steps = (
+                _parse_number(name, _TRAILING_UNIT_PATTERN.sub("", part).strip()) for part in (first, last)
+            )
             ends = (middle - Z_95 * steps, middle + Z_95 * steps)
-            if not min(_ROCKWELL) <= ends[0] <= ends[1] <= max(_ROCKWELL):
-                limits = f"{min(_ROCKWELL)} to {max(_ROCKWELL)} HRC"
+            if not min(_VICKERS_BY_ROCKWELL) <= ends[0] <= ends[1] <= max(_VICKERS_BY_ROCKWELL):
+                limits = f"{min(_VICKERS_BY_ROCKWELL)} to {max(_VICKERS_BY_ROCKWELL)} HRC"
                 raise ValueError(f"{name} must be from {limits} with its uncertainty, got {short_repr(text)}")
             low, high = (_parse_value(name, f"{end:g} HRC", kind) for end in ends)
             return _convert_rockwell(low, high, text)
         else:
-            value, deviation = (_parse_value(name, part, kind) for part in _share_unit(first, last))
+            value, deviation = (_parse_value(name, part, kind) for part in _complete_units(first, last))
         if not deviation > 0:
             raise ValueError(f"{name} must have an uncertainty above 0, got {short_repr(text)}")
         if kind in ("hardness", "modulus") and value < Z_95 * deviation:
@@ -165,7 +181,7 @@ def _parse_text(name: str, text: str, kind: Kind) -> UncertainInput:
 
 def _convert_rockwell(low: float, high: float, text: str) -> UncertainInput:
     """Return a hardness between ends that were converted from HRC, with the uncertainty of the conversion."""
-    half = math.hypot(0.5 * math.log(high / low), ROCKWELL_ERROR)
+    half = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
     return UncertainInput(value, value * math.exp(-half), value * math.exp(half), "log-normal", text)
 
@@ -185,16 +201,17 @@ def _parse_value(name: str, given: Any, kind: str) -> float:
     """Parse a number of at least 0, as text with a unit if the input is of a kind."""
     if isinstance(given, str) and not kind:
         return _parse_number(name, given)
-    scale = _UNIT.search(given) if kind == "hardness" and isinstance(given, str) else None
+    scale = _TRAILING_UNIT_PATTERN.search(given) if kind == "hardness" and isinstance(given, str) else None
     if scale and scale[0] in ("HV", "HRC"):
         number = _parse_number(name, given[: scale.start()].strip())
         if scale[0] == "HRC":
-            if not min(_ROCKWELL) <= number <= max(_ROCKWELL):
-                raise ValueError(
-                    f"{name} must be from {min(_ROCKWELL)} to {max(_ROCKWELL)} HRC, got {short_repr(given)}"
-                )
-            number = math.exp(float(np.interp(number, list(_ROCKWELL), np.log(list(_ROCKWELL.values())))))
-        return number * _VICKERS
+            if not min(_VICKERS_BY_ROCKWELL) <= number <= max(_VICKERS_BY_ROCKWELL):
+                limits = f"{min(_VICKERS_BY_ROCKWELL)} to {max(_VICKERS_BY_ROCKWELL)} HRC"
+                raise ValueError(f"{name} must be from {limits}, got {short_repr(given)}")
+            number = math.exp(
+                float(np.interp(number, list(_VICKERS_BY_ROCKWELL), np.log(list(_VICKERS_BY_ROCKWELL.values()))))
+            )
+        return number * _VICKERS_PRESSURE
     scales = "; HV and HRC are also accepted" if kind == "hardness" else ""
     kind = "pressure" if kind else ""
     try:
@@ -207,9 +224,9 @@ def _parse_value(name: str, given: Any, kind: str) -> float:
     return value
 
 
-def _share_unit(first: str, last: str) -> tuple[str, str]:
+def _complete_units(first: str, last: str) -> tuple[str, str]:
     """Return two texts with units, one of which may have the unit of both."""
-    units = [_UNIT.search(text) for text in (first, last)]
+    units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first, last)]
     if units[0] is None and units[1] is not None:
         return f"{first} {units[1][0]}", last
     if units[0] is not None and units[1] is None and units[0][0].strip() in ("HV", "HRC"):
@@ -239,7 +256,7 @@ def draw_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
 
 # ---- As a table of a study -------------------------------------------------------------------------------------------
 
-KINDS: dict[str, Kind] = {
+INPUT_KINDS: dict[str, InputKind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
     "poisson": "", "creep": "", "junction_growth": "",
 }  # fmt: skip
@@ -247,34 +264,40 @@ KINDS: dict[str, Kind] = {
 
 
 def parse_study_input(name: str, given: Any) -> UncertainInput:
-    """Parse an input by its name in `KINDS`; messages of errors do not contain the name."""
-    parsed = parse_input("", given, KINDS[name])
+    """Parse an input by its name in `INPUT_KINDS`; messages of errors do not contain the name."""
+    parsed = parse_input("", given, INPUT_KINDS[name])
     if name == "poisson":
-        if parsed.high > MAX_POISSON:
-            raise ValueError(f"must be from 0 to {MAX_POISSON:g} with its uncertainty, got {short_repr(given)}")
-        parsed = replace(parsed, maximum=MAX_POISSON)
-    if name == "junction_growth" and parsed.high > MAX_GROWTH:
-        raise ValueError(f"must be from 0 to {MAX_GROWTH:g}, got {short_repr(given)}")
-    if name == "creep" and parsed.high > MAX_CREEP:
-        raise ValueError(f"must be at most {MAX_CREEP:g}, got {short_repr(given)}")
+        if parsed.high > MAX_POISSON_RATIO:
+            raise ValueError(f"must be from 0 to {MAX_POISSON_RATIO:g} with its uncertainty, got {short_repr(given)}")
+        parsed = replace(parsed, maximum=MAX_POISSON_RATIO)
+    if name == "junction_growth" and parsed.high > MAX_JUNCTION_GROWTH:
+        raise ValueError(f"must be from 0 to {MAX_JUNCTION_GROWTH:g}, got {short_repr(given)}")
+    if name == "creep" and parsed.high > MAX_CREEP_EXPONENT:
+        raise ValueError(f"must be at most {MAX_CREEP_EXPONENT:g}, got {short_repr(given)}")
     return parsed
 
 
-_Text = Annotated[str, Field(min_length=1, max_length=80)]
-_Texts = Annotated[tuple[_Text, ...], as_tuple, Field(min_length=1, max_length=2)]
+_InputText = Annotated[str, Field(min_length=1, max_length=80)]
+_BodyInputTexts = Annotated[tuple[_InputText, ...], as_tuple, Field(min_length=1, max_length=2)]
 
 
 class UncertainInputsTable(Table):
     """Ranges and uncertainties of inputs; the study computes at their middle."""
 
-    mu0: _Text | None = Field(default=None, description="Molecular friction coefficient, a range or value ± deviation.")
-    tau0: _Text | None = Field(default=None, description="Adhesive shear strength.")
-    hardness: _Text | None = Field(default=None, description="Hardness of the softer body.")
-    effective_modulus: _Text | None = Field(default=None, description="E*.")
-    young: _Texts | None = Field(default=None, description="Young's modulus of the upper and the lower body.")
-    poisson: _Texts | None = Field(default=None, description="Poisson's ratio of the upper and the lower body.")
-    junction_growth: _Text | None = Field(default=None, description="α of junction growth, p² + α s² = H².")
-    creep: _Text | None = Field(default=None, description="Exponent m of indentation creep: H = H(1 s) (t/1 s)^-m.")
+    mu0: _InputText | None = Field(
+        default=None, description="Molecular friction coefficient, a range or value ± deviation."
+    )
+    tau0: _InputText | None = Field(default=None, description="Adhesive shear strength.")
+    hardness: _InputText | None = Field(default=None, description="Hardness of the softer body.")
+    effective_modulus: _InputText | None = Field(default=None, description="E*.")
+    young: _BodyInputTexts | None = Field(default=None, description="Young's modulus of the upper and the lower body.")
+    poisson: _BodyInputTexts | None = Field(
+        default=None, description="Poisson's ratio of the upper and the lower body."
+    )
+    junction_growth: _InputText | None = Field(default=None, description="α of junction growth, p² + α s² = H².")
+    creep: _InputText | None = Field(
+        default=None, description="Exponent m of indentation creep: H = H(1 s) (t/1 s)^-m."
+    )
     interface: str | None = Field(
         default=None, min_length=1, max_length=4096,
         description="Name or file of an interface, which has μ0 and τ0 jointly; without the file, their ranges apply.",

@@ -30,38 +30,44 @@ from stiction.mechanics.friction import SIX_SUMS, FrictionCurve
 from stiction.mechanics.model import Sliding
 from stiction.studies.elasticity import Elasticity
 from stiction.studies.evaluation import PerLoad, areas_of, member_sums, member_values
-from stiction.studies.hardness import Areas, find_creep, find_inputs, find_junction_growth, relative_modulus
+from stiction.studies.hardness import (
+    AreaInterpolator,
+    compute_relative_modulus,
+    find_creep,
+    find_inputs,
+    find_junction_growth,
+)
 from stiction.studies.input_uncertainty import UncertainInput, draw_samples, parse_input, parse_study_input
-from stiction.studies.moduli import Moduli, elasticity_and_moduli
+from stiction.studies.moduli import Moduli, parse_elasticity
 from stiction.studies.study import Study, study_of
 
 if TYPE_CHECKING:
     import pandas
 
-HEAD = "# stiction interface"  # first line of an interface file
-COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)", "junction growth", "area per load of the tests (1/GPa)")
-MAX_FILE_SIZE = 50_000_000  # largest size (bytes) of an interface file
-_NUMBERS = ("area_per_load", "variation")
+FILE_HEADER = "# stiction interface"  # first line of an interface file
+FILE_COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)", "junction growth", "area per load of the tests (1/GPa)")
+MAX_INTERFACE_BYTES = 50_000_000  # largest size (bytes) of an interface file
+_NUMBER_ENTRIES = ("area_per_load", "variation")
 
-EXCLUDED, UNLIKELY = 0.01, 0.05
+EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY = 0.01, 0.05
 """Probabilities of the residuals below which a rule is excluded, and below which errors are scaled."""
 
-AT_BOUND = 0.01  # distance of a lower end from its bound, over the width, below which it is the bound
-COVERAGE = 0.95  # probability of intervals
-RULES: tuple[Sliding, ...] = ("all", "opposing")
+BOUND_TOLERANCE = 0.01  # distance of a lower end from its bound, over the width, below which it is the bound
+INTERVAL_COVERAGE = 0.95  # probability of intervals
+SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 
-HARDNESS = "hardness of the draws"
+HARDNESS_ENTRY = "hardness of the draws"
 """Entry of `Interface.about` with the range of hardness that all tests share."""
 
-GROWTH = "junction growth of the draws"
+GROWTH_ENTRY = "junction growth of the draws"
 """Entry of `Interface.about` with α of the tests; missing if no test depends on α, or tests differ in it."""
 
-CARRYING = 1.001  # smallest pressure of sliding contacts over the nominal pressure
-BULK_GROWTH = 27.0  # α at which a body shears at its hardness over 27^(1/2) (von Mises)
-YIELDED, GROWN = 0.5, 0.05
+MIN_RELATIVE_PRESSURE = 1.001  # smallest pressure of sliding contacts over the nominal pressure
+VON_MISES_GROWTH = 27.0  # α at which a body shears at its hardness over 27^(1/2) (von Mises)
+MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
 """True area over that of plastic contact, and relative increase, above which a coefficient depends on α."""
 
-_AREA_ERROR = "area over hardness"
+_AREA_ERROR_NAME = "area over hardness"
 
 Interval = tuple[float, float, float]  # a value with the ends of its 95 % interval
 
@@ -100,7 +106,7 @@ class Ball:
         """Convert the radius and the moduli to core units."""
         radius = number("radius", to_core_units("radius", self.radius, "length"), unit="µm", above=0)
         object.__setattr__(self, "radius", radius)
-        elasticity, moduli = elasticity_and_moduli(
+        elasticity, moduli = parse_elasticity(
             self.effective_modulus, self.young, self.poisson, self.upper_material, self.lower_material
         )
         object.__setattr__(self, "effective_modulus", elasticity.effective_modulus)
@@ -116,7 +122,7 @@ class Ball:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Friction(PerLoad):
+class _TestFriction(PerLoad):
     """Forces and true area of the surfaces of a test at its load."""
 
     scatter: float = 0.0  # relative standard error of `stick`
@@ -191,7 +197,7 @@ class _BallAreaFactor(_AreaFactor):
 class _ResultAreaFactor(_AreaFactor):
     """True area of a result of measured bodies at a load."""
 
-    areas: Areas
+    areas: AreaInterpolator
     study: Study
     wait: float
     error: str | None  # name of the nuisance for the error of the area over hardness
@@ -210,7 +216,7 @@ class _ResultAreaFactor(_AreaFactor):
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
         at = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
         areas, dataset = areas_of(at, source), getattr(result, "dataset", result)
-        error = f"{_AREA_ERROR} after {wait:g} s, {dataset.attrs['study']}" if areas.errors.any() else None
+        error = f"{_AREA_ERROR_NAME} after {wait:g} s, {dataset.attrs['study']}" if areas.errors.any() else None
         return cls(known | ({} if fall is None else {"creep": fall}), areas, study, wait, error)
 
     @property
@@ -222,7 +228,7 @@ class _ResultAreaFactor(_AreaFactor):
         """Return values of the inputs, and the normal score of the error of the area over hardness."""
         from scipy.special import ndtri
 
-        scores = {} if self.error is None else {_AREA_ERROR: ndtri(columns[self.error])}
+        scores = {} if self.error is None else {_AREA_ERROR_NAME: ndtri(columns[self.error])}
         return super().values(columns) | scores
 
     @property
@@ -237,20 +243,20 @@ class _ResultAreaFactor(_AreaFactor):
         """
         hardness = samples.get("hardness", np.asarray(self.areas.hardness or math.nan))
         hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
-        modulus = relative_modulus(self.study, samples)
+        modulus = compute_relative_modulus(self.study, samples)
         factor = self.areas.factor(0, None if self.areas.hardness is None else hardness, modulus)
         if self.growth is not None and strength is not None:
             pressure = strength.under_shear(hardness, samples.get("junction_growth", self.growth.value))
             if strength.tau0 is None:  # finite at any load on the nominal area
-                pressure = np.maximum(pressure, CARRYING * self.areas.pressures[0])
+                pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * self.areas.pressures[0])
             factor = factor * self.areas.grown(0, strength.sliding, hardness, pressure, modulus)
             hardness = np.where(np.isfinite(factor), pressure, hardness)
-        if _AREA_ERROR in samples:
-            factor = factor * np.exp(self.areas.error(0, hardness / modulus) * samples[_AREA_ERROR])
+        if _AREA_ERROR_NAME in samples:
+            factor = factor * np.exp(self.areas.error(0, hardness / modulus) * samples[_AREA_ERROR_NAME])
         return np.asarray(factor)
 
 
-MIN_UNCERTAINTY = 1e-15
+MIN_COEFFICIENT_UNCERTAINTY = 1e-15
 """Smallest standard uncertainty of a measured coefficient; weights of smaller ones overflow."""
 
 
@@ -313,8 +319,10 @@ class FrictionTest:
         object.__setattr__(self, "load", load)
         if self.uncertainty is not None:
             found = self._uncertainty_of_coefficient(load)
-            if not found >= MIN_UNCERTAINTY:
-                raise ValueError(f"uncertainty of a coefficient must be at least {MIN_UNCERTAINTY:g}, got {found:g}")
+            if not found >= MIN_COEFFICIENT_UNCERTAINTY:
+                raise ValueError(
+                    f"uncertainty of a coefficient must be at least {MIN_COEFFICIENT_UNCERTAINTY:g}, got {found:g}"
+                )
             object.__setattr__(self, "uncertainty", found)
 
     def _uncertainty_of_coefficient(self, load: float) -> float:
@@ -465,8 +473,8 @@ class Interface:
     @property
     def excluded(self) -> tuple[Sliding, ...]:
         """Sliding rules that the tests exclude while another rule fits."""
-        likely = [fit.sliding for fit in self.fits if fit.probability > UNLIKELY]
-        return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUDED and likely)
+        likely = [fit.sliding for fit in self.fits if fit.probability > UNLIKELY_PROBABILITY]
+        return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUDED_PROBABILITY and likely)
 
     @cached_property
     def draws(self) -> pandas.DataFrame:
@@ -508,7 +516,7 @@ class Interface:
         area = np.exp(found.scatter * scores(found.surfaces))
         if (own := found.yields) is not None:
             samples = own.values({name: ndtr(scores(name)) for name in own.names})
-            if "hardness" in samples and own.known["hardness"].agrees_with(self.about.get(HARDNESS, "")):
+            if "hardness" in samples and own.known["hardness"].agrees_with(self.about.get(HARDNESS_ENTRY, "")):
                 samples["hardness"] = fit.hardness
             if "junction_growth" in samples and self.has_growth(own.known["junction_growth"]):
                 samples["junction_growth"] = fit.junction_growth
@@ -533,10 +541,10 @@ class Interface:
     @property
     def growth(self) -> UncertainInput | None:
         """α of junction growth of the tests, at its median; None if no test depends on α, or tests differ in it."""
-        if GROWTH not in self.about:
+        if GROWTH_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
-        return replace(parse_study_input("junction_growth", self.about[GROWTH]), value=median)
+        return replace(parse_study_input("junction_growth", self.about[GROWTH_ENTRY]), value=median)
 
     def has_growth(self, growth: UncertainInput | None) -> bool:
         """Return whether α equals that of the tests; None counts as 0."""
@@ -553,45 +561,47 @@ def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
     instead.
     """
     ordered = np.sort(values)
-    inside = math.ceil(COVERAGE * len(ordered)) - 1
+    inside = math.ceil(INTERVAL_COVERAGE * len(ordered)) - 1
     start = int((ordered[inside:] - ordered[: len(ordered) - inside]).argmin())
-    if ordered[start] - bound < AT_BOUND * (ordered[start + inside] - ordered[start]):
+    if ordered[start] - bound < BOUND_TOLERANCE * (ordered[start + inside] - ordered[start]):
         low, high = bound, float(ordered[inside])
     else:
-        low, high = (float(end) for end in np.quantile(ordered, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2]))
+        low, high = (
+            float(end) for end in np.quantile(ordered, [(1 - INTERVAL_COVERAGE) / 2, (1 + INTERVAL_COVERAGE) / 2])
+        )
     return float(np.median(ordered)), low, high
 
 
-def depends_on_growth(friction: _Friction, mu0: float, tau0: float) -> bool:
-    """Return whether junction growth with α of von Mises would increase a coefficient by more than `GROWN`."""
-    if not friction.stick * friction.hardness > YIELDED:
+def depends_on_growth(friction: _TestFriction, mu0: float, tau0: float) -> bool:
+    """Return whether junction growth with α = 27 (von Mises) would increase a coefficient noticeably."""
+    if not friction.stick * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
-    own, grown = tabor_friction(friction.hardness, mu0, tau0, [0.0, BULK_GROWTH])
-    return not grown <= (1 + GROWN) * own
+    own, grown = tabor_friction(friction.hardness, mu0, tau0, [0.0, VON_MISES_GROWTH])
+    return not grown <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * own
 
 
-def sliding_rules_of(result: Any) -> tuple[str, ...]:
+def list_sliding_rules(result: Any) -> tuple[str, ...]:
     """Return the sliding rules that a result has."""
     if isinstance(result, Ball):  # friction acts at its one contact by both rules
-        return RULES
+        return SLIDING_RULES
     if isinstance(result, FrictionCurve):
         return (str(getattr(result, "sliding", "all")),)
     return tuple(study_of(getattr(result, "dataset", result)).contact.rules())
 
 
-def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _Friction:
+def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
     """Return forces and true area of the surfaces of a test at its load, by a sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("wait requires a result of pair, which has the creep exponent")
     if isinstance(result, Ball):
-        return _Friction(stick=result.area_per_load(load), yields=test.yields)
+        return _TestFriction(stick=result.area_per_load(load), yields=test.yields)
     if isinstance(result, FrictionCurve):
         return _evaluate_curve(result, load)
     return replace(_evaluate_members(result, load, sliding), yields=test.yields)
 
 
-def _evaluate_curve(curve: FrictionCurve, load: float) -> _Friction:
+def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
     """Return forces and true area of a curve, by its own rule and in its first direction."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
@@ -603,12 +613,12 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _Friction:
         values = values.reshape(-1, values.shape[-1])[0] / loads
         return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
 
-    return _Friction.of(
+    return _TestFriction.of(
         {name: at(name) for name in SIX_SUMS}, hardness=float(getattr(curve, "hardness", None) or math.nan)
     )
 
 
-def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _Friction:
+def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestFriction:
     """Return means of a result over members and directions, and the standard error of the adhesive sum."""
     dataset = getattr(result, "dataset", result)
     there = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
@@ -620,7 +630,7 @@ def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _Friction:
     spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
     means = {name: each[reached].mean() for name, each in six.items()}
     surfaces = dataset.attrs["study"]
-    return _Friction.of(
+    return _TestFriction.of(
         means, scatter=spread, surfaces=surfaces, hardness=float(study_of(dataset).contact.hardness or math.nan)
     )
 
@@ -669,11 +679,13 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
         **{key: " ".join(str(value).split()) for key, value in {**interface.about, **(about or {})}.items()},
     }
     text = io.StringIO()
-    text.write("\n".join([HEAD, *(f"# {key}: {value}" for key, value in head.items()), ",".join(COLUMNS)]) + "\n")
+    text.write(
+        "\n".join([FILE_HEADER, *(f"# {key}: {value}" for key, value in head.items()), ",".join(FILE_COLUMNS)]) + "\n"
+    )
     fit = interface.fits[0]
     columns = [fit.mu0, fit.tau0, fit.hardness, fit.junction_growth, fit.area_per_load]
     np.savetxt(text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
-    with replaced_file(Path(path), HEAD.encode(), ValueError) as file:
+    with replaced_file(Path(path), FILE_HEADER.encode(), ValueError) as file:
         file.write_text(text.getvalue(), encoding="utf-8")
 
 
@@ -708,7 +720,7 @@ def read_interface(path: str | Path) -> Interface:
     ValueError: no such file: cannot be read as an interface: No such file or directory
     """
     try:
-        lines = read_content(Path(path), MAX_FILE_SIZE, HEAD.encode()).decode("utf-8").splitlines()
+        lines = read_content(Path(path), MAX_INTERFACE_BYTES, FILE_HEADER.encode()).decode("utf-8").splitlines()
     except NotReadableError as error:
         raise ValueError(f"{printable_path(path)}: is not an interface: {error}") from None
     except OSError as error:
@@ -720,23 +732,27 @@ def read_interface(path: str | Path) -> Interface:
     head = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
     rows = [line for line in lines if line and not line.startswith("#")]
     try:
-        if lines[0] != HEAD or tuple(next(csv.reader(rows))) != COLUMNS:
+        if lines[0] != FILE_HEADER or tuple(next(csv.reader(rows))) != FILE_COLUMNS:
             raise ValueError
         table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
-        ratio, variation = (float(head.pop(name)) for name in _NUMBERS)
+        ratio, variation = (float(head.pop(name)) for name in _NUMBER_ENTRIES)
         sliding, separated = head.pop("sliding"), head.pop("separated") == "yes"
         check_choice("sliding", sliding, Sliding)
-        parse_study_input("junction_growth", head.get(GROWTH, "0"))
+        parse_study_input("junction_growth", head.get(GROWTH_ENTRY, "0"))
     except (ValueError, KeyError, csv.Error, StopIteration):
         reason = "an entry of the header is missing or unknown, or a row does not have five numbers"
         raise ValueError(f"{printable_path(path)}: is a damaged interface: {reason}") from None
-    if table.ndim != 2 or table.shape[1] != len(COLUMNS) or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all():
+    if (
+        table.ndim != 2
+        or table.shape[1] != len(FILE_COLUMNS)
+        or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all()
+    ):
         raise ValueError(f"{printable_path(path)}: is a damaged interface: mu0 and tau0 must be numbers of at least 0")
-    fit = _fit(sliding, *table.T)
+    fit = _build_fit(sliding, *table.T)
     return Interface((fit,), ratio, variation, separated, about=head)
 
 
-def _fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Fit:
+def _build_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Fit:
     return Fit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *more)
 
 
@@ -823,7 +839,7 @@ def interface(name_or_path: str | Path) -> Interface:
     }
     values = draw_samples(ranges)
     unknown = np.full(values["mu0"].size, math.nan)
-    fit = _fit("all", values["mu0"], values["tau0"], unknown, unknown, unknown)
+    fit = _build_fit("all", values["mu0"], values["tau0"], unknown, unknown, unknown)
     about = {key: text for key, text in table.items() if key not in ranges}
     return Interface((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **about})
 
@@ -837,7 +853,7 @@ def find_interface(study: Study) -> Interface | None:
         found = _read_cached(text, 0 if text in interfaces() else Path(text).stat().st_mtime_ns)
     except (ValueError, OSError):
         return None
-    mu0, tau0 = median_strength(found)
+    mu0, tau0 = round_median_strength(found)
     return found if study.friction.mu0 == (mu0,) and [float(each) for each in study.friction.tau0] == [tau0] else None
 
 
@@ -846,7 +862,7 @@ def _read_cached(text: str, _changed: int) -> Interface:
     return interface(text)
 
 
-def median_strength(found: Interface) -> tuple[float, float]:
+def round_median_strength(found: Interface) -> tuple[float, float]:
     """Return the medians of mu0 and tau0 (GPa) in four digits."""
     mu0, tau0 = (float(f"{np.median(each):.4g}") for each in (found.fits[0].mu0, found.fits[0].tau0))
     return mu0, tau0

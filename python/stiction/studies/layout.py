@@ -19,14 +19,14 @@ from stiction._checks import check_instance, number
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUSES
 from stiction.mechanics.quantities import DISTRIBUTIONS, GAP, QUANTITIES, STATISTICS, attributes_of
-from stiction.studies.contact_statistics import QUANTILES
+from stiction.studies.contact_statistics import STORED_PROBABILITIES
 from stiction.studies.measured_surfaces import BodyAttributes
 from stiction.studies.study import Study
 
 if TYPE_CHECKING:
     import xarray
 
-TITLE = "stiction study"  # attribute `title` of every result
+RESULT_TITLE = "stiction study"  # attribute `title` of every result
 MAX_PIECE_BYTES = 2**26  # part of a result that is in memory at a time, if the result is read in pieces
 
 MEMBER_COORDINATES: dict[str, np.dtype[Any]] = {
@@ -66,7 +66,7 @@ def list_coordinates(
         study.step: study.contact.steps(),
     }
     if study.is_measured:
-        values["fraction_below"] = np.array(QUANTILES)
+        values["fraction_below"] = np.array(STORED_PROBABILITIES)
     extra: dict[str, dict[str, str]] = {"load": {"long_name": "normal load of the elastic contact, without friction"}}
     if not study.is_measured:
         surfaces: Any = study.surfaces
@@ -83,7 +83,7 @@ def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] |
     sizes = {name: values.size for name, (_, values) in list_coordinates(study, repetitions).items()}
     variables = {}
     for name in variable_names(study):
-        dims = _dims(study, name)
+        dims = _list_dims(study, name)
         dtype = np.dtype(QUANTITIES[name].dtype)
         attributes: dict[str, Any] = dict(attributes_of(name))
         if name == "status":
@@ -109,7 +109,7 @@ def variable_names(study: Study) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*study.sums(), *STATISTICS, *DISTRIBUTIONS, *GAP)))
 
 
-def _dims(study: Study, name: str) -> tuple[str, ...]:
+def _list_dims(study: Study, name: str) -> tuple[str, ...]:
     """Return the dimensions of a stored variable. A single sliding rule or direction is not a dimension."""
     dims = {"step": study.step, "fraction_below": "fraction_below"} | {motion: motion for motion in study.motions()}
     return (*study.surfaces.cells(), "repetition", *(dims[axis] for axis in QUANTITIES[name].along if axis in dims))
@@ -151,13 +151,13 @@ def build_dataset(
     return xarray.Dataset(
         {name: xarray.Variable(spec.dims, arrays[name], spec.attributes) for name, spec in variables.items()},
         coordinates,
-        {"title": TITLE, "study": study.to_toml(), "stiction_version": __version__} | bodies.attributes,
+        {"title": RESULT_TITLE, "study": study.to_toml(), "stiction_version": __version__} | bodies.attributes,
     )
 
 
 # ---- Nondimensional results ------------------------------------------------------------------------------------------
 
-_SCALES = {
+_DIVISORS = {
     "mN": (1, 2, "(E* L²)"),
     "mN/um": (1, 1, "(E* L)"),
     "mN/GPa": (0, 2, "L²"),
@@ -210,11 +210,11 @@ def nondimensional(
 
     check_instance("result", result, xarray.Dataset, "an xarray.Dataset")
     if "study" in result.attrs:
-        from stiction.studies.generated_surfaces import Generated
+        from stiction.studies.generated_surfaces import GeneratedSurfaces
         from stiction.studies.study import study_of
 
         study = study_of(result)
-        if length is None and isinstance(study.surfaces, Generated):
+        if length is None and isinstance(study.surfaces, GeneratedSurfaces):
             length = study.surfaces.longest()
         result_modulus: Any = float(study.contact.effective_modulus)
     else:
@@ -231,9 +231,9 @@ def nondimensional(
         units = variable.attrs.get("units", "1")
         if units in ("1", "degree"):
             return variable
-        if units not in _SCALES:
+        if units not in _DIVISORS:
             raise ValueError(f"{name} has the unknown unit {units!r}")
-        modulus_power, length_power, divisor = _SCALES[units]
+        modulus_power, length_power, divisor = _DIVISORS[units]
         attributes = {
             **variable.attrs,
             "units": "1",

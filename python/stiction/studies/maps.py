@@ -19,9 +19,9 @@ from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, Sums, Validity
 from stiction.mechanics.quantities import QUANTITIES, SUMS, VALIDITY, attributes_of
 from stiction.studies import intervals
-from stiction.studies.executors import executor_or_threads
+from stiction.studies.executors import enter_executor
 from stiction.studies.result import Result
-from stiction.studies.study import step_of, study_of
+from stiction.studies.study import find_step_dimension, study_of
 
 if TYPE_CHECKING:
     import xarray
@@ -174,7 +174,7 @@ def stiffness_map(
     """
     result = Result.of(result)
     head = result.head
-    step = step_of(head)
+    step = find_step_dimension(head)
     if head.sizes.get(step, 0) < 3:
         kind = "approaches" if step == "approach" else "loads"
         raise ValueError(f"a stiffness needs at least 3 {kind}, got {head.sizes.get(step, 0)}")
@@ -237,7 +237,7 @@ def ensemble_map(
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
     dataset = result.head
     material = material_of(dataset, mu0, tau0)
-    missing = [name for name in ("repetition", step_of(dataset)) if not dataset.sizes.get(name)]
+    missing = [name for name in ("repetition", find_step_dimension(dataset)) if not dataset.sizes.get(name)]
     missing += [name for name in CELLS if name in dataset.dims and not dataset.sizes[name]]
     if missing or not cells_of(dataset):
         raise ValueError(f"the dataset has nothing along {(missing or ['fractal_dimension'])[0]!r}")
@@ -254,7 +254,7 @@ def ensemble_map(
         normal, values = (each[..., 0] for each in quantity.curves(cell, averages, others))
         at[cell] = intervals.MeansAtLoads(normal, values, count, load_values)
     at_a_time = max(1, AT_ONCE // max(1, quantity.mu0.size * quantity.tau0.size * dataset.sizes[quantity.step]))
-    with executor_or_threads(None) as pool:
+    with enter_executor(None) as pool:
         for piece in solved_pieces(result, quantity.names(), change):
             both = [_sums_of(piece, what, quantity.step)] * len(at)
 
@@ -271,7 +271,7 @@ class _EnsembleQuantity:
 
     def __init__(self, head: xarray.Dataset, what: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
         self.head, self.what, self.loads, self.mu0, self.tau0 = head, what, loads, mu0, tau0
-        self.step = step_of(head)
+        self.step = find_step_dimension(head)
         self.dims = [*(motion for motion in MOTIONS if motion in head.dims), *cells_of(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)

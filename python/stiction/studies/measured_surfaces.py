@@ -64,10 +64,10 @@ from stiction.surfaces.surface import Surface, parse_lengths
 Column = int | str
 Body = Profile | Surface | JoinedSpectrum  # content of a file
 MAX_FILE_NAME_LENGTH = 4096  # characters
-Texture = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
-TEXTURES: tuple[str, ...] = get_args(Texture)
+MachiningProcess = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
+MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
 Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
-CutOffPair = tuple[float, float]  # cutoffs of the upper and the lower scan, µm
+CutoffPair = tuple[float, float]  # cutoffs of the upper and the lower scan, µm
 
 
 def _parse_unit(value: object) -> str:
@@ -112,7 +112,7 @@ def _parse_crop(value: object) -> tuple[Quantity, ...] | None:
     return tuple(quantity(text.strip() if isinstance(text, str) else text, "length") for text in texts)
 
 
-def _one_or_list(read: Callable[[object], Any], max_count: int = 2) -> PlainValidator:
+def _validate_one_or_list(read: Callable[[object], Any], max_count: int = 2) -> PlainValidator:
     """Return a validator of one value, a list of two to `max_count` values, or None."""
 
     def values(value: object) -> Any:
@@ -129,7 +129,7 @@ def _one_or_list(read: Callable[[object], Any], max_count: int = 2) -> PlainVali
 MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # range of `height_factor`
 
 
-class InMemory:
+class BodyInMemory:
     """Container of a body in memory; not a dataclass, so that copies of a study share the object."""
 
     def __init__(self, body: Any) -> None:
@@ -157,16 +157,16 @@ class MeasuredFile(Table):
         pattern="^[0-9a-f]{64}$",
         description="SHA-256 checksum; a file of this name with another checksum is rejected.",
     )
-    unit: Annotated[str | tuple[str, str] | None, _one_or_list(_parse_unit)] = Field(
+    unit: Annotated[str | tuple[str, str] | None, _validate_one_or_list(_parse_unit)] = Field(
         default=None, description="Unit of all lengths in the file, or units of positions and heights."
     )
-    spacing: Annotated[Quantity | tuple[Quantity, Quantity] | None, _one_or_list(read_length), as_written] = Field(
-        default=None, description="Distance between neighbouring points, or between rows and between columns."
+    spacing: Annotated[Quantity | tuple[Quantity, Quantity] | None, _validate_one_or_list(read_length), as_written] = (
+        Field(default=None, description="Distance between neighbouring points, or between rows and between columns.")
     )
     channel: Annotated[Column | None, PlainValidator(lambda value: None if value is None else _parse_column(value))] = (
         Field(default=None, description="Channel or sheet to read, if the file has several.")
     )
-    columns: Annotated[Column | tuple[Column, ...] | None, _one_or_list(_parse_column, max_count=3)] = Field(
+    columns: Annotated[Column | tuple[Column, ...] | None, _validate_one_or_list(_parse_column, max_count=3)] = Field(
         default=None, description="Columns to read from a table: positions and heights; x, y and z; or heights only."
     )
     missing: Missing = Field(default="error", description="Treatment of points without a height.")
@@ -185,7 +185,7 @@ class MeasuredFile(Table):
     tip: Length | None = Field(
         default=None, description="Radius of the stylus or probe, which limits the wavelengths that it resolves."
     )
-    texture: Texture | None = Field(
+    texture: MachiningProcess | None = Field(
         default=None,
         description="Machining process: lines and humps in the spectrum are then attributed to the surface.",
     )
@@ -198,7 +198,7 @@ class MeasuredFile(Table):
         le=MAX_HEIGHT_FACTOR,
         description="Factor on the heights, for example to study another finish.",
     )
-    body: InMemory | None = Field(default=None, repr=False, description="Body in memory (Python only).")
+    body: BodyInMemory | None = Field(default=None, repr=False, description="Body in memory (Python only).")
     others: Annotated[tuple[MeasuredFile, ...], as_tuple] | None = Field(
         default=None,
         description="Further scans at other places on the same part; a list of files sets the first file and these.",
@@ -238,7 +238,7 @@ class MeasuredFile(Table):
                 heights, spacing=spacing[0] if kind is Profile else parse_lengths("spacing", spacing), history=history,
                 missing=missing,
             )  # fmt: skip
-        return cls(file=name, sha256=_checksum(body), body=InMemory(body))
+        return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
     def kept(self, folder: Path, side: str) -> MeasuredFile:
         """Return the entry with bodies in memory replaced by files, written under their checksums in the folder."""
@@ -359,7 +359,7 @@ def _scale_heights(factor: float, body: Any) -> Any:
     return body.changed(body.heights * factor, f"heights times {factor:g}")
 
 
-def _checksum(body: Body) -> str:
+def _compute_checksum(body: Body) -> str:
     """Compute the SHA-256 of a body in memory, with its grid and history."""
     if isinstance(body, JoinedSpectrum):
         content = repr(body.history).encode() + body.density.tobytes()
@@ -402,7 +402,7 @@ class Member:
 
 
 @dataclass(frozen=True)
-class Facts:
+class SharedProperties:
     """Properties that all members share; lengths in µm, along (y and) x."""
 
     upper: Body
@@ -428,11 +428,11 @@ class Members(Protocol):
     def member(self, index: int) -> Member:
         """Return a member; `ValueError` if there are fewer."""
 
-    def facts(self) -> Facts:
+    def facts(self) -> SharedProperties:
         """Return the properties that all members share."""
 
 
-class MeasuredBodies(Case):
+class MeasuredSurfaceKeys(Case):
     """Keys that all studies of measured surfaces share."""
 
     bodies: ClassVar[str] = "measured areas"  # name in `place` of contact tables
@@ -491,11 +491,11 @@ class MeasuredBodies(Case):
         cell = members % (upper * lower)
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Members:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> Members:
         """Return the members of two scans with a cutoff for each (µm, 0 for none); `ValueError` if there are none."""
         raise NotImplementedError
 
-    def filtered(self, scans: tuple[Body, Body], cut_offs: CutOffPair) -> Iterator[Profile | Surface]:
+    def filtered(self, scans: tuple[Body, Body], cut_offs: CutoffPair) -> Iterator[Profile | Surface]:
         """Yield both scans, each filtered at its cutoff (µm, 0 for none)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
@@ -508,12 +508,12 @@ class MeasuredBodies(Case):
 
 # ---- Lines -----------------------------------------------------------------------------------------------------------
 
-SHIFTS = 16  # default number of relative positions of two maps
-SURROGATES = 16  # default number of pairs of surrogates of profiles
+DEFAULT_NUM_SHIFTS = 16  # default number of relative positions of two maps
+DEFAULT_NUM_SURROGATES = 16  # default number of pairs of surrogates of profiles
 MAX_OFFSETS = 100_000  # largest number of positions on a pair of lines or maps
 
 
-class MeasuredLines(MeasuredBodies):
+class MeasuredLines(MeasuredSurfaceKeys):
     """Keys for lines of two measured files, where the upper line slides along the lower."""
 
     place: ClassVar[str] = "lines of measured files"
@@ -559,7 +559,7 @@ class MeasuredLines(MeasuredBodies):
             raise fault_at("positions", "must not be given with offsets or travel")
         return self
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Lines:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMembers:
         """Return lines of both scans, or of their surrogates, at several positions."""
         upper, lower = self.filtered(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
@@ -567,11 +567,11 @@ class MeasuredLines(MeasuredBodies):
         travel = max(positions) if positions else None if self.travel is None else float(self.travel)
         several = self.replace != "none" or isinstance(upper, Surface) or isinstance(lower, Surface)
         pairs = LinePairs(upper, lower, travel, level, self.along, self.replace, seed, several=several)
-        return Lines(pairs, scans, self.offsets, positions)
+        return LineMembers(pairs, scans, self.offsets, positions)
 
 
 @dataclass(frozen=True, eq=False)
-class Lines:
+class LineMembers:
     """Members of a study of lines."""
 
     pairs: LinePairs
@@ -612,21 +612,21 @@ class Lines:
         pair = slider, piece_below_slider(track, offset, slider)
         return Member(pair, offset, self.pairs.place(line), line=line, surrogate=self.pairs.surrogates != "none")
 
-    def facts(self) -> Facts:
+    def facts(self) -> SharedProperties:
         """Return the properties that all members share."""
         slider, track = self.pairs.pair(0)
-        return _facts_of_lines(slider, track, len(slider) / len(track), self.scans)
+        return _describe_lines(slider, track, len(slider) / len(track), self.scans)
 
 
-def _facts_of_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> Facts:
+def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> SharedProperties:
     """Return the properties that all members of lines share; `used` is the fraction of the upper scan in a slider."""
-    return Facts(
+    return SharedProperties(
         slider, track, slider.extent * THICKNESS, [len(slider)], [slider.spacing], [used, len(slider) / len(track)],
         scans,
     )  # fmt: skip
 
 
-class MeasuredAreas(MeasuredBodies):
+class MeasuredAreas(MeasuredSurfaceKeys):
     """Keys for areas of two measured maps, pressed at several relative positions."""
 
     place: ClassVar[str] = "areas of measured maps"
@@ -663,7 +663,7 @@ class MeasuredAreas(MeasuredBodies):
         """Index of the first member that is a pair of pieces of the maps."""
         return self.surrogates
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Areas | GapMember:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers | GapMember:
         """Return surrogates of two maps followed by pieces at relative positions, or the gap."""
         upper, lower = self.filtered(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
@@ -675,11 +675,11 @@ class MeasuredAreas(MeasuredBodies):
             rough = Surface(0.0 - gap.heights, history=(*gap.history, "a gap, below a flat face"), **grid)
             return GapMember(flat, rough)
         shifts = None if self.positions is None else tuple((float(x), float(y)) for x, y in self.positions)
-        pairs = pairs_of_maps(upper, lower, self.level, seed, turned=self.rotate, shifts=shifts)
-        return Areas(pairs, scans, self.surrogates)
+        pairs = build_map_pairs(upper, lower, self.level, seed, turned=self.rotate, shifts=shifts)
+        return AreaMembers(pairs, scans, self.surrogates)
 
 
-class MeasuredSurrogates(MeasuredBodies):
+class MeasuredSurrogates(MeasuredSurfaceKeys):
     """Keys for random areas with the spectra of two maps, or isotropic areas with the spectra of profiles."""
 
     place: ClassVar[str] = "surrogates of measured files"
@@ -690,12 +690,12 @@ class MeasuredSurrogates(MeasuredBodies):
         default="plane", description="Form to remove from each file; for a profile, a plane is a line."
     )
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutOffPair, seed: int) -> Areas:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers:
         """Return pairs of random surfaces with the spectra of two scans."""
         first, second = scans
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
             finest = float(self.cells()["cut_off"].min())
-            return Areas(
+            return AreaMembers(
                 SpectrumPairs(
                     to_joined_spectrum(first), to_joined_spectrum(second), self.level, seed, cut_offs, finest
                 ),
@@ -703,14 +703,16 @@ class MeasuredSurrogates(MeasuredBodies):
             )
         upper, lower = self.filtered(scans, cut_offs)
         if isinstance(upper, Surface) and isinstance(lower, Surface):
-            return Areas(pairs_of_maps(upper, lower, self.level, seed), scans)
+            return AreaMembers(build_map_pairs(upper, lower, self.level, seed), scans)
         if not (isinstance(upper, Profile) and isinstance(lower, Profile)):
             raise ValueError('surfaces.press = "surrogates" needs two maps or two profiles, got one of each')
         trend: ProfileTrend = "line" if self.level == "plane" else self.level
-        return Areas(IsotropicPairs(flipped(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans)
+        return AreaMembers(
+            IsotropicPairs(flipped(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans
+        )
 
 
-def pairs_of_maps(
+def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, turned: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
@@ -720,7 +722,7 @@ def pairs_of_maps(
 
 
 @dataclass(frozen=True, eq=False)
-class Areas:
+class AreaMembers:
     """Members of a study of areas."""
 
     pairs: MapPairs | IsotropicPairs | SpectrumPairs
@@ -740,14 +742,14 @@ class Areas:
             )
         return Member(pairs.pair(shift), *pairs.moved(shift))
 
-    def facts(self) -> Facts:
+    def facts(self) -> SharedProperties:
         """Return the properties that all members share."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
         if isinstance(pairs, SpectrumPairs):  # a spacing of half the shortest wavelength
             waves = (max(body.shortest, pairs.finest) for body in (pairs.upper, pairs.lower))
             scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side) for shortest in waves]
-        return Facts(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, scans)
+        return SharedProperties(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, scans)
 
 
 @dataclass(frozen=True, eq=False)
@@ -763,13 +765,13 @@ class GapMember:
             raise ValueError(f"a gap has one member, got member {index}")
         return Member((self.flat, self.rough), 0.0, 0.0)
 
-    def facts(self) -> Facts:
+    def facts(self) -> SharedProperties:
         """Return the properties that all members share."""
         both = self.flat, self.rough
-        return Facts(
+        return SharedProperties(
             *both, float(np.prod(self.rough.extent)), self.rough.heights.shape, self.rough.spacing, [1.0, 1.0], both
         )  # fmt: skip
 
 
-Measured = MeasuredAreas | MeasuredLines | MeasuredSurrogates
+MeasuredSurfaces = MeasuredAreas | MeasuredLines | MeasuredSurrogates
 """Table `[surfaces]` of a study of measured files; a new kind of members is added here."""

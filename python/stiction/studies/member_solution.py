@@ -34,15 +34,15 @@ from stiction.mechanics.quantities import (
     UNLOADED,
 )
 from stiction.studies.contact_statistics import (
-    QUANTILES,
-    Slopes,
-    Table,
-    asperities_of,
-    on_steepest,
-    patches_of,
-    pressed_on_steepest,
+    STORED_PROBABILITIES,
+    ContactList,
+    PairSlopes,
+    find_load_on_steep_contacts,
+    find_load_on_steep_points,
+    list_asperity_contacts,
+    list_contact_patches,
 )
-from stiction.studies.contact_tables import Asperities, ContactTable, HalfSpace
+from stiction.studies.contact_tables import AsperityContactTable, ContactTable, HalfSpaceContactTable
 from stiction.studies.layout import Arrays, list_variables, variable_names
 from stiction.studies.members import (
     MAX_BATCH_BYTES,
@@ -83,8 +83,8 @@ def pressed_to_loads(
     contact = study.contact
     loads, motions = contact.steps().size, (len(contact.rules()), contact.degrees().size)
     values = {name: _nothing(name, motions, loads) for name in variable_names(study) if name not in GAP}
-    slopes = Slopes.of(upper, lower) if study.is_measured else None
-    if isinstance(contact, HalfSpace):
+    slopes = PairSlopes.of(upper, lower) if study.is_measured else None
+    if isinstance(contact, HalfSpaceContactTable):
         _by_half_space(contact, upper, lower, values, slopes, unloads=unloads)
     else:
         _by_asperities(contact, upper, lower, values, slopes)
@@ -96,7 +96,7 @@ def pressed_to_loads(
 
 def _nothing(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
     """Return an array of NaN."""
-    sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(QUANTILES)}
+    sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(STORED_PROBABILITIES)}
     shape = tuple(sizes[each] for each in QUANTITIES[name].along)
     if name == "status":
         return np.full(shape, STATUSES.index("not-solved"))
@@ -109,7 +109,7 @@ def _ways(contact: ContactTable) -> list[Shear]:
 
 
 def _by_half_space(
-    contact: HalfSpace, upper: Any, lower: Any, values: Arrays, slopes: Slopes | None, *, unloads: bool
+    contact: HalfSpaceContactTable, upper: Any, lower: Any, values: Arrays, slopes: PairSlopes | None, *, unloads: bool
 ) -> None:
     """Solve the elastic half-space at all loads; a load without a solution does not affect the others."""
     areal = isinstance(upper, Surface)
@@ -141,7 +141,9 @@ def _by_half_space(
         values["error"][at] = curve.error
         for place, load in enumerate(at):
             pressed = curve.at(place)
-            for name, value in (patches_of(pressed).statistics() | pressed_on_steepest(pressed, slopes)).items():
+            for name, value in (
+                list_contact_patches(pressed).statistics() | find_load_on_steep_points(pressed, slopes)
+            ).items():
                 values[name][load] = value
     if contact.adheres:
         held = solve_at_no_load(solve)
@@ -152,7 +154,7 @@ def _by_half_space(
             values[name][...] = of_motions(curves, QUANTITIES[name].numerator)[..., 0]
 
 
-def _by_asperities(contact: Asperities, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
+def _by_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
     """Compute independent Hertz contacts at the approaches that carry the elastic loads.
 
     Where the load jumps with the approach, as it does by cells, sums are in proportion between before and behind it.
@@ -198,8 +200,8 @@ def _by_asperities(contact: Asperities, upper: Any, lower: Any, values: Arrays, 
     values["normal_stiffness"][ok] = stiffness
     values["closure_stiffness"][ok] = stiffness / np.prod(upper.extent) * MPA_OVER_MM
     for load in ok:
-        table = asperities_of(listed(float(approach[load]), model=one), upper)
-        for name, value in (table.statistics() | on_steepest(table, slopes)).items():
+        table = list_asperity_contacts(listed(float(approach[load]), model=one), upper)
+        for name, value in (table.statistics() | find_load_on_steep_contacts(table, slopes)).items():
             values[name][load] = value
 
 
@@ -227,7 +229,7 @@ class OneLoad:
         """Press a pair to a load (mN) as its study defines; None without a solution."""
         upper, lower = pair
         contact = study.contact
-        if isinstance(contact, HalfSpace):
+        if isinstance(contact, HalfSpaceContactTable):
             try:
                 curve = half_space(upper, lower, [load], **contact.solid(), sliding="all")
             except RuntimeError:
@@ -242,13 +244,13 @@ class OneLoad:
         pushed: LoadCurve = press(*bodies, approach, model=model)  # type: ignore[call-overload]
         return cls(upper, lower, pushed, model=model)
 
-    def table(self) -> Table:
+    def table(self) -> ContactList:
         """Return a table with a row for each contact."""
         if isinstance(self.curve, HalfSpaceCurve):
-            return patches_of(self.curve.at(0))
+            return list_contact_patches(self.curve.at(0))
         assert self.model is not None
         touching = contacts(self.upper, self.lower, float(self.curve.approach[0]), model=self.model)
-        return asperities_of(touching, self.lower)
+        return list_asperity_contacts(touching, self.lower)
 
 
 # ---- Members of a study ----------------------------------------------------------------------------------------------
@@ -393,7 +395,7 @@ def _pressed_to_approaches(study: Study, upper: Profile | Surface, lower: Profil
 def _onset(study: Study, curve: LoadCurve) -> Arrays:
     """Compute the onset of sliding along the first direction at every approach; 0 without contact."""
     contact = study.contact
-    assert isinstance(contact, Asperities)
+    assert isinstance(contact, AsperityContactTable)
     assert contact.onset is not None
     found = {name: np.zeros(curve.approach.size) for name in ONSET}
     for place in np.flatnonzero(curve.normal_elastic > 0).tolist():

@@ -15,7 +15,7 @@ import numpy as np
 
 from stiction._checks import Floats, check_instance
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
-from stiction.studies.measured_surfaces import BodyAttributes, Measured, Member, Members
+from stiction.studies.measured_surfaces import BodyAttributes, MeasuredSurfaces, Member, Members
 from stiction.studies.study import Study
 from stiction.surfaces import fractal
 from stiction.surfaces.pairing import SIDES
@@ -40,7 +40,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
     )  # fmt: skip
 
 
-def _equation(surfaces: Any) -> dict[str, Any]:
+def _equation_arguments(surfaces: Any) -> dict[str, Any]:
     """Return the parameters of Eq. 1 of a study, without phases and grid."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
@@ -55,7 +55,9 @@ def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition:
     """
     surfaces: Any = study.surfaces
     phases = generate_phases(study, repetition, side)
-    return fractal.fill_profiles(heights, phases, dimensions, extent=float(surfaces.extent), **_equation(surfaces))
+    return fractal.fill_profiles(
+        heights, phases, dimensions, extent=float(surfaces.extent), **_equation_arguments(surfaces)
+    )
 
 
 def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
@@ -98,7 +100,7 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
         )  # fmt: skip
     phases = generate_phases(study, repetition, side)
     return fractal.weierstrass_mandelbrot_surface(
-        phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), **_equation(surfaces)
+        phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), **_equation_arguments(surfaces)
     )
 
 
@@ -158,7 +160,7 @@ def pair_of(
 # ---- Measured --------------------------------------------------------------------------------------------------------
 
 
-def _grid(body: Any) -> tuple[Any, ...]:
+def _describe_grid(body: Any) -> tuple[Any, ...]:
     """Return type, shape and spacing of a scan for comparison. Spacings are rounded, as positions have round-off."""
     steps = [f"{step:.5g}" for step in np.atleast_1d(getattr(body, "spacing", 0.0))]
     return type(body), np.shape(getattr(body, "heights", body)), *steps
@@ -167,11 +169,11 @@ def _grid(body: Any) -> tuple[Any, ...]:
 class LoadedBodies:
     """Measured bodies of a study, read once, and their members. Raises a `ValueError` if a file has changed."""
 
-    def __init__(self, surfaces: Measured, seed: int) -> None:
+    def __init__(self, surfaces: MeasuredSurfaces, seed: int) -> None:
         self._surfaces, self._seed = surfaces, seed
         self._parts = [[scan.read() for scan in getattr(surfaces, side).scans] for side in SIDES]
         for side, scans in zip(SIDES, self._parts, strict=True):
-            if len(scans) > 1 and len({_grid(scan) for scan in scans}) > 1:
+            if len(scans) > 1 and len({_describe_grid(scan) for scan in scans}) > 1:
                 raise ValueError(f"surfaces.{side}: the scans of a part must have the same points and spacing")
             heights = [scan.heights.tobytes() for scan in scans if isinstance(scan, Profile | Surface)]
             if len(set(heights)) < len(heights):
@@ -248,13 +250,13 @@ def first_pair(study: Study) -> Any:
 def load_bodies(study: Study) -> LoadedBodies:
     """Load the measured bodies of a study. A process reads them once, and again if a file has changed."""
     surfaces = study.surfaces
-    assert isinstance(surfaces, Measured)
+    assert isinstance(surfaces, MeasuredSurfaces)
     stamps = tuple(scan.stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
-    return _bodies(surfaces, study.ensemble.seed, stamps)
+    return _load_cached(surfaces, study.ensemble.seed, stamps)
 
 
 @functools.lru_cache(maxsize=4)
-def _bodies(surfaces: Measured, seed: int, _: object) -> LoadedBodies:
+def _load_cached(surfaces: MeasuredSurfaces, seed: int, _: object) -> LoadedBodies:
     return LoadedBodies(surfaces, seed)
 
 

@@ -10,17 +10,17 @@ from stiction._arguments import split_values
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction.mechanics.materials import Material, MaterialValue, material
-from stiction.studies.elasticity import Elasticity, elasticity_of
+from stiction.studies.elasticity import Elasticity, find_elasticity
 from stiction.studies.input_uncertainty import (
-    MAX_POISSON,
-    UNCERTAIN_TEXT,
+    MAX_POISSON_RATIO,
+    UNCERTAINTY_PATTERN,
     Distribution,
     UncertainInput,
     parse_study_input,
 )
 from stiction.surfaces.pairing import SIDES
 
-NAMES = ("young", "poisson")
+MODULUS_NAMES = ("young", "poisson")
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,9 @@ class Moduli:
         """Uncertain inputs, by names such as "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
-            f"{name}_{side}": body[name] for side, body in zip(sides, self.bodies, strict=False) for name in NAMES
+            f"{name}_{side}": body[name]
+            for side, body in zip(sides, self.bodies, strict=False)
+            for name in MODULUS_NAMES
         }
         if self.effective_modulus is not None:
             inputs["effective_modulus"] = self.effective_modulus
@@ -60,21 +62,21 @@ class Moduli:
         if "effective_modulus" in samples:
             return samples["effective_modulus"] / self.middle
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
-        middle = [_compliance(body["young"].value, body["poisson"].value) for body in self.bodies]
+        middle = [_compute_compliance(body["young"].value, body["poisson"].value) for body in self.bodies]
         sampled = [
-            _compliance(*(samples.get(f"{name}_{side}", body[name].value) for name in NAMES))
+            _compute_compliance(*(samples.get(f"{name}_{side}", body[name].value) for name in MODULUS_NAMES))
             for side, body in zip(sides, self.bodies, strict=False)
         ]
         return sum(middle) / sum(sampled) if self.bodies else 1.0
 
 
-def _compliance(young: Any, poisson: Any) -> Any:
+def _compute_compliance(young: Any, poisson: Any) -> Any:
     return (1 - poisson**2) / young
 
 
-def moduli_of_material(body: Material) -> dict[str, UncertainInput]:
+def find_material_moduli(body: Material) -> dict[str, UncertainInput]:
     """Return Young's modulus (GPa) and Poisson's ratio of a material with the ranges of their sources."""
-    poisson = replace(_input_from_range(body.poisson_ratio, "normal"), maximum=MAX_POISSON)
+    poisson = replace(_input_from_range(body.poisson_ratio, "normal"), maximum=MAX_POISSON_RATIO)
     return {"young": _input_from_range(body.young_modulus, "log-normal"), "poisson": poisson}
 
 
@@ -83,32 +85,32 @@ def _input_from_range(value: MaterialValue, distribution: Distribution) -> Uncer
     return UncertainInput(float(value), low, high, distribution if low < high else "exact", f"{low:g}..{high:g}")
 
 
-def hardness_of_material(value: MaterialValue) -> UncertainInput:
+def find_material_hardness(value: MaterialValue) -> UncertainInput:
     """Return the hardness (GPa) of a material with the range of its source."""
     return _input_from_range(value, "log-normal")
 
 
-def elasticity_and_moduli(
+def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> tuple[Elasticity, Moduli]:  # fmt: skip
     """Return the elasticity of a pair at the central values of the arguments, and the uncertainty of its moduli.
 
-    Arguments are those of `elasticity_of`; numbers may be ranges or have an uncertainty. Raises a `ValueError` if
+    Arguments are those of `find_elasticity`; numbers may be ranges or have an uncertainty. Raises a `ValueError` if
     arguments are missing, contradictory or invalid.
     """
     arguments = {"effective_modulus": effective_modulus, "young": young, "poisson": poisson}
     inputs = {name: _parse_inputs(name, value) for name, value in arguments.items() if value is not None}
     middle = {
         name: [item.value for item in values]
-        if any(UNCERTAIN_TEXT.search(item.text) for item in values)
+        if any(UNCERTAINTY_PATTERN.search(item.text) for item in values)
         else arguments[name]
         for name, values in inputs.items()
     }
     numbers = {
         name: values[0] if isinstance(values, list) and len(values) == 1 else values for name, values in middle.items()
     }
-    elasticity = elasticity_of(**numbers, upper_material=upper_material, lower_material=lower_material)
+    elasticity = find_elasticity(**numbers, upper_material=upper_material, lower_material=lower_material)
     value = elasticity.effective_modulus
     if "effective_modulus" in inputs:
         return elasticity, Moduli(value, inputs["effective_modulus"][0])
@@ -116,10 +118,10 @@ def elasticity_and_moduli(
         pairs = zip((2 * inputs["young"])[:2], (2 * inputs["poisson"])[:2], strict=True)
         bodies = [{"young": e, "poisson": nu} for e, nu in pairs]
         if upper_material or lower_material:
-            bodies[0 if upper_material else 1] = moduli_of_material(material(str(upper_material or lower_material)))
+            bodies[0 if upper_material else 1] = find_material_moduli(material(str(upper_material or lower_material)))
         return elasticity, Moduli(value, bodies=tuple(bodies))
     materials = [material(str(name)) for name in (upper_material or lower_material, lower_material or upper_material)]
-    bodies = [moduli_of_material(body) for body in materials]
+    bodies = [find_material_moduli(body) for body in materials]
     is_one_material = materials[0] == materials[1]
     return elasticity, Moduli(value, bodies=tuple(bodies), is_one_material=is_one_material)
 

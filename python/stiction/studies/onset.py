@@ -14,9 +14,9 @@ from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, attributes_of
-from stiction.studies.contact_picture import MAX_MAP_SIZE
+from stiction.studies.contact_picture import MAX_PICTURE_SIZE
 from stiction.studies.evaluation import OverMembers
-from stiction.studies.executors import share_threads
+from stiction.studies.executors import use_idle_threads
 from stiction.studies.member_solution import OneLoad
 from stiction.studies.members import count_points, load_bodies
 from stiction.studies.store import read_companion
@@ -29,22 +29,24 @@ if TYPE_CHECKING:
     from stiction.mechanics.onset import Onset
     from stiction.studies.store import StoredResult
 
-FILE = "onset.nc"  # name of the file in the folder of a result
-TABLE = "onset.csv"  # the curve as a table: the backbone of a Masing model
-TABLE_MARK = b"fraction of the sliding load,"  # beginning of its first line
-MEMBERS, FEW = 16, 4  # whose onset is computed, unless another number is asked for; of areas by the half-space a few
+ONSET_FILE = "onset.nc"  # name of the file in the folder of a result
+ONSET_TABLE_FILE = "onset.csv"  # the curve as a table: the backbone of a Masing model
+ONSET_TABLE_MARK = b"fraction of the sliding load,"  # beginning of its first line
+NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
+"""Default number of members whose onset is computed; the second is for areas with the half-space, which take longer."""
 
-FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
+
+ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Fractions of the sliding load at which the curve is."""
 
-TOLERANCE = 1e-5  # of a member's tractions, which moves displacements by 1e-7 of themselves
-POISSON_RATIO = 0.3  # of both bodies, where nothing is known of them
-_CURVES = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
-_NUMBERS = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
-_STATISTICS = ["mean", "lower", "upper"]
+TRACTION_TOLERANCE = 1e-5  # of a member's tractions, which moves displacements by 1e-7 of themselves
+DEFAULT_POISSON_RATIO = 0.3  # of both bodies, where nothing is known of them
+_CURVE_NAMES = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
+_NUMBER_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
+_STATISTIC_NAMES = ["mean", "lower", "upper"]
 
 
-def onset_of_result(
+def compute_onset(
     study: Study, executor: Executor, *, members: int | None = None, load: float | None = None
 ) -> xarray.Dataset | None:
     """How the first members of a measured pair begin to slide at a load (mN), by default the first of its study.
@@ -62,68 +64,75 @@ def onset_of_result(
     first = surfaces.first_scanned
     first = first if first < study.ensemble.repetitions else 0
     few = surfaces.is_areal and study.uses_half_space
-    wanted = (FEW if few else MEMBERS) if members is None else members
+    wanted = (NUM_AREAL_ONSET_MEMBERS if few else NUM_ONSET_MEMBERS) if members is None else members
     indices = range(first, min(first + wanted, study.ensemble.repetitions))
-    of_member: Any = partial(onset_of_member, study, load=load, mu0=mu0, tau0=tau0, cut_off=surfaces.quoted_cut_off())
-    of_member = share_threads(of_member, executor, len(indices), count_points(study))
+    of_member: Any = partial(
+        compute_member_onset, study, load=load, mu0=mu0, tau0=tau0, cut_off=surfaces.quoted_cut_off()
+    )
+    of_member = use_idle_threads(of_member, executor, len(indices), count_points(study))
     found = [each for each in executor.map(of_member, indices) if each]
     if not found:
         return None
-    onset = _over_members(study, found, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
+    onset = _average_members(study, found, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
     return onset.assign(found[0]["map"])
 
 
-def onset_of_member(
+def compute_member_onset(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
     """The curve of one member as arrays by name, and what the member is; None where it has no answer."""
     member = load_bodies(study).member(index, cut_off)
-    poisson = study.contact.poisson_ratio or (POISSON_RATIO, POISSON_RATIO)
+    poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
         pressed = OneLoad.of(study, member.pair, load)
         if pressed is None:
             return None
-        exactly: dict[str, Any] = {"tolerance": TOLERANCE} if isinstance(pressed.curve, HalfSpaceCurve) else {}
-        onset = pressed.curve.onset(0, mu0=mu0, tau0=tau0, steps=FRACTIONS, poisson=poisson, **exactly)
+        exactly: dict[str, Any] = {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed.curve, HalfSpaceCurve) else {}
+        onset = pressed.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **exactly)
     except (RuntimeError, ValueError):  # no solution, or a law that has no onset
         return None
     found: dict[str, Any] = {
-        name: getattr(onset, name) for name in (*_CURVES, *_NUMBERS[:-1]) if name != "energy_lost"
+        name: getattr(onset, name) for name in (*_CURVE_NAMES, *_NUMBER_NAMES[:-1]) if name != "energy_lost"
     }  # fmt: skip
     found["unloading_stiffness"] = float(np.ravel(getattr(pressed.curve, "unloading_stiffness", np.nan))[0])
     return found | {
         "energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x, "y": member.y,
-        "repetition": index, "map": slip_map(pressed, onset),
+        "repetition": index, "map": build_slip_map(pressed, onset),
     }  # fmt: skip
 
 
 # ---- Over members ----------------------------------------------------------------------------------------------------
 
 
-def _over_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str, Any]) -> xarray.Dataset:
+def _average_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str, Any]) -> xarray.Dataset:
     import xarray
 
     members = OverMembers.of(study, {name: [each[name] for each in found] for name in ("line", "x", "y", "repetition")})
     variables: dict[str, Any] = {}
-    for name in (*_CURVES, *_NUMBERS):
-        dims = ("fraction", "statistic") if name in _CURVES else ("statistic",)
+    for name in (*_CURVE_NAMES, *_NUMBER_NAMES):
+        dims = ("fraction", "statistic") if name in _CURVE_NAMES else ("statistic",)
         values = np.clip(members.mean(np.array([each[name] for each in found])), *QUANTITIES[name].bounds)
         variables[name] = (dims, values, attributes_of(name))
     variables["tangential_load"][2]["long_name"] = "tangential load"  # of the whole way to sliding
     coordinates: dict[str, Any] = {
-        "fraction": ("fraction", list(FRACTIONS), {"units": "1", "long_name": "tangential over sliding load"}),
-        "statistic": _STATISTICS,
+        "fraction": (
+            "fraction",
+            list(ONSET_LOAD_FRACTIONS),
+            {"units": "1", "long_name": "tangential over sliding load"},
+        ),
+        "statistic": _STATISTIC_NAMES,
     }
     ratios = study.contact.poisson_ratio
     about = about | {
         "members": len(found), "mechanics": study.contact.mechanics,
-        "poisson_ratio": np.array(ratios or (POISSON_RATIO, POISSON_RATIO)), "poisson_given": int(ratios is not None),
+        "poisson_ratio": np.array(ratios or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)),
+        "poisson_given": int(ratios is not None),
     }  # fmt: skip
     dataset = xarray.Dataset(variables, coordinates, {"title": "onset of sliding", **about})
-    return dataset.assign_attrs(_models(dataset))
+    return dataset.assign_attrs(_fit_models(dataset))
 
 
-def _models(onset: xarray.Dataset) -> dict[str, float]:
+def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
     """Parameters of the four-parameter Iwan model and of LuGre's bristles of the mean curve, where it has them."""
     curve = onset.sel(statistic="mean")
     way, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
@@ -152,19 +161,25 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
     if not result.study.is_measured:
         return None
     friction = result.study.friction
-    onset = read_companion(Path(result.path) / FILE, ("fraction", "statistic", *_NUMBERS[:-1], *_CURVES))
-    if onset is None or _NUMBERS[-1] not in onset or onset["fraction"].values.tolist() != list(FRACTIONS):
+    onset = read_companion(
+        Path(result.path) / ONSET_FILE, ("fraction", "statistic", *_NUMBER_NAMES[:-1], *_CURVE_NAMES)
+    )
+    if (
+        onset is None
+        or _NUMBER_NAMES[-1] not in onset
+        or onset["fraction"].values.tolist() != list(ONSET_LOAD_FRACTIONS)
+    ):
         return None
     of = [float(onset.attrs[name]) for name in ("load_mN", "mu0", "tau0_GPa")]
     return onset if of == [float(each[0]) for each in (friction.load, friction.mu0, friction.tau0)] else None
 
 
-def backbone(onset: xarray.Dataset) -> str:
+def format_backbone(onset: xarray.Dataset) -> str:
     """The mean curve from rest on as CSV, each column with its unit: the backbone of a Masing model."""
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
-    for name in _CURVES:
+    for name in _CURVE_NAMES:
         unit = QUANTITIES[name].unit
         title = name.replace("_", " ") + ("" if unit == "1" else f" ({unit})")
         for statistic, more in (("mean", ""), ("lower", ": lower"), ("upper", ": upper")):
@@ -177,10 +192,10 @@ def backbone(onset: xarray.Dataset) -> str:
 
 
 Variables = dict[str, tuple[Any, ...]]
-_LENGTH = {"units": "um"}
+_LENGTH_ATTRIBUTES = {"units": "um"}
 
 
-def slip_map(pressed: OneLoad, onset: Onset) -> Variables:
+def build_slip_map(pressed: OneLoad, onset: Onset) -> Variables:
     """Which fraction of the sliding load makes each point of a map slip, or each contact, and the heights below.
 
     Of large maps the first of some neighbours is kept. Nothing of profiles.
@@ -189,16 +204,16 @@ def slip_map(pressed: OneLoad, onset: Onset) -> Variables:
     if not isinstance(lower, Surface):
         return {}
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
-    step = -(-max(rows, columns) // MAX_MAP_SIZE)
+    step = -(-max(rows, columns) // MAX_PICTURE_SIZE)
     found: Variables = {
-        "slip_y": ("slip_y", np.arange(0, rows, step) * dy, _LENGTH),
-        "slip_x": ("slip_x", np.arange(0, columns, step) * dx, _LENGTH),
-        "lower_height": (("slip_y", "slip_x"), lower.heights[::step, ::step].astype(np.float32), _LENGTH),
+        "slip_y": ("slip_y", np.arange(0, rows, step) * dy, _LENGTH_ATTRIBUTES),
+        "slip_x": ("slip_x", np.arange(0, columns, step) * dx, _LENGTH_ATTRIBUTES),
+        "lower_height": (("slip_y", "slip_x"), lower.heights[::step, ::step].astype(np.float32), _LENGTH_ATTRIBUTES),
     }
     fraction = onset.slip_load() / onset.sliding_load
     if isinstance(pressed.curve, HalfSpaceCurve):
         words = {"units": "1", "long_name": "tangential over sliding load at which a point slips"}
-        first = _first_of_blocks(fraction.reshape(rows, columns), step)
+        first = _find_block_minima(fraction.reshape(rows, columns), step)
         return found | {"slip": (("slip_y", "slip_x"), first.astype(np.float32), words)}
     table = pressed.table()
     of_contacts = {
@@ -213,7 +228,7 @@ def slip_map(pressed: OneLoad, onset: Onset) -> Variables:
     }
 
 
-def _first_of_blocks(values: Floats, step: int) -> Floats:
+def _find_block_minima(values: Floats, step: int) -> Floats:
     """The least number of each block of some rows and columns; NaN where there is none."""
     rows, columns = (-(-size // step) * step for size in values.shape)
     whole = np.full((rows, columns), np.inf)

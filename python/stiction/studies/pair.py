@@ -26,24 +26,31 @@ from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.materials import material, softer_material
 from stiction.mechanics.model import THICKNESS
-from stiction.studies.contact_tables import ladder
-from stiction.studies.elasticity import Elasticity, elasticity_of
-from stiction.studies.input_uncertainty import KINDS, UNCERTAIN_TEXT, UncertainInput, parse_study_input
-from stiction.studies.interfaces import Interface, interface, interfaces, median_strength
-from stiction.studies.measured_surfaces import SHIFTS, SURROGATES, TEXTURES, Body, BodyAttributes, MeasuredFile
+from stiction.studies.contact_tables import choose_load_steps
+from stiction.studies.elasticity import Elasticity, find_elasticity
+from stiction.studies.input_uncertainty import INPUT_KINDS, UNCERTAINTY_PATTERN, UncertainInput, parse_study_input
+from stiction.studies.interfaces import Interface, interface, interfaces, round_median_strength
+from stiction.studies.measured_surfaces import (
+    DEFAULT_NUM_SHIFTS,
+    DEFAULT_NUM_SURROGATES,
+    MACHINING_PROCESSES,
+    Body,
+    BodyAttributes,
+    MeasuredFile,
+)
 from stiction.studies.members import body_attributes
 from stiction.studies.pair_options import (
     CHECK_ORDER,
-    MECHANICS,
-    OPTIONS,
-    READING,
-    Kind,
+    CONTACT_MODEL_NAMES,
+    PAIR_OPTIONS,
+    READING_OPTION_NAMES,
     Mechanics,
+    OptionKind,
     PairOptions,
     read_options,
     split_list,
 )
-from stiction.studies.study import SEED, Study
+from stiction.studies.study import DEFAULT_SEED, Study
 from stiction.studies.values import StudyError, validated
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import DEFAULT_LINES, SIDES, Surrogates
@@ -51,8 +58,8 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
 
-DEFAULT_OFFSETS = 64  # positions of a pair of profiles: some seconds of computing, and enough for an interval
-NUM_LIGHTER_LOADS = 4  # loads below the requested loads, over two decades, for the load curve of adhesive contacts
+DEFAULT_NUM_POSITIONS = 64  # positions of a pair of profiles: some seconds of computing, and enough for an interval
+NUM_ADHESION_LOADS = 4  # loads below the requested loads, over two decades, for the load curve of adhesive contacts
 PRELOAD_FRACTION = 1e-3  # small load that replaces zero load, as a fraction of the attraction of one grid point
 DEFAULT_LAW = "hertz-sphere"  # contact law of the asperity model
 HARDNESS_TO_YIELD_RATIO = 2.84  # law of Jackson and Green at small contact radii
@@ -78,7 +85,7 @@ class Pair:
         for name in CHECK_ORDER:
             if (value := options.given(name)) is None:
                 continue
-            for condition in OPTIONS[name].applies:
+            for condition in PAIR_OPTIONS[name].applies:
                 if not condition.holds(self):
                     shown = "" if value is True else f" {value}"
                     raise ArgumentError(f"{{{name}}} {condition.message}, got {{{name}}}{{shown}}", shown=shown)
@@ -88,8 +95,8 @@ class Pair:
         """Return a pair for unchecked options, named like the fields of `PairOptions`."""
         return cls(read_options(values))
 
-    def _kind(self, name: str) -> Kind:
-        kind = OPTIONS[name].kind
+    def _kind(self, name: str) -> OptionKind:
+        kind = PAIR_OPTIONS[name].kind
         assert kind is not None, f"{name} is declared without a kind of quantity"
         return kind
 
@@ -124,7 +131,7 @@ class Pair:
             properties["texture"] = self._process(processes[index % len(processes)])
         is_array = isinstance(body, np.ndarray)
         if not isinstance(body, (str, Path)):
-            for name in READING:
+            for name in READING_OPTION_NAMES:
                 if is_array and name in ("unit", "spacing"):
                     continue
                 if options.given(name) not in (None, "error", "keep"):
@@ -134,7 +141,7 @@ class Pair:
             body = self._from_array(side, index, body) if is_array else body
             return MeasuredFile.holding(body, side).model_copy(update=properties)
         table = properties | {"file": str(body)}
-        for name in READING:
+        for name in READING_OPTION_NAMES:
             if (value := self._select_value(name, index)) in (None, ""):
                 continue
             text = value if isinstance(value, str) else exact_text(value, "um") if name == "spacing" else str(value)
@@ -143,7 +150,7 @@ class Pair:
             return validated(MeasuredFile, table, f"pair: {side}")
         except StudyError as error:
             key, why = error.faults[0]
-            if key not in OPTIONS:
+            if key not in PAIR_OPTIONS:
                 raise
             raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=why) from None
 
@@ -158,9 +165,9 @@ class Pair:
         return values[index % len(values)] if values else None
 
     def _process(self, name: Any) -> Any:
-        if name not in TEXTURES:
+        if name not in MACHINING_PROCESSES:
             raise ArgumentError(
-                f"{{texture}} must be {', '.join(TEXTURES)} or two of these, got {{got}}", got=repr(name)
+                f"{{texture}} must be {', '.join(MACHINING_PROCESSES)} or two of these, got {{got}}", got=repr(name)
             )
         return name
 
@@ -221,7 +228,7 @@ class Pair:
             "half-space" if self.press != "lines" or self.has_missing or self._uses_plastic_lines else "asperities"
         )
         if self.options.check:
-            return default, MECHANICS[1 - MECHANICS.index(default)]
+            return default, CONTACT_MODEL_NAMES[1 - CONTACT_MODEL_NAMES.index(default)]
         return (self.options.mechanics or default,)
 
     @property
@@ -251,15 +258,15 @@ class Pair:
     def elasticity(self) -> Elasticity:
         """Elasticity of both bodies at the central values of uncertain inputs."""
         modulus, young, poisson = (self._nominal_value(name) for name in ("effective_modulus", "young", "poisson"))
-        return elasticity_of(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
+        return find_elasticity(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, list[UncertainInput]]:
         """Inputs that were given as ranges or with an uncertainty, by name."""
         inputs: dict[str, list[UncertainInput]] = {}
-        for name in KINDS:
+        for name in INPUT_KINDS:
             texts = [text for text in split_values(self.options.given(name)) if text is not None]
-            if not any(isinstance(text, str) and UNCERTAIN_TEXT.search(text) for text in texts):
+            if not any(isinstance(text, str) and UNCERTAINTY_PATTERN.search(text) for text in texts):
                 continue
             if len(texts) > (2 if name in ("young", "poisson") else 1):
                 raise ArgumentError(f"{{{name}}} must be one value if it is a range, got {{got}}", got=repr(texts))
@@ -289,7 +296,7 @@ class Pair:
     def _nominal_value(self, name: str) -> Any:
         """Return an option as given, or the central value of an uncertain input, rounded to four digits."""
         if name in ("mu0", "tau0") and self.strength is not None:
-            return median_strength(self.strength)[name == "tau0"]
+            return round_median_strength(self.strength)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
             return 0.0
         if name not in self.uncertain_inputs:
@@ -451,7 +458,7 @@ class Pair:
         Each scan is filtered at its own cutoff, or not at all. The filtered scans come first and give the quoted result
         if all unattributed wavelengths are noise floors.
         """
-        limits = [[_find_limit(scan) for scan in file.scans] for file in self.files]
+        limits = [[_find_instrument_limit(scan) for scan in file.scans] for file in self.files]
         unattributed = [limit for part_limits in limits for limit in part_limits if limit is not None]
         sides = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
         longest = max((limit.cut_off for limit in unattributed), default=0.0)
@@ -460,7 +467,7 @@ class Pair:
         parts = []
         for file, part_limits in zip(self.files, limits, strict=True):
             first, *others = (
-                scan.model_copy(update={"max_cut_off": _length(0.0 if limit is None else limit.cut_off)})
+                scan.model_copy(update={"max_cut_off": _to_length(0.0 if limit is None else limit.cut_off)})
                 for scan, limit in zip(file.scans, part_limits, strict=True)
             )
             parts.append(first.model_copy(update={"others": tuple(others) or None}))
@@ -476,9 +483,9 @@ class Pair:
             lines, offsets = self._positions()
             repetitions = lines * offsets
         elif self.press == "surrogates":
-            repetitions = self._num_surrogates(SURROGATES)
+            repetitions = self._num_surrogates(DEFAULT_NUM_SURROGATES)
         else:
-            shifts = 1 if self.options.gap is not None else self.options.shifts or SHIFTS
+            shifts = 1 if self.options.gap is not None else self.options.shifts or DEFAULT_NUM_SHIFTS
             listed = self._listed_positions
             repetitions = (shifts if listed is None else len(listed)) + self._num_surrogates(0)
         # Each pair of scans has equally many members.
@@ -487,7 +494,7 @@ class Pair:
             repetitions *= pairs
         return {
             "repetitions": -(-repetitions // pairs) * pairs,
-            "seed": SEED if self.options.seed is None else self.options.seed,
+            "seed": DEFAULT_SEED if self.options.seed is None else self.options.seed,
         }
 
     @cached_property
@@ -507,7 +514,7 @@ class Pair:
         lines, offsets = self.options.lines or DEFAULT_LINES, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             listed = self._listed_positions
-            return 1, len(listed) if listed is not None else DEFAULT_OFFSETS if offsets is None else offsets
+            return 1, len(listed) if listed is not None else DEFAULT_NUM_POSITIONS if offsets is None else offsets
         if not self.has_surrogates:
             axis = 1 if self.options.along == "y" else 0
             lines = min(lines, *(scan.heights.shape[axis] for scan in self.bodies if isinstance(scan, Surface)))
@@ -560,7 +567,7 @@ class Pair:
         for name in ("work_of_adhesion", "adhesion_range"):
             if (value := self.options.given(name)) is None:
                 continue
-            if isinstance(value, str) and UNCERTAIN_TEXT.search(value):
+            if isinstance(value, str) and UNCERTAINTY_PATTERN.search(value):
                 message = f"{{{name}}} must be one value; compute both ends of a range separately, got {{got}}"
                 raise ArgumentError(message, got=repr(value))
             quantities[name] = self._quantity(name, value)
@@ -641,8 +648,8 @@ class Pair:
             loads[:1] if self._has_zero_load else []
         )  # no result is interpolated between zero and the other loads
         loaded = loads[len(unloaded) :] or loads
-        lighter = NUM_LIGHTER_LOADS if self._adhesion.get("work_of_adhesion") else 1
-        around = ladder(
+        lighter = NUM_ADHESION_LOADS if self._adhesion.get("work_of_adhesion") else 1
+        around = choose_load_steps(
             loaded, press=self.press, mechanics="half-space" if "half-space" in self.contact_models else "asperities",
             most=max_load, lighter=0 if loaded == unloaded else lighter,
         )  # fmt: skip
@@ -677,7 +684,9 @@ def _find_option(key: str) -> str | None:
     """Return the name of the option that sets a key of a study such as "friction.mu0[0]", or None."""
     key = key.partition("[")[0]
     last = key.rpartition(".")[2]
-    return next((name for name, option in OPTIONS.items() if option.key == key), last if last in OPTIONS else None)
+    return next(
+        (name for name, option in PAIR_OPTIONS.items() if option.key == key), last if last in PAIR_OPTIONS else None
+    )
 
 
 def pair_study(upper: object = None, lower: object = None, **options: object) -> Study:
@@ -719,7 +728,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
     return scans
 
 
-def _find_limit(scan: MeasuredFile) -> InstrumentLimit | None:
+def _find_instrument_limit(scan: MeasuredFile) -> InstrumentLimit | None:
     """Return the wavelength limit of a scan if unattributed wavelengths contribute much of the slope, or None."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
@@ -728,7 +737,7 @@ def _find_limit(scan: MeasuredFile) -> InstrumentLimit | None:
     return limit if limit.matters else None
 
 
-def _length(wavelength: float) -> Quantity:
+def _to_length(wavelength: float) -> Quantity:
     return quantity(exact_text(wavelength, "um"), "length")
 
 

@@ -126,7 +126,7 @@ Degrees: TypeAlias = Annotated[float, PlainValidator(_read_degrees)]
 SurrogateChoice: TypeAlias = Annotated[int | str, PlainValidator(_read_surrogates)]
 
 Mechanics = Literal["half-space", "asperities"]
-MECHANICS: tuple[Mechanics, ...] = get_args(Mechanics)
+CONTACT_MODEL_NAMES: tuple[Mechanics, ...] = get_args(Mechanics)
 Lay = Literal["grooves", "isotropic"]
 LawChoice = Literal["hertz-sphere", "hertz-cylinder", "jackson-green"]
 Level = Literal["mean", "line", "plane", "quadratic", "none"]
@@ -378,8 +378,8 @@ def needs_poisson_ratio(pair: PairFacts) -> bool:
 
 # ---- Declaration of an option ----------------------------------------------------------------------------------------
 
-Kind = Literal["length", "pressure", "force", "time", "work of adhesion"]
-UNITS: dict[Kind, str] = {
+OptionKind = Literal["length", "pressure", "force", "time", "work of adhesion"]
+DEFAULT_UNITS: dict[OptionKind, str] = {
     "length": "µm", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m²",
 }  # fmt: skip
 """Unit of a plain number of each kind of quantity."""
@@ -406,7 +406,7 @@ class Option:
 
     value: str  # metavariable of the command line, "PRESSURE"; empty for a switch
     help: str  # a sentence or two; other options are written as {name}
-    kind: Kind | None = None
+    kind: OptionKind | None = None
     usual: str = ""  # the default in words
     flag: str = ""  # name on the command line where it differs from the field
     argument: str = ""  # name in Python where it differs from the field
@@ -419,7 +419,7 @@ class Option:
     is_in_python: bool = True  # a parameter of `stiction.pair`
 
 
-class Options(BaseModel):
+class OptionGroup(BaseModel):
     """A group of options; None stands for the default."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, arbitrary_types_allowed=True)
@@ -427,7 +427,7 @@ class Options(BaseModel):
     title: ClassVar[str]
 
 
-class SurfaceOptions(Options):
+class SurfaceOptions(OptionGroup):
     """Options of the two bodies and of how their scans are prepared."""
 
     title: ClassVar[str] = "Surfaces"
@@ -480,7 +480,7 @@ class SurfaceOptions(Options):
     )] = None  # fmt: skip
 
 
-class ReadingOptions(Options):
+class ReadingOptions(OptionGroup):
     """Options for reading files. Each is given once for both files, or once for each file."""
 
     title: ClassVar[str] = "Reading files"
@@ -545,7 +545,7 @@ class ReadingOptions(Options):
     )] = None  # fmt: skip
 
 
-class MaterialOptions(Options):
+class MaterialOptions(OptionGroup):
     """Options of the materials; effective_modulus, young with poisson, or names of materials are required."""
 
     title: ClassVar[str] = "Materials"
@@ -604,7 +604,7 @@ class MaterialOptions(Options):
     )] = None  # fmt: skip
 
 
-class FrictionOptions(Options):
+class FrictionOptions(OptionGroup):
     """Options of the load, the interface and the motion."""
 
     title: ClassVar[str] = "Load and friction"
@@ -636,7 +636,7 @@ class FrictionOptions(Options):
     )] = None  # fmt: skip
 
 
-class ContactOptions(Options):
+class ContactOptions(OptionGroup):
     """Options of the contact model."""
 
     title: ClassVar[str] = "Contact model"
@@ -672,7 +672,7 @@ class ContactOptions(Options):
     )] = None  # fmt: skip
 
 
-class EnsembleOptions(Options):
+class EnsembleOptions(OptionGroup):
     """Options of the relative positions and surrogates."""
 
     title: ClassVar[str] = "Ensemble"
@@ -705,7 +705,7 @@ class EnsembleOptions(Options):
     )] = None  # fmt: skip
 
 
-class ComputingOptions(Options):
+class ComputingOptions(OptionGroup):
     """Options for additional computations."""
 
     title: ClassVar[str] = "Computing"
@@ -728,7 +728,7 @@ class PairOptions(
         return None if value is False else value
 
 
-GROUPS: tuple[type[Options], ...] = (
+OPTION_GROUPS: tuple[type[OptionGroup], ...] = (
     FrictionOptions, MaterialOptions, ContactOptions, SurfaceOptions, EnsembleOptions, ReadingOptions, ComputingOptions,
 )  # fmt: skip
 """Groups in the order of the help."""
@@ -738,18 +738,20 @@ def _declared_option(field: FieldInfo) -> Option:
     return next(item for item in field.metadata if isinstance(item, Option))
 
 
-OPTIONS: dict[str, Option] = {
-    name: _declared_option(field) for group in GROUPS for name, field in group.model_fields.items()
+PAIR_OPTIONS: dict[str, Option] = {
+    name: _declared_option(field) for group in OPTION_GROUPS for name, field in group.model_fields.items()
 }  # fmt: skip
 """Every option by the name of its field."""
 
-READING: tuple[str, ...] = tuple(name for name in ReadingOptions.model_fields if name not in ("texture", "tip"))
+READING_OPTION_NAMES: tuple[str, ...] = tuple(
+    name for name in ReadingOptions.model_fields if name not in ("texture", "tip")
+)
 """Options that are arguments of `read_measurement`."""
 
 
 def split_list(name: str, text: str) -> str | tuple[str, ...]:
     """Return the values of an option in a text between commas, or the text if the option has one value."""
-    return tuple(split_values(text)) if OPTIONS[name].is_list and "," in text else text
+    return tuple(split_values(text)) if PAIR_OPTIONS[name].is_list and "," in text else text
 
 
 CHECK_ORDER: tuple[str, ...] = tuple(
@@ -774,17 +776,17 @@ _OPTION_ALIASES = {"wavelength": "cutoff"}
 """Options by the name of the surface function's argument that they set."""
 
 
-def name_on_command_line(name: str) -> str:
+def format_command_line_name(name: str) -> str:
     """Return the name of an option on the command line, such as "--hardness"."""
     name = _OPTION_ALIASES.get(name, name)
-    option = OPTIONS.get(name)
+    option = PAIR_OPTIONS.get(name)
     return option.flag if option and option.flag else f"--{name.replace('_', '-')}"
 
 
-def name_in_python(name: str) -> str:
+def format_python_name(name: str) -> str:
     """Return the name of an option in a call of `stiction.pair`, such as "hardness"."""
     name = _OPTION_ALIASES.get(name, name)
-    option = OPTIONS.get(name)
+    option = PAIR_OPTIONS.get(name)
     return option.argument if option and option.argument else name
 
 

@@ -11,36 +11,53 @@ from typing import Any
 from stiction._core import __version__
 from stiction._files import check_replaceable, replaced_file
 from stiction._text import format_duration
-from stiction.studies.contact_picture import FILE as PICTURE
-from stiction.studies.contact_picture import contact_picture
+from stiction.studies.contact_picture import PICTURE_FILE, contact_picture
 from stiction.studies.evaluation import is_unloaded
-from stiction.studies.hardness import FILE as HARDNESS
-from stiction.studies.hardness import compute_areas_over_hardness, count_solutions, load_areas_over_hardness
+from stiction.studies.hardness import AREAS_FILE, compute_areas_over_hardness, count_solutions, load_areas_over_hardness
 from stiction.studies.member_solution import cost_of_member, cost_of_solution
-from stiction.studies.onset import FILE as ONSET
-from stiction.studies.onset import TABLE, TABLE_MARK, backbone, load_onset, onset_of_result
-from stiction.studies.resolution import FOLDER, resolution_study
+from stiction.studies.onset import (
+    ONSET_FILE,
+    ONSET_TABLE_FILE,
+    ONSET_TABLE_MARK,
+    compute_onset,
+    format_backbone,
+    load_onset,
+)
+from stiction.studies.resolution import CUTOFF_STUDY_FOLDER, build_cutoff_study
 from stiction.studies.result import Result
 from stiction.studies.runner import complete_blocks, compute_missing, prepare_folder
-from stiction.studies.store import BLOCKS, SEAL, STUDY, StoredResult, StoreError, export, open_stored
-from stiction.studies.study import Study, differences, differences_text, member_differences
+from stiction.studies.store import (
+    BLOCKS_FOLDER,
+    CHECKSUM_SEAL,
+    STUDY_FILE,
+    StoredResult,
+    StoreError,
+    export,
+    open_stored,
+)
+from stiction.studies.study import Study, find_differences, find_member_differences, format_differences
 
-Say = Callable[[str], Any]  # function that prints a line
+LinePrinter = Callable[[str], Any]  # function that prints a line
 
 MIN_ANNOUNCED_TIME = 20.0  # seconds of computing above which an estimate is always printed
 
-_COMPANION_FILES = {PICTURE: SEAL, HARDNESS: SEAL, ONSET: SEAL, TABLE: TABLE_MARK}
+_COMPANION_FILES = {
+    PICTURE_FILE: CHECKSUM_SEAL,
+    AREAS_FILE: CHECKSUM_SEAL,
+    ONSET_FILE: CHECKSUM_SEAL,
+    ONSET_TABLE_FILE: ONSET_TABLE_MARK,
+}
 """Files that are stored alongside the blocks of a measured pair, and the bytes that identify each file."""
 
 
-def _ignore(_: str) -> None:
+def _ignore_line(_: str) -> None:
     """Print nothing."""
 
 
-def complete(
+def complete_result(
     study: Study, folder: Path, executor: Executor, *, part: tuple[int, int] | None = None, replace: bool = False,
-    onset: int | None = None, progress: bool = False, said: Say = _ignore, say: Say = _ignore,
-    announce: Say = _ignore, answered: Callable[[Result], Any] = lambda _: None,
+    onset: int | None = None, progress: bool = False, said: LinePrinter = _ignore_line, say: LinePrinter = _ignore_line,
+    announce: LinePrinter = _ignore_line, answered: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
     """Compute the missing blocks of a study, or of a part of it. Without a part, also compute the companion files.
 
@@ -50,15 +67,15 @@ def complete(
     """
     for name, mark in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
         check_replaceable(folder / name, mark, StoreError)
-    existing = open_stored(folder) if (folder / STUDY).exists() else None
+    existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
     if replace and existing:
         remove_result(existing)
     stored, total = prepare_folder(study, folder, part), study.ensemble.repetitions
     before = stored.count
-    other = differences(existing.study, stored.study) if existing and before else []
+    other = find_differences(existing.study, stored.study) if existing and before else []
     if friction := [each for each in other if each[0].startswith("friction.")]:
         say(f"{folder} has results for other friction; its {before} repetitions are kept, and its table, report and "
-            f"figures are replaced\n{differences_text(friction)}")  # fmt: skip
+            f"figures are replaced\n{format_differences(friction)}")  # fmt: skip
     measured = stored.study.is_measured
     seconds = (total - before) * cost_of_member(stored.study)
     ahead = said if not measured else say if seconds > MIN_ANNOUNCED_TIME else announce
@@ -74,15 +91,15 @@ def complete(
         )
         if seconds > MIN_ANNOUNCED_TIME:
             say(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
-        _write_companion(stored, HARDNESS, lambda: compute_areas_over_hardness(stored.study, executor))
+        _write_companion(stored, AREAS_FILE, lambda: compute_areas_over_hardness(stored.study, executor))
     if before < total and (before or not measured):
         said(f"wrote {folder}" + (f" ({before} of {total} repetitions already existed)" if before else ""))
     elif before == total:
         by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
         said(f"{folder} already contains this study{by}")
     answered(result)
-    if measured and (before < total or not (stored.path / PICTURE).exists()):
-        _write_companion(stored, PICTURE, lambda: contact_picture(result))
+    if measured and (before < total or not (stored.path / PICTURE_FILE).exists()):
+        _write_companion(stored, PICTURE_FILE, lambda: contact_picture(result))
     compute_companions(result, executor, onset, progress=progress, announce=announce, say=say)
     return result
 
@@ -95,19 +112,19 @@ def _write_companion(stored: StoredResult, name: str, compute: Callable[[], Any]
 
 
 def compute_companions(
-    result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False, announce: Say = _ignore,
-    say: Say = _ignore,
+    result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
+    announce: LinePrinter = _ignore_line, say: LinePrinter = _ignore_line,
 ) -> None:  # fmt: skip
     """Compute the missing cutoff study and onset of sliding of a measured pair."""
     stored = result.stored
     if stored is None or not stored.study.is_measured:
         return
     try:
-        over = None if is_unloaded(result) else resolution_study(stored.study)
+        over = None if is_unloaded(result) else build_cutoff_study(stored.study)
         if over is not None:
-            folder = stored.path / FOLDER
-            existing = open_stored(folder) if (folder / STUDY).exists() else None
-            if existing and member_differences(existing.study, over):
+            folder = stored.path / CUTOFF_STUDY_FOLDER
+            existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
+            if existing and find_member_differences(existing.study, over):
                 remove_result(existing)  # of another pair or other loads
             seconds = over.ensemble.repetitions * cost_of_member(over)
             (say if seconds > MIN_ANNOUNCED_TIME else announce)(
@@ -118,21 +135,21 @@ def compute_companions(
         if onset == 0 or (kept is not None and onset in (None, int(kept.attrs["members"]))):
             return
         announce("onset of sliding")
-        curve = onset_of_result(stored.study, executor, members=onset)
+        curve = compute_onset(stored.study, executor, members=onset)
     except ValueError as error:  # the files of the bodies are missing
         say(f"cutoff study and onset are not computed: {error}")
         return
     if curve is not None:
-        export(curve, stored.path / ONSET, replace=True)
-        with replaced_file(stored.path / TABLE, TABLE_MARK, StoreError) as partial:
-            partial.write_text(backbone(curve), encoding="utf-8")
+        export(curve, stored.path / ONSET_FILE, replace=True)
+        with replaced_file(stored.path / ONSET_TABLE_FILE, ONSET_TABLE_MARK, StoreError) as partial:
+            partial.write_text(format_backbone(curve), encoding="utf-8")
 
 
 def remove_result(stored: StoredResult) -> None:
     """Remove the study and the blocks of a result. Other files in its folder are kept."""
     for block in stored.blocks:
-        (stored.path / BLOCKS / block.name).unlink(missing_ok=True)
-    areas = (HARDNESS,) if stored.study.is_measured else ()
-    onset = (ONSET, TABLE) if (stored.path / ONSET).exists() else ()
-    for name in (STUDY, *areas, *onset):
+        (stored.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
+    areas = (AREAS_FILE,) if stored.study.is_measured else ()
+    onset = (ONSET_FILE, ONSET_TABLE_FILE) if (stored.path / ONSET_FILE).exists() else ()
+    for name in (STUDY_FILE, *areas, *onset):
         (stored.path / name).unlink(missing_ok=True)

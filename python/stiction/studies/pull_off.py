@@ -15,16 +15,16 @@ if TYPE_CHECKING:
 STICKING_PRESSURE = 1e-7
 """Pull-off pressure (GPa) above which bodies stick: 100 Pa, the weight of a steel plate 1.3 mm thick."""
 
-Three = tuple[float, float, float]
+ValueWithInterval = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Sticking:
     """Pull-off force (mN), pressure (GPa) and friction at no load (mN): mean, lower and upper end of 95 % intervals."""
 
-    pull_off: Three
-    pressure: Three
-    friction: Three
+    pull_off: ValueWithInterval
+    pressure: ValueWithInterval
+    friction: ValueWithInterval
     is_bound: bool  # whether members contribute lower bounds of the pull-off force
 
     @property
@@ -38,17 +38,17 @@ class Sticking:
         )
 
 
-def sticking_of(point: xarray.Dataset, rule: str) -> Sticking | None:
+def find_sticking(point: xarray.Dataset, rule: str) -> Sticking | None:
     """Return how bodies stick at a point of what `at_load` gives, None if they do not adhere."""
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (
-        _three(by_rule(point[name], rule)) for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
+        _read_interval(by_rule(point[name], rule)) for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
     )
     share = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
     return Sticking(force, pressure, friction, share > 0)
 
 
-def _three(table: xarray.DataArray) -> Three:
+def _read_interval(table: xarray.DataArray) -> ValueWithInterval:
     value, lower, upper = (float(table.sel(statistic=each)) for each in STATISTICS)
     return value, lower, upper

@@ -15,23 +15,23 @@ from stiction.mechanics import brackets
 from stiction.studies.evaluation import at_load
 from stiction.studies.members import body_attributes, load_bodies
 from stiction.studies.result import Result
-from stiction.studies.store import STUDY, StoredResult, StoreError, open_stored
-from stiction.studies.study import Study, member_differences
+from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, open_stored
+from stiction.studies.study import Study, find_member_differences
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_roughness
 
 if TYPE_CHECKING:
     import xarray
 
-FOLDER = "resolution"  # in the folder of a result: that of the same pair over cut-offs
-MEMBERS = 4  # of areas; the first ones of the result, so that what changes with the cut-off is not chance
-LINES = 16  # of lines
-DOUBLES = 4  # times that the shortest cut-off, of two points, is doubled at most
-ROUNDED = 5e-4  # relative change of a number by rounding it to four digits, at most
-LONGEST = 1 / 30  # longest cut-off over the shortest side of the scans: longer waves are too few
+CUTOFF_STUDY_FOLDER = "resolution"  # in the folder of a result: that of the same pair over cut-offs
+NUM_AREAL_MEMBERS = 4  # of areas; the first ones of the result, so that what changes with the cut-off is not chance
+NUM_LINE_MEMBERS = 16  # of lines
+MAX_CUTOFFS = 4  # times that the shortest cut-off, of two points, is doubled at most
+FOUR_DIGIT_ERROR = 5e-4  # relative change of a number by rounding it to four digits, at most
+MAX_RELATIVE_CUTOFF = 1 / 30  # longest cut-off over the shortest side of the scans: longer waves are too few
 
 
-def resolution_study(study: Study) -> Study | None:
+def build_cutoff_study(study: Study) -> Study | None:
     """The study of the same pair over cut-offs, two points and their doubles, for few members and the loads asked for.
 
     None of generated bodies, of asperities, of several cut-offs, and where the scans are too short for any.
@@ -44,16 +44,19 @@ def resolution_study(study: Study) -> Study | None:
     side = min(float(np.min(facts[f"{side}_extent_um"])) for side in ("upper", "lower"))
     if len(own) > 1:
         return None
-    doubles = 2 * step * 2.0 ** np.arange(DOUBLES) if own[0] == 0 else own[0] * 2.0 ** np.arange(1, DOUBLES)
+    doubles = 2 * step * 2.0 ** np.arange(MAX_CUTOFFS) if own[0] == 0 else own[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
     # Rounded up, because less than two points is no wave.
-    lengths = [own[0], *(float(f"{each * (1 + ROUNDED):.4g}") for each in doubles if each <= LONGEST * side)]
+    lengths = [
+        own[0],
+        *(float(f"{each * (1 + FOUR_DIGIT_ERROR):.4g}") for each in doubles if each <= MAX_RELATIVE_CUTOFF * side),
+    ]
     if len(lengths) < 2:
         return None
     changes: dict[str, Any] = {
         "surfaces.cut_off": [exact_text(each, "um") for each in lengths],
         "contact.load": [load.text for load in study.friction.load],
         "ensemble.repetitions": min(
-            study.ensemble.repetitions, MEMBERS if study.is_areal else LINES
+            study.ensemble.repetitions, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
         ),
     }  # fmt: skip
     if study.surfaces.first_scanned:
@@ -61,7 +64,7 @@ def resolution_study(study: Study) -> Study | None:
     return study.with_changes(changes)
 
 
-def resolution_at(result: StoredResult) -> xarray.Dataset | None:
+def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
     """What a result, or that in its folder, says over cut-offs at the loads of its study; None without one."""
     study = result.study
     if not study.is_measured:
@@ -69,15 +72,15 @@ def resolution_at(result: StoredResult) -> xarray.Dataset | None:
     loads = [float(load) for load in study.friction.load]
     if study.surfaces.cells()["cut_off"].size > 1:
         return at_load(Result(result), loads)
-    folder = Path(result.path) / FOLDER
-    if not (folder / STUDY).exists():
+    folder = Path(result.path) / CUTOFF_STUDY_FOLDER
+    if not (folder / STUDY_FILE).exists():
         return None
     try:
         beside = open_stored(folder)
-        wanted = resolution_study(study)
+        wanted = build_cutoff_study(study)
     except (StoreError, ValueError):
         return None
-    if not beside.finished.size or wanted is None or member_differences(beside.study, wanted):
+    if not beside.finished.size or wanted is None or find_member_differences(beside.study, wanted):
         return None
     return at_load(
         Result(beside), loads, mu0=list(study.friction.mu0), tau0=[float(each) for each in study.friction.tau0]
@@ -88,7 +91,7 @@ def resolution_at(result: StoredResult) -> xarray.Dataset | None:
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class ResolvedRoughness:
     """What of the gap of a pair was seen: its waves, and how it goes on below them."""
 
     shortest: float  # µm, of the pressed bodies: two points, or the cut-off
@@ -116,18 +119,18 @@ class Seen:
         return np.array(brackets.WAVELENGTH_RATIOS) * self.shortest, gradients, ground
 
 
-def seen(study: Study) -> Seen | None:
+def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
     """What was seen of the gap of a measured pair; None of generated bodies, and where the files are gone."""
     if not study.is_measured:
         return None
     try:
-        return _seen(study)
+        return _find_resolved_roughness(study)
     except (ValueError, OSError):
         return None
 
 
 @functools.lru_cache(maxsize=4)
-def _seen(study: Study) -> Seen:
+def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
     bodies = load_bodies(study)
     wavelength = surfaces.quoted_cut_off()
@@ -139,7 +142,7 @@ def _seen(study: Study) -> Seen:
     facts = bodies.attributes().attributes
     steps = [*gap.spacings, *(float(np.max(facts[f"{each}_spacing_um"])) for each in ("upper", "lower"))]
     roughness = scale_dependent_roughness(gap)
-    return Seen(
+    return ResolvedRoughness(
         shortest=max(2 * max(steps), wavelength), longest=float(np.max(gap.extent)),
         gradient=brackets.rms_gradient(gap, periodic=False), roughness=roughness,
         estimate=brackets.gap_exponent(gap, periodic=False),

@@ -147,9 +147,9 @@ class Result:
     @property
     def over_cut_offs(self) -> xarray.Dataset | None:
         """Values over cutoff wavelengths, from the study of a few members that is stored alongside, if there is one."""
-        from stiction.studies.resolution import resolution_at
+        from stiction.studies.resolution import evaluate_cutoffs
 
-        return self.alongside(resolution_at)
+        return self.alongside(evaluate_cutoffs)
 
     @property
     def contact_picture(self) -> xarray.Dataset | None:
@@ -270,19 +270,19 @@ class Result:
     def _at_height_scale(
         self, factors: Any, load: Any, mu0: Any, tau0: Any, reading: Any, scaled: Any, compute: bool
     ) -> xarray.Dataset:
-        from stiction.studies.height_scale import at_height_scale, checked_factors, compute_factors
+        from stiction.studies.height_scale import compute_factors, evaluate_height_scale, parse_factors
 
         check_bool("compute", compute)
         if reading not in (None, "elastic"):
             raise ValueError(f"reading must be 'elastic' with height_scale, got {reading!r}")
         if self.stored is None:
             raise ValueError("height_scale needs a stored result: one of `pair`, or of `open_result`")
-        factors = checked_factors(factors)
+        factors = parse_factors(factors)
         loads = self.default_loads if load is None else self._loads_of(load)
         strengths = to_core_units("tau0", tau0, "pressure")
         if compute:
             compute_factors(self.stored, factors, scaled)
-        return at_height_scale(self.stored, factors, loads, mu0=mu0, tau0=strengths, scaled=scaled)
+        return evaluate_height_scale(self.stored, factors, loads, mu0=mu0, tau0=strengths, scaled=scaled)
 
     @property
     def nominal_area(self) -> float | None:

@@ -20,12 +20,12 @@ import numpy as np
 from stiction._core import __version__
 from stiction._files import new_partial_name
 from stiction._text import format_bytes, format_duration, printable_path
-from stiction.studies.executors import WORKER_DIED, executor_or_threads, progress_bar, share_threads
+from stiction.studies.executors import WORKER_DIED_MESSAGE, enter_executor, progress_bar, use_idle_threads
 from stiction.studies.layout import MEMBER_COORDINATES, Arrays, build_dataset, member_bytes, stack_members
 from stiction.studies.member_solution import cost_of_member, member_sums
 from stiction.studies.members import body_attributes, count_points
 from stiction.studies.result import Result
-from stiction.studies.store import BLOCKS, StoredResult, StoreError, create_or_open, write_block
+from stiction.studies.store import BLOCKS_FOLDER, StoredResult, StoreError, create_or_open, write_block
 from stiction.studies.study import Study
 from stiction.studies.values import StudyError
 
@@ -43,7 +43,7 @@ SHUTDOWN_TIMEOUT = 3.0  # seconds that an interrupted run waits for running bloc
 MAX_BYTES_IN_MEMORY = 2**34  # of a result without a store
 
 
-def block_size(study: Study) -> int:
+def choose_block_size(study: Study) -> int:
     """Return the number of members in a block."""
     by_time = int(min(BLOCK_TIME / max(cost_of_member(study), 1e-9), MAX_BLOCK_MEMBERS))
     by_size = MAX_BLOCK_BYTES // member_bytes(study)
@@ -147,7 +147,7 @@ def complete_blocks(
     """
     missing = _MissingMembers(stored, part)
     with contextlib.ExitStack() as stack:
-        pool = stack.enter_context(executor_or_threads(executor))
+        pool = stack.enter_context(enter_executor(executor))
         advance = stack.enter_context(
             progress_bar("repetitions", missing.total, missing.total - missing.count, progress)
         )
@@ -188,14 +188,14 @@ def _compute_into(
         if say is not None:
             say(_describe_work(stored, missing, is_local or is_visible, workers or 1))
         max_tasks = MAX_SUBMITTED_TASKS if is_visible else MAX_RETURNED_TASKS
-        _compute(missing, pool, max_tasks, accept, block_task, __version__, stored.study, folder)
+        _compute_ranges(missing, pool, max_tasks, accept, compute_block, __version__, stored.study, folder)
 
 
 @contextlib.contextmanager
 def _create_token(path: Path) -> Iterator[SharedFolder]:
     """Create a token file while the run lasts. Workers that find it can reach the folder, and the run is alive."""
     folder = SharedFolder(path.resolve(), new_partial_name())
-    token = folder.path / BLOCKS / folder.token
+    token = folder.path / BLOCKS_FOLDER / folder.token
     try:
         try:
             token.touch(exist_ok=False)
@@ -213,7 +213,7 @@ def _count_finished_on_error(stored: StoredResult) -> Iterator[None]:
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
-        reason = WORKER_DIED if isinstance(error, BrokenExecutor) else error
+        reason = WORKER_DIED_MESSAGE if isinstance(error, BrokenExecutor) else error
         raise StoreError(
             f"{reason}\n{stored.reload().count} of {stored.study.ensemble.repetitions} repetitions are finished and "
             "kept; run the study in the same folder again to resume"
@@ -235,9 +235,9 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
         advance(len(members))
 
     with contextlib.ExitStack() as stack:
-        pool = stack.enter_context(executor_or_threads(executor))
+        pool = stack.enter_context(enter_executor(executor))
         advance = stack.enter_context(progress_bar("repetitions", missing.total, 0, progress))
-        _compute(missing, pool, MAX_SUBMITTED_TASKS, accept, arrays_task, __version__, study)
+        _compute_ranges(missing, pool, MAX_SUBMITTED_TASKS, accept, compute_block_arrays, __version__, study)
     return build_dataset(study, range(missing.total), arrays, body_attributes(study))
 
 
@@ -282,7 +282,7 @@ class _MissingMembers:
 
     def __init__(self, stored: StoredResult, part: tuple[int, int] | None) -> None:
         members = stored.study.ensemble.repetitions
-        self.block = block_size(stored.study)
+        self.block = choose_block_size(stored.study)
         first, step = (1, 1) if part is None else part
         self._blocks = range(first - 1, -(-members // self.block), step)
         self._is_finished = np.zeros(members, np.bool_)
@@ -302,7 +302,7 @@ class _MissingMembers:
                 yield range(first + start, first + end)
 
 
-def _compute(
+def _compute_ranges(
     missing: _MissingMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
@@ -311,7 +311,7 @@ def _compute(
     An error cancels the remaining tasks.
     """
     ranges = iter(missing)
-    task = share_threads(task, pool, sum(1 for _ in missing), count_points(arguments[1]))
+    task = use_idle_threads(task, pool, sum(1 for _ in missing), count_points(arguments[1]))
     pending: dict[Future[Any], range] = {}
     # concurrent.futures.wait would lock every future in each call, and leave some locked if it is interrupted.
     done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
@@ -350,22 +350,22 @@ class SharedFolder:
 
     def is_visible(self) -> bool:
         """Return whether this process can reach the folder."""
-        return (self.path / BLOCKS / self.token).exists()
+        return (self.path / BLOCKS_FOLDER / self.token).exists()
 
 
-def block_task(version: str, study: Study, folder: SharedFolder | None, members: range) -> bytes | None:
+def compute_block(version: str, study: Study, folder: SharedFolder | None, members: range) -> bytes | None:
     """Compute a block of members. Return its file content, or None after writing the file into a visible folder."""
     from stiction.studies.store import encode_members
 
     is_visible = folder is not None and folder.is_visible()
-    content = encode_members(study, members, arrays_task(version, study, members))
+    content = encode_members(study, members, compute_block_arrays(version, study, members))
     if folder is None or not is_visible:
         return content
     write_block(folder.path, members[0], content, len(members))
     return None
 
 
-def arrays_task(version: str, study: Study, members: range) -> Arrays:
+def compute_block_arrays(version: str, study: Study, members: range) -> Arrays:
     """Compute a block of members and return its arrays. Raises a `StudyError` if the version is another."""
     if version != __version__:
         raise StudyError(

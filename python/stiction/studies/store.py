@@ -34,7 +34,7 @@ from stiction._files import NotReadableError, describe_os_error, new_file, read_
 from stiction._text import printable, printable_path
 from stiction.studies.layout import (
     MEMBER_COORDINATES,
-    TITLE,
+    RESULT_TITLE,
     Arrays,
     build_dataset,
     list_coordinates,
@@ -46,25 +46,25 @@ from stiction.studies.measured_surfaces import BodyAttributes
 from stiction.studies.members import body_attributes
 from stiction.studies.study import (
     MAX_STUDY_BYTES,
-    Difference,
     Study,
-    differences,
-    differences_text,
-    member_differences,
-    study_from_text,
+    StudyDifference,
+    find_differences,
+    find_member_differences,
+    format_differences,
+    parse_study,
 )
 
 if TYPE_CHECKING:
     import h5py
     import xarray
 
-STUDY = "study.toml"
-BLOCKS = "blocks"
-MARK = "# Written by stiction"  # first words of a study file that a command wrote
+STUDY_FILE = "study.toml"
+BLOCKS_FOLDER = "blocks"
+STUDY_FILE_MARK = "# Written by stiction"  # first words of a study file that a command wrote
 MAX_RESULT_BYTES = 2**31  # of a result that is read into memory as a whole
 MAX_COMPANION_BYTES = 2**26  # of a file that is stored alongside a result
-_NAME = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
-MAX_ATTEMPTS = 3
+_BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
+MAX_RELOADS = 3
 
 
 class StoreError(ValueError):
@@ -134,7 +134,7 @@ class StoredResult:
     @cached_property
     def size(self) -> int:
         """Size of the block files in bytes."""
-        return sum((self.path / BLOCKS / block.name).lstat().st_size for block in self.blocks)
+        return sum((self.path / BLOCKS_FOLDER / block.name).lstat().st_size for block in self.blocks)
 
     @property
     def nbytes(self) -> int:
@@ -162,7 +162,7 @@ class StoredResult:
             raise StoreError(
                 f"{printable_path(self.path)}: the result takes {self.nbytes / 2**30:.1f} GiB of memory, more than "
                 f"{MAX_RESULT_BYTES / 2**30:.0f}; Result.pieces reads it piece by piece, and "
-                f"xarray.open_mfdataset opens {printable_path(self.path / BLOCKS)}"
+                f"xarray.open_mfdataset opens {printable_path(self.path / BLOCKS_FOLDER)}"
             )
         return (
             self._single_piece.copy(deep=True) if self._piece_length >= self.count else self._read_range(0, self.count)
@@ -209,9 +209,9 @@ class StoredResult:
                 low = max(first, block_start) - block_start + block_first
                 high = min(last, block_end) - block_start + block_first
                 content = self.first_content if block is self._block_ranges[0][0] else self._read(block)
-                if differ := member_differences(content.study, self.study):
+                if differ := find_member_differences(content.study, self.study):
                     raise _damage_error(
-                        self.path, block, f"is of another study than {STUDY}: {differences_text(differ[:1])}"
+                        self.path, block, f"is of another study than {STUDY_FILE}: {format_differences(differ[:1])}"
                     )
                 bodies = bodies or content.bodies
                 for name, values in arrays.items():
@@ -225,7 +225,7 @@ class StoredResult:
     def _read(self, block: Block) -> BlockContent:
         """Return the content of a block. A file whose checksum matches its name is trusted."""
         try:
-            written = read_content(self.path / BLOCKS / block.name, MAX_RESULT_BYTES)
+            written = read_content(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
             if zlib.crc32(written) != block.checksum:
                 raise DamageError("does not match its checksum")
             content = decode_members(written)
@@ -240,8 +240,8 @@ class StoredResult:
 
 def _damage_error(path: Path, block: Block, why: str) -> StoreError:
     return StoreError(
-        f"{printable_path(path / BLOCKS / block.name)}: {why}; remove that file and run the study again to recompute "
-        f"repetitions {block.first} to {block.last}"
+        f"{printable_path(path / BLOCKS_FOLDER / block.name)}: {why}; remove that file and run the study again to "
+        f"recompute repetitions {block.first} to {block.last}"
     )
 
 
@@ -319,9 +319,9 @@ def open_stored(path: str | Path) -> StoredResult:
     try:
         study = _study(path)
     except FileNotFoundError:
-        raise StoreError(f"{printable_path(path)}: is not a result: it contains no {STUDY}") from None
+        raise StoreError(f"{printable_path(path)}: is not a result: it contains no {STUDY_FILE}") from None
     except OSError as error:
-        raise StoreError(f"{printable_path(path)}: {STUDY} cannot be read: {describe_os_error(error)}") from None
+        raise StoreError(f"{printable_path(path)}: {STUDY_FILE} cannot be read: {describe_os_error(error)}") from None
     return StoredResult(path, study, blocks)
 
 
@@ -339,22 +339,24 @@ def info(path: str | Path) -> StoreInfo:
 
 def _list_blocks(path: Path) -> tuple[Block, ...]:
     try:
-        names = sorted(os.listdir(path / BLOCKS))
+        names = sorted(os.listdir(path / BLOCKS_FOLDER))
     except (FileNotFoundError, NotADirectoryError):
         return ()
     except OSError as error:
-        raise StoreError(f"{printable_path(path / BLOCKS)}: cannot be read: {describe_os_error(error)}") from None
-    matches = (_NAME.fullmatch(name) for name in names)
+        raise StoreError(
+            f"{printable_path(path / BLOCKS_FOLDER)}: cannot be read: {describe_os_error(error)}"
+        ) from None
+    matches = (_BLOCK_NAME_PATTERN.fullmatch(name) for name in names)
     blocks = (Block(int(match[1]), int(match[2]), int(match[3], 16)) for match in matches if match)
     return tuple(block for block in blocks if block.first <= block.last)
 
 
 def _study(path: Path) -> Study:
     try:
-        text = read_content(path / STUDY, MAX_STUDY_BYTES).decode()
+        text = read_content(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
     except (NotReadableError, UnicodeDecodeError) as error:
-        raise StoreError(f"{printable_path(path / STUDY)}: is not a study: {printable(error)}") from None
-    return study_from_text(text, str(path / STUDY))
+        raise StoreError(f"{printable_path(path / STUDY_FILE)}: is not a study: {printable(error)}") from None
+    return parse_study(text, str(path / STUDY_FILE))
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------------
@@ -371,14 +373,16 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
     stored = StoredResult(path, study, _list_blocks(path))
     if stored.blocks:
         _check_resumable(stored)
-    if os.path.lexists(path / STUDY) and not _has_study(path, study):
+    if os.path.lexists(path / STUDY_FILE) and not _has_study(path, study):
         _check_replaceable(path, study)
     try:
-        (path / BLOCKS).mkdir(parents=True, exist_ok=True)
-        for folder in (path, path / BLOCKS):
+        (path / BLOCKS_FOLDER).mkdir(parents=True, exist_ok=True)
+        for folder in (path, path / BLOCKS_FOLDER):
             _files.remove_stale_partials(folder)
         if not _has_study(path, study):
-            _files.write_atomically(path / STUDY, f"{MARK} {__version__}.\n\n{study.to_toml()}".encode())
+            _files.write_atomically(
+                path / STUDY_FILE, f"{STUDY_FILE_MARK} {__version__}.\n\n{study.to_toml()}".encode()
+            )
     except (OSError, RuntimeError) as error:  # RuntimeError: a symbolic link to itself
         if stored.count < study.ensemble.repetitions:
             why = describe_os_error(error) if isinstance(error, OSError) else error
@@ -389,7 +393,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
 def _check_resumable(stored: StoredResult) -> None:
     """Raise a `StoreError` if a folder with blocks cannot be resumed with its study."""
     path, content, total = stored.path, stored.first_content, stored.study.ensemble.repetitions
-    if differ := member_differences(content.study, stored.study):
+    if differ := find_member_differences(content.study, stored.study):
         raise OtherStudyError(path, content.study, differ)
     last = max(block.last for block in stored.blocks)
     if last >= total:
@@ -415,14 +419,16 @@ def _check_resumable(stored: StoredResult) -> None:
 def _check_replaceable(path: Path, study: Study) -> None:
     """Raise a `StoreError` if the study in a folder was not written by a command, and must not be replaced."""
     try:
-        if read_content(path / STUDY, MAX_STUDY_BYTES).startswith(MARK.encode()):
+        if read_content(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_MARK.encode()):
             return
         stored = _study(path)
     except OSError as error:
-        raise StoreError(f"{printable_path(path / STUDY)}: cannot be read: {describe_os_error(error)}") from None
+        raise StoreError(f"{printable_path(path / STUDY_FILE)}: cannot be read: {describe_os_error(error)}") from None
     except NotReadableError as error:
-        raise StoreError(f"{printable_path(path / STUDY)}: {error}; choose another directory, or remove it") from None
-    raise OtherStudyError(path, stored, differences(stored, study))
+        raise StoreError(
+            f"{printable_path(path / STUDY_FILE)}: {error}; choose another directory, or remove it"
+        ) from None
+    raise OtherStudyError(path, stored, find_differences(stored, study))
 
 
 def _has_study(path: Path, study: Study) -> bool:
@@ -436,9 +442,9 @@ def _has_study(path: Path, study: Study) -> bool:
 class OtherStudyError(StoreError):
     """Error for a folder that contains the result of another study."""
 
-    def __init__(self, path: Path, stored: Study, differ: list[Difference], advice: str = "") -> None:
+    def __init__(self, path: Path, stored: Study, differ: list[StudyDifference], advice: str = "") -> None:
         advice = advice or "give another directory, or replace the stored result"
-        super().__init__(f"{printable_path(path)}: contains another study; {advice}\n{differences_text(differ)}")
+        super().__init__(f"{printable_path(path)}: contains another study; {advice}\n{format_differences(differ)}")
         self.path, self.stored, self.differ = path, stored, differ
 
     def with_advice(self, advice: str) -> OtherStudyError:
@@ -449,12 +455,12 @@ class OtherStudyError(StoreError):
 def write_block(path: Path, first: int, written: bytes, count: int) -> None:
     """Write the file of `count` members from `first` on. Raises a `StoreError` if it cannot be written."""
     block = Block(first, first + count - 1, zlib.crc32(written))
-    for attempt in range(1, MAX_ATTEMPTS + 1):
+    for attempt in range(1, MAX_RELOADS + 1):
         try:
-            _files.write_atomically(path / BLOCKS / block.name, written)
+            _files.write_atomically(path / BLOCKS_FOLDER / block.name, written)
             return
         except FileNotFoundError:  # a process on another machine removed the partial file as stale
-            if attempt == MAX_ATTEMPTS or not (path / BLOCKS).is_dir():
+            if attempt == MAX_RELOADS or not (path / BLOCKS_FOLDER).is_dir():
                 raise StoreError(
                     f"{printable_path(path)}: was removed or replaced while it was being written"
                 ) from None
@@ -468,7 +474,7 @@ def write_block(path: Path, first: int, written: bytes, count: int) -> None:
 
 RESULT_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")  # all other attributes describe the bodies
 
-SEAL = b"stiction crc32 "
+CHECKSUM_SEAL = b"stiction crc32 "
 """Bytes at the end of an exported file, followed by the checksum of all preceding bytes. The checksum is verified
 first, because HDF5 may never return from a damaged file. HDF5 ignores bytes after its own end, and a program that
 modifies the file removes the seal."""
@@ -514,11 +520,11 @@ def _template(study: Study, count: int) -> bytes:
     if study.is_measured:
         arrays |= {name: np.zeros(count, dtype) for name, dtype in MEMBER_COORDINATES.items()}
     image = io.BytesIO()
-    write(build_dataset(study, numbers, arrays, body_attributes(study)), image)
+    write_dataset(build_dataset(study, numbers, arrays, body_attributes(study)), image)
     return image.getvalue()
 
 
-def write(dataset: xarray.Dataset, file: io.BytesIO) -> None:
+def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
     """Write a dataset to a netCDF file as xarray does, but without its locks, which require a scheduler under Dask."""
     import h5netcdf
     import h5py
@@ -541,17 +547,17 @@ def write(dataset: xarray.Dataset, file: io.BytesIO) -> None:
                 written.attrs[attribute] = value
 
 
-def seal(file: io.BytesIO) -> None:
+def append_seal(file: io.BytesIO) -> None:
     """Append the checksum of a file to the file."""
     file.seek(0, io.SEEK_END)
-    file.write(SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
+    file.write(CHECKSUM_SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
 
 
 def decode_members(content: bytes) -> BlockContent:
     """Return the members in a file. Raises a `DamageError` if the file does not match the study that it contains."""
     with _open_netcdf(content) as file:
         title, text, version = (file.attrs.get(name) for name in ("title", "study", "stiction_version"))
-        if title != TITLE or not isinstance(text, str):
+        if title != RESULT_TITLE or not isinstance(text, str):
             raise DamageError("has no attribute 'study'")
         study = _parse_study(text)
         numbers = _values(file, "repetition")
@@ -575,8 +581,8 @@ def decode_members(content: bytes) -> BlockContent:
 def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
     import h5py
 
-    end = len(content) - len(SEAL) - 8
-    if content[end:-8] == SEAL and content[-8:] != b"%08x" % zlib.crc32(memoryview(content)[:end]):
+    end = len(content) - len(CHECKSUM_SEAL) - 8
+    if content[end:-8] == CHECKSUM_SEAL and content[-8:] != b"%08x" % zlib.crc32(memoryview(content)[:end]):
         raise DamageError("does not match its checksum")
     try:
         with h5py.File(io.BytesIO(content), "r") as file:
@@ -589,7 +595,7 @@ def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
 @functools.lru_cache(maxsize=8)
 def _parse_study(text: str) -> Study:
     try:
-        return study_from_text(text, "its study")
+        return parse_study(text, "its study")
     except ValueError as error:
         raise DamageError(f"has a study that cannot be read: {error}") from None
 
@@ -632,8 +638,8 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
         If the file exists or cannot be written.
     """
     path = Path(path)
-    with replaced_file(path, SEAL, ExportError) if replace else new_file(path, ExportError) as partial:
+    with replaced_file(path, CHECKSUM_SEAL, ExportError) if replace else new_file(path, ExportError) as partial:
         content = io.BytesIO()  # HDF5 may crash when it writes to a full disk
-        write(dataset, content)
-        seal(content)
+        write_dataset(dataset, content)
+        append_seal(content)
         partial.write_bytes(content.getbuffer())

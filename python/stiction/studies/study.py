@@ -17,16 +17,21 @@ from stiction._units import Quantity, exact_text, quantity, short_repr
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import ADHESION, AREAL_SUMS, HALF_SPACE_SUMS, ONSET, SUMS
 from stiction.studies.contact_tables import (
-    AREAL_LOAD_FACTOR,
+    MAX_AREAL_LOAD_RATIO,
     Contact,
     MeasuredAreasContact,
-    contact_case,
-    ladder,
+    choose_load_steps,
     read_contact,
+    select_contact_case,
 )
-from stiction.studies.generated_surfaces import Generated, Profiles, SelfAffineSurfaces, WeierstrassMandelbrotSurfaces
+from stiction.studies.generated_surfaces import (
+    GeneratedProfiles,
+    GeneratedSurfaces,
+    SelfAffineSurfaces,
+    WeierstrassMandelbrotSurfaces,
+)
 from stiction.studies.input_uncertainty import UncertainInputsTable
-from stiction.studies.measured_surfaces import Measured, MeasuredFile
+from stiction.studies.measured_surfaces import MeasuredFile, MeasuredSurfaces
 from stiction.studies.values import (
     Case,
     Coefficients,
@@ -59,38 +64,38 @@ _LEADING_KEYS = (
 )  # fmt: skip
 """Keys that are written first in their tables."""
 
-_LIBRARY = resources.files("stiction.studies") / "library"
-SEED = 2016  # default seed of the random numbers
-Difference = tuple[str, str, str]  # dotted key, and its value in the first and in the second study, as TOML
+_STUDY_LIBRARY = resources.files("stiction.studies") / "library"
+DEFAULT_SEED = 2016  # default seed of the random numbers
+StudyDifference = tuple[str, str, str]  # dotted key, and its value in the first and in the second study, as TOML
 MAX_LISTED_DIFFERENCES = 4  # in a message
 
-Surfaces = Generated | Measured  # the table `[surfaces]` of a study
-SURFACES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # every case of the table
+Surfaces = GeneratedSurfaces | MeasuredSurfaces  # the table `[surfaces]` of a study
+SURFACE_CASES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # every case of the table
 
 
-def _cases_by(key: str, *cases: type[Surfaces]) -> tuple[str, dict[str, type[Surfaces]]]:
+def _list_cases(key: str, *cases: type[Surfaces]) -> tuple[str, dict[str, type[Surfaces]]]:
     return key, {case.model_fields[key].default: case for case in cases}
 
 
-_CASES = {
-    "profile": _cases_by("kind", Profiles),
-    "surface": _cases_by("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
-    "measured": _cases_by("press", *get_args(Measured)),
+_SURFACE_CASES = {
+    "profile": _list_cases("kind", GeneratedProfiles),
+    "surface": _list_cases("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
+    "measured": _list_cases("press", *get_args(MeasuredSurfaces)),
 }
 """For each value of the key `kind`: the key that selects the case, and the cases. The first case is the default."""
 
 
-def surfaces_case(given: Mapping[str, Any]) -> type[Surfaces]:
+def select_surface_case(given: Mapping[str, Any]) -> type[Surfaces]:
     """The case of a table, by its keys `kind`, `generator` and `press`."""
-    key, cases = _CASES[chosen("kind", given, _CASES)]
+    key, cases = _SURFACE_CASES[chosen("kind", given, _SURFACE_CASES)]
     return cases[chosen(key, given, cases)]
 
 
 ZERO_STRENGTH = quantity("0 MPa", "pressure")
 PAPER_STRENGTHS = tuple(quantity(f"{tau0} MPa", "pressure") for tau0 in ("0", "0.5", "10", "100", "200"))
-MU0 = "Molecular friction coefficients."
-TAU0 = "Adhesive shear strengths."
-LOADS = "Normal loads of the results; `contact.load` is the load curve around them."
+MU0_DESCRIPTION = "Molecular friction coefficients."
+TAU0_DESCRIPTION = "Adhesive shear strengths."
+LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` is the load curve around them."
 
 
 class GeneratedFriction(Case):
@@ -99,8 +104,8 @@ class GeneratedFriction(Case):
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
 
-    mu0: Coefficients = Field(default=(0.1, 0.4, 1.0), description=MU0)
-    tau0: Strengths = Field(default=PAPER_STRENGTHS, description=TAU0)
+    mu0: Coefficients = Field(default=(0.1, 0.4, 1.0), description=MU0_DESCRIPTION)
+    tau0: Strengths = Field(default=PAPER_STRENGTHS, description=TAU0_DESCRIPTION)
 
 
 class FrictionOfAsperities(GeneratedFriction):
@@ -115,7 +120,7 @@ class FrictionOfHalfSpace(GeneratedFriction):
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
-    load: LoadsOfInterest = Field(default=(), description=LOADS)
+    load: LoadsOfInterest = Field(default=(), description=LOADS_DESCRIPTION)
 
 
 class FrictionOfMeasured(Case):
@@ -123,9 +128,9 @@ class FrictionOfMeasured(Case):
 
     place: ClassVar[str] = "measured surfaces"
 
-    mu0: Coefficients = Field(description=MU0)
-    tau0: Strengths = Field(default=(ZERO_STRENGTH,), description=TAU0)
-    load: LoadsOfInterest = Field(description=LOADS)
+    mu0: Coefficients = Field(description=MU0_DESCRIPTION)
+    tau0: Strengths = Field(default=(ZERO_STRENGTH,), description=TAU0_DESCRIPTION)
+    load: LoadsOfInterest = Field(description=LOADS_DESCRIPTION)
     wait: Times = Field(
         default=(), description="Dwell times under load before sliding; `contact.hardness` is the hardness after 1 s."
     )
@@ -133,14 +138,14 @@ class FrictionOfMeasured(Case):
 
 Friction = FrictionOfAsperities | FrictionOfHalfSpace | FrictionOfMeasured
 """The table `[friction]` of a study."""
-FRICTIONS: tuple[type[Friction], ...] = get_args(Friction)
-SHARED_FRICTION: tuple[type[Case], ...] = (FrictionOfMeasured, GeneratedFriction, FrictionOfHalfSpace)
+FRICTION_CASES: tuple[type[Friction], ...] = get_args(Friction)
+SHARED_FRICTION_TABLES: tuple[type[Case], ...] = (FrictionOfMeasured, GeneratedFriction, FrictionOfHalfSpace)
 """Base classes with keys that several cases share."""
 
 
-def friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Friction]:
+def select_friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Friction]:
     """Return the case of the table `[friction]` by the surfaces and the contact model."""
-    if issubclass(surfaces, get_args(Measured)):
+    if issubclass(surfaces, get_args(MeasuredSurfaces)):
         return FrictionOfMeasured
     return FrictionOfHalfSpace if mechanics == "half-space" else FrictionOfAsperities
 
@@ -153,7 +158,7 @@ class Ensemble(Table):
         description="Pairs for each fractal dimension and amplitude; relative positions of measured surfaces.",
     )  # fmt: skip
     seed: int = Field(
-        default=SEED, ge=0, lt=2**63,
+        default=DEFAULT_SEED, ge=0, lt=2**63,
         description="Seed of the random numbers; equal seeds give equal surfaces.",
     )  # fmt: skip
 
@@ -197,14 +202,14 @@ def _add_bracketing_loads(
         return {}
     try:
         loads = [float(quantity(load, "force")) for load in requested]
-        upper = max(loads) * AREAL_LOAD_FACTOR
+        upper = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _nominal_area(surfaces)
             # Keep the upper load above the largest requested load. A load that is too large is reported later.
             upper = min(upper, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):  # the validation of the key reports the error
         return {}
-    around = [exact_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / AREAL_LOAD_FACTOR, upper)]
+    around = [exact_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper)]
     return {
         "contact": {**contact, "load": [around[0], *requested, around[1]]},
         "friction": {**friction, "load": [*requested]},
@@ -213,7 +218,7 @@ def _add_bracketing_loads(
 
 def _nominal_area(surfaces: Mapping[str, Any]) -> float:
     """Return the nominal area of a table of generated surfaces, µm²."""
-    table: Any = surfaces_case(surfaces).model_validate(surfaces)
+    table: Any = select_surface_case(surfaces).model_validate(surfaces)
     return math.prod(table.extents()) if table.is_areal else float(table.extent) * THICKNESS
 
 
@@ -237,7 +242,7 @@ class Study(Table):
     (10, 40.0)
     """
 
-    surfaces: Surfaces = Profiles()
+    surfaces: Surfaces = GeneratedProfiles()
     contact: Contact = Field(default_factory=_empty_table)
     friction: Friction = Field(default_factory=_empty_table)
     ensemble: Ensemble = Ensemble()
@@ -261,9 +266,9 @@ class Study(Table):
         if not tables or "load" in contact or "load" not in friction:
             return given
         try:
-            mechanics = contact_case(surfaces_case(surfaces), contact).model_fields["mechanics"].default
+            mechanics = select_contact_case(select_surface_case(surfaces), contact).model_fields["mechanics"].default
             loads = [float(quantity(load, "force")) for load in friction["load"]]
-            around = ladder(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
+            around = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
         except (ValueError, TypeError):  # the validation of the key reports the error
             return given
         return {**given, "contact": {**contact, "load": [exact_text(load, "mN") for load in around.tolist()]}}
@@ -272,12 +277,12 @@ class Study(Table):
     @classmethod
     def _read_surfaces(cls, value: object) -> Surfaces:
         """Validate the table as the case that its keys select."""
-        if isinstance(value, SURFACES):
+        if isinstance(value, SURFACE_CASES):
             return value
         if not isinstance(value, Mapping):
             raise ValueError(f"must be a table, got {short_repr(value)}")
-        case = surfaces_case(value)
-        check_keys(value, case, SURFACES)
+        case = select_surface_case(value)
+        check_keys(value, case, SURFACE_CASES)
         return case.model_validate(value)
 
     @field_validator("contact", "friction", mode="before")
@@ -286,17 +291,17 @@ class Study(Table):
         """Validate a table as the case that matches the surfaces. If the surfaces are invalid, use an empty table."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
-            surfaces, value = Profiles(), {}
+            surfaces, value = GeneratedProfiles(), {}
         if not isinstance(value, Mapping):
             raise ValueError(f"must be a table, got {short_repr(value)}")
         if info.field_name == "contact":
             return read_contact(value, surfaces)
-        if value.get("load") == [] and isinstance(surfaces, Measured):
+        if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaces):
             raise fault_at("load", "must have at least one load, got []")
         contact = info.data.get("contact")  # None if it is invalid; only that error is reported
         mechanics = "half-space" if contact is None else contact.mechanics
-        case = friction_case(type(surfaces), mechanics)
-        check_keys(value, case, SHARED_FRICTION)
+        case = select_friction_case(type(surfaces), mechanics)
+        check_keys(value, case, SHARED_FRICTION_TABLES)
         return case.model_validate(value)
 
     @model_validator(mode="after")
@@ -367,7 +372,7 @@ class Study(Table):
 
         Bodies in memory are written into the folder, if one is given. Raises a `ValueError` if a file cannot be read.
         """
-        if not isinstance(self.surfaces, Measured):
+        if not isinstance(self.surfaces, MeasuredSurfaces):
             return self
 
         def known(file: MeasuredFile, side: str) -> MeasuredFile:
@@ -386,7 +391,7 @@ class Study(Table):
         """
         if name not in study_names():
             raise StudyError(f"there is no built-in study {short_repr(name)}; there are {', '.join(study_names())}")
-        return study_from_text((_LIBRARY / f"{name}.toml").read_text(encoding="utf-8"), name)
+        return parse_study((_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8"), name)
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Study:
@@ -399,14 +404,14 @@ class Study(Table):
         """
         try:
             raw = read_content(Path(path), MAX_STUDY_BYTES)
-            study = study_from_text(raw.decode("utf-8"), str(path))
+            study = parse_study(raw.decode("utf-8"), str(path))
         except OSError as error:
             raise StudyError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
         except NotReadableError as error:
             raise StudyError(f"{printable_path(path)}: {error}, so it is not a study") from None
         except UnicodeDecodeError:
             raise StudyError(f"{printable_path(path)}: is not a text file, so it is not a study") from None
-        if not isinstance(study.surfaces, Measured):
+        if not isinstance(study.surfaces, MeasuredSurfaces):
             return study
         folder = Path(path).absolute().parent
         surfaces = study.surfaces.with_files(lambda file, _: file.with_absolute_paths(folder))
@@ -454,14 +459,14 @@ class Study(Table):
         given = {key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS}
         given = {key: value for key, value in given.items() if value is not None}
         try:
-            surfaces = surfaces_case(given)
-            contact = contact_case(surfaces, given)
+            surfaces = select_surface_case(given)
+            contact = select_contact_case(surfaces, given)
         except PydanticCustomError:  # the validation of the key reports the error
             return data
-        data["surfaces"] = _carry_over(self.surfaces, surfaces)
-        data["contact"] = _carry_over(self.contact, contact)
-        if not issubclass(surfaces, get_args(Measured)):
-            friction = friction_case(surfaces, contact.model_fields["mechanics"].default)
+        data["surfaces"] = _convert_table(self.surfaces, surfaces)
+        data["contact"] = _convert_table(self.contact, contact)
+        if not issubclass(surfaces, get_args(MeasuredSurfaces)):
+            friction = select_friction_case(surfaces, contact.model_fields["mechanics"].default)
             self._reset_loads(data, changes, is_allowed="load" in friction.model_fields)
         return data
 
@@ -474,19 +479,19 @@ class Study(Table):
 
     def _to_tables(self) -> dict[str, dict[str, Any]]:
         names = [name for name in type(self).model_fields if name != "figures" or not self.is_measured]
-        return {name: written_table(getattr(self, name)) for name in names}
+        return {name: list_written_keys(getattr(self, name)) for name in names}
 
 
-def _carry_over(table: Table, case: type[Table]) -> dict[str, Any]:
+def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
     """Return a table converted to another case: keep values that differ from the defaults, add the other defaults."""
     own = type(table)
     changed = {key for key, value in table if value != own.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
     values = {key: getattr(table, key) if key in changed else case.model_fields[key].default for key in keys}
-    return written_table(case.model_construct(**values))
+    return list_written_keys(case.model_construct(**values))
 
 
-def written_table(table: Table) -> dict[str, Any]:
+def list_written_keys(table: Table) -> dict[str, Any]:
     """Return the keys of a table that have a value, in the order of a study file."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
@@ -513,12 +518,12 @@ def study_names() -> list[str]:
     >>> "quick" in study_names()
     True
     """
-    return sorted(item.name.removesuffix(".toml") for item in _LIBRARY.iterdir() if item.name.endswith(".toml"))
+    return sorted(item.name.removesuffix(".toml") for item in _STUDY_LIBRARY.iterdir() if item.name.endswith(".toml"))
 
 
 def study_summary(name: str) -> str:
     """Return the one-sentence description of a built-in study, the first line of its file."""
-    return (_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+    return (_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 
 def study_of(dataset: xarray.Dataset) -> Study:
@@ -526,15 +531,15 @@ def study_of(dataset: xarray.Dataset) -> Study:
     text = dataset.attrs.get("study")
     if not isinstance(text, str):
         raise StudyError("the dataset has no attribute 'study', so mu0 and tau0 must be given")
-    return study_from_text(text, "the dataset's study")
+    return parse_study(text, "the dataset's study")
 
 
-def step_of(dataset: xarray.Dataset) -> str:
+def find_step_dimension(dataset: xarray.Dataset) -> str:
     """Return the dimension of the loading steps: "approach", or "load" for the half-space."""
     return "load" if "load" in dataset.dims else "approach"
 
 
-def differences(first: Table, second: Table, prefix: str = "") -> list[Difference]:
+def find_differences(first: Table, second: Table, prefix: str = "") -> list[StudyDifference]:
     """Return all values that differ between two tables, in the order of a study file."""
     texts, result = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
@@ -545,23 +550,23 @@ def differences(first: Table, second: Table, prefix: str = "") -> list[Differenc
         if values[0] == values[1]:
             continue
         if isinstance(values[0], Table) and isinstance(values[1], Table):
-            result += differences(values[0], values[1], f"{prefix}{name}.")
+            result += find_differences(values[0], values[1], f"{prefix}{name}.")
         else:
             result.append((f"{prefix}{name}", as_toml(texts[0].get(name)), as_toml(texts[1].get(name))))
     return result
 
 
-def member_differences(first: Study, second: Study) -> list[Difference]:
+def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
     """Return the differences that change the members of a study. Friction, figures and file paths do not."""
     return [
         difference
-        for difference in differences(first, second)
+        for difference in find_differences(first, second)
         if (difference[0].startswith(("surfaces.", "contact.")) or difference[0] == "ensemble.seed")
         and not difference[0].endswith((".upper.file", ".lower.file"))
     ]
 
 
-def differences_text(differ: list[Difference]) -> str:
+def format_differences(differ: list[StudyDifference]) -> str:
     """Return the first differences as lines of a message."""
     lines = [
         f"{key} = {short_repr(stored)} there, {short_repr(new)} here"
@@ -572,7 +577,7 @@ def differences_text(differ: list[Difference]) -> str:
     return "\n".join(lines)
 
 
-def study_from_text(text: str, source: str) -> Study:
+def parse_study(text: str, source: str) -> Study:
     """Parse a study from TOML text. Error messages begin with the name of the source."""
     try:
         data = toml(text)

@@ -16,7 +16,7 @@ import numpy as np
 from stiction._number_format import quoted
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_bracket
-from stiction.studies.assessment import MORE_CONTACTS, VERDICTS, Caveat, find_point_caveats
+from stiction.studies.assessment import MORE_CONTACTS_REMEDY, VERDICTS, Caveat, find_point_caveats
 from stiction.studies.point import (
     CELLS,
     STATISTICS,
@@ -30,7 +30,7 @@ from stiction.studies.point import (
     shape_coordinate,
     value_of,
 )
-from stiction.studies.pull_off import Sticking, sticking_of
+from stiction.studies.pull_off import Sticking, find_sticking
 
 if TYPE_CHECKING:
     import xarray
@@ -310,7 +310,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
         bracket=None if any(_spoils_bracket(caveat) for caveat in caveats) else _bracket(point, study, mean),
         budget=_budget(point, rules[0].rule), parts=_parts(point, rules[0]),
         from_roughness=_from_roughness(point, study, rules[0]), waited=_waited(point, rules[0].rule),
-        sticking=sticking_of(point, rules[0].rule),
+        sticking=find_sticking(point, rules[0].rule),
     )  # fmt: skip
 
 
@@ -385,7 +385,7 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
 
 def _spoils_bracket(caveat: Caveat) -> bool:
     """Return whether a caveat is a fault other than few contacts, for which the bracket allows."""
-    return caveat.severity == "fault" and caveat.cure != MORE_CONTACTS
+    return caveat.severity == "fault" and caveat.cure != MORE_CONTACTS_REMEDY
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:

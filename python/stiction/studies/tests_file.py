@@ -18,7 +18,7 @@ from stiction.surfaces.measured.decode import decode
 TEST_COLUMNS = ("load", "force", "coefficient", "uncertainty", "pair", "run", "slid", "wait")
 """Names of columns."""
 
-_ALIASES = {
+_COLUMN_ALIASES = {
     "normal force": "load", "normal load": "load",
     "friction force": "force", "tangential force": "force",
     "friction coefficient": "coefficient", "coefficient of friction": "coefficient",
@@ -27,28 +27,30 @@ _ALIASES = {
 }  # fmt: skip
 """Other names of columns."""
 
-_UNITS = {
+_COLUMN_UNITS = {
     "load": (*unit_names("force"), *unit_names("pressure")), "force": unit_names("force"),
     "coefficient": ("", "1", "%"),
     "uncertainty": ("", "1", "%", *unit_names("force")), "wait": unit_names("time"),
 }  # fmt: skip
 """Units of each column; one without an entry has none."""
 
-_EXAMPLES = {"load": "load (mN)", "force": "force (mN)", "wait": "wait (s)"}
-MAX_TABLE_BYTES = 10_000_000
-_TITLE = re.compile(r"\s*(.*?)\s*(?:[(\[<{]\s*([^()\[\]<>{}]*?)\s*[)\]>}]|(?:/|\s+in\s)\s*([^\W\d_]{1,4}|%))?\s*")
-_THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2}(,[0-9]{3})+")
-_SLID = {"": True, "1": True, "yes": True, "true": True, "0": False, "no": False, "false": False}
+_TITLE_EXAMPLES = {"load": "load (mN)", "force": "force (mN)", "wait": "wait (s)"}
+MAX_TEST_FILE_BYTES = 10_000_000
+_TITLE_PATTERN = re.compile(
+    r"\s*(.*?)\s*(?:[(\[<{]\s*([^()\[\]<>{}]*?)\s*[)\]>}]|(?:/|\s+in\s)\s*([^\W\d_]{1,4}|%))?\s*"
+)
+_THOUSANDS_PATTERN = re.compile(r"[+-]?[1-9][0-9]{0,2}(,[0-9]{3})+")
+_SLID_VALUES = {"": True, "1": True, "yes": True, "true": True, "0": False, "no": False, "false": False}
 
 
-def friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[FrictionTest, ...]:
+def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[FrictionTest, ...]:
     """Return the tests of a table with the columns load and force or coefficient, and others of `TEST_COLUMNS`.
 
     Columns are between tabs, semicolons or commas; beside tabs and semicolons decimals may be after commas. The column
     pair names one of the bodies, results or balls. A `ValueError` names the line that does not fit its columns.
     """
     try:
-        text = decode(read_content(Path(path), MAX_TABLE_BYTES)).data.decode()
+        text = decode(read_content(Path(path), MAX_TEST_FILE_BYTES)).data.decode()
     except OSError as error:
         raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
     except (ValueError, NotReadableError) as error:
@@ -63,24 +65,24 @@ def friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[Frictio
         for row in reader:  # which may contain line ends in quotes
             rows.append(row)
             numbers.append(lines[reader.line_num - 1][0])
-        table = _Table(_titles(rows[0]), numbers[1:], rows[1:], bodies, separator)
+        table = _Table(_parse_titles(rows[0]), numbers[1:], rows[1:], bodies, separator)
         return tuple(table.tests())
     except (ValueError, csv.Error) as error:
         raise ValueError(f"{printable_path(path)}: {error}") from None
 
 
-def _titles(head: list[str]) -> dict[str, tuple[int, str]]:
+def _parse_titles(head: list[str]) -> dict[str, tuple[int, str]]:
     """Place and unit of each column."""
     found: dict[str, tuple[int, str]] = {}
     for place, cell in enumerate(head):
-        match = _TITLE.fullmatch(cell)
+        match = _TITLE_PATTERN.fullmatch(cell)
         name = " ".join(match[1].lower().split()) if match else ""
-        name, unit = _ALIASES.get(name, name), (match[2] or match[3] or "") if match else ""
+        name, unit = _COLUMN_ALIASES.get(name, name), (match[2] or match[3] or "") if match else ""
         if name not in TEST_COLUMNS:
             raise ValueError(f"has the column {_shown(cell)}, and may have each of {', '.join(TEST_COLUMNS)}")
         if name in found:
             raise ValueError(f"has two columns of {name}, the second one {_shown(cell)}")
-        if unit not in (allowed := _UNITS.get(name, ("",))):
+        if unit not in (allowed := _COLUMN_UNITS.get(name, ("",))):
             raise ValueError(_wrong_unit(name, cell, [each for each in allowed if each.isascii() and each]))
         found[name] = place, "" if unit == "1" else unit
     if "load" not in found or len({"force", "coefficient"} & set(found)) != 1:
@@ -101,8 +103,8 @@ def _titles(head: list[str]) -> dict[str, tuple[int, str]]:
 
 
 def _wrong_unit(name: str, cell: str, allowed: list[str]) -> str:
-    if name in _EXAMPLES and _TITLE.fullmatch(cell)[2] is None:  # type: ignore[index]
-        return f'the column {name} needs its unit, as in "{_EXAMPLES[name]}"'
+    if name in _TITLE_EXAMPLES and _TITLE_PATTERN.fullmatch(cell)[2] is None:  # type: ignore[index]
+        return f'the column {name} needs its unit, as in "{_TITLE_EXAMPLES[name]}"'
     if name == "coefficient":
         return f'has the column {_shown(cell)}, and a coefficient has no unit: forces go under "force (mN)"'
     if not allowed:
@@ -124,11 +126,11 @@ class _Table:
 
     def tests(self) -> Iterator[FrictionTest]:
         """The tests of all rows."""
-        numbers = [place for name, (place, _) in self.titles.items() if name in _UNITS]
+        numbers = [place for name, (place, _) in self.titles.items() if name in _COLUMN_UNITS]
         commas = [
             row[place].strip() for row in self.rows for place in numbers if place < len(row) and "," in row[place]
         ]
-        if commas and all(_THOUSANDS.fullmatch(cell) for cell in commas):
+        if commas and all(_THOUSANDS_PATTERN.fullmatch(cell) for cell in commas):
             raise ValueError(f"its commas, as in {commas[0]!r}, may be decimal or part thousands; write decimal points")
         for line, row in zip(self.lines, self.rows, strict=True):
             try:
@@ -146,7 +148,7 @@ class _Table:
         name = cells.get("pair", "").rstrip("/") or (next(iter(bodies)) if len(bodies) == 1 else "")
         if name not in bodies:
             raise ValueError(f"pair must be one of {', '.join(bodies)}, got {short_repr(name)}")
-        if (slid := _SLID.get(cells.get("slid", "").lower())) is None:
+        if (slid := _SLID_VALUES.get(cells.get("slid", "").lower())) is None:
             raise ValueError(f"slid must be 1, or 0 where it held, got {short_repr(cells['slid'])}")
         asked: dict[str, Any] = {"slid": slid, "run": cells.get("run") or None}
         for each in ("force", "wait", "uncertainty"):

@@ -13,7 +13,7 @@ from stiction._checks import check_instance
 from stiction._number_format import finite, percent, with_interval, with_unit
 from stiction._repr import render_png
 from stiction.studies.calibration_fit import MIN_VARIATION
-from stiction.studies.interfaces import EXCLUDED, UNLIKELY, Fit, Interface
+from stiction.studies.interfaces import EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY, Fit, Interface
 from stiction.views.point import RULE_DESCRIPTIONS
 from stiction.views.rows import entry, record_json
 from stiction.views.style import ALL, FORCE, FULL_WIDTH, STYLE, new_figure
@@ -81,11 +81,11 @@ def _fit_lines(interface: Interface, fit: Fit) -> Iterator[str]:
             yield f"{text}: excluded by the tests (probability {fit.probability:.1g})."
         elif fit.scale > 1:
             yield f"{text}: residuals are larger than the errors allow, which were multiplied by {fit.scale:.2g}."
-        elif fit.probability < UNLIKELY:
+        elif fit.probability < UNLIKELY_PROBABILITY:
             yield f"{text}: a poor fit."
         else:
             yield f"{text}."
-    if fit.trend < EXCLUDED:
+    if fit.trend < EXCLUDED_PROBABILITY:
         yield f"{rule}: residuals vary with the load (probability {fit.trend:.1g}), so the law does not fit."
 
 

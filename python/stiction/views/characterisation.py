@@ -14,7 +14,7 @@ from stiction._number_format import percent, with_unit
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.assessment import Caveat
-from stiction.studies.contact_statistics import slopes_of
+from stiction.studies.contact_statistics import compute_slopes
 from stiction.studies.input_caveats import REASONS, find_scan_caveats
 from stiction.surfaces.filters import checked_cutoff, filtered
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
@@ -215,7 +215,7 @@ class Characterisation:
     def friction(self) -> tuple[float, ...]:
         """Small-slope estimate of the coefficient against an equal surface, along x (and y); empty if flat."""
         # The gap between two such bodies has twice the mean square slope. The value along x comes first.
-        squares = [2 * float(np.square(along).mean()) for along in slopes_of(self.body)][::-1]
+        squares = [2 * float(np.square(along).mean()) for along in compute_slopes(self.body)][::-1]
         return tuple(
             float(gentle_friction(PAPER_MU0, rms_gradient=math.sqrt(sum(squares)), rms_slope=math.sqrt(square)))
             for square in squares

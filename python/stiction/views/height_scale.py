@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._number_format import percent, prefix, quoted, significant, with_unit
 from stiction.mechanics.friction import STATUS_OK
-from stiction.studies.height_scale import FOLDER, Scaled, stored_factors
+from stiction.studies.height_scale import HEIGHT_SCALE_FOLDER, ScaledSides, open_stored_factors
 from stiction.studies.point import (
     STATISTICS,
     by_rule,
@@ -28,21 +28,23 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-SCALED: dict[Scaled, str] = {"both": "both surfaces", "upper": "the upper surface", "lower": "the lower surface"}
+SCALED: dict[ScaledSides, str] = {"both": "both surfaces", "upper": "the upper surface", "lower": "the lower surface"}
 CAVEAT = (
     "Only the heights change. A surface finish that also adds or removes wavelengths needs its own scan, "
     "because a factor cannot describe it."
 )
 
 
-def stored_scale_factors(result: Result) -> dict[Scaled, list[float]]:
+def stored_scale_factors(result: Result) -> dict[ScaledSides, list[float]]:
     """Return the stored factors of the heights by scaled surfaces; empty if there are none."""
     stored, study = result.stored, result.study
-    if stored is None or not study.is_measured or not (stored.path / FOLDER).is_dir():
+    if stored is None or not study.is_measured or not (stored.path / HEIGHT_SCALE_FOLDER).is_dir():
         return {}
     if stored.count < study.ensemble.repetitions:
         return {}
-    factors_by_surface: dict[Scaled, list[float]] = {scaled: list(stored_factors(stored, scaled)) for scaled in SCALED}
+    factors_by_surface: dict[ScaledSides, list[float]] = {
+        scaled: list(open_stored_factors(stored, scaled)) for scaled in SCALED
+    }
     return {scaled: factors for scaled, factors in factors_by_surface.items() if len(factors) > 1}
 
 

@@ -32,7 +32,7 @@ from stiction.studies.pair_options import (
     Value,
     Values,
     argument_errors,
-    name_in_python,
+    format_python_name,
 )
 from stiction.surfaces.measured.interpret import Missing, Outliers
 from stiction.surfaces.profile import Along
@@ -243,8 +243,8 @@ def pair(
     >>> result.verdict in ("Quote it", "Quote with care", "Do not quote")
     True
     """
-    from stiction.studies.executors import executor_or_threads
-    from stiction.studies.pipeline import complete
+    from stiction.studies.executors import enter_executor
+    from stiction.studies.pipeline import complete_result
 
     for name, body in (("first", first), ("second", second)):
         if any(step == "turned over" for step in getattr(body, "history", ())):
@@ -315,9 +315,9 @@ def pair(
             write_interface(interface, folder / "interface.csv")
             options = options.model_copy(update={"interface": folder / "interface.csv"})
         study = study_from_options(options)
-        with executor_or_threads(executor) as workers:
-            return complete(study, folder, workers, replace=replace, onset=onset, progress=progress)
+        with enter_executor(executor) as workers:
+            return complete_result(study, folder, workers, replace=replace, onset=onset, progress=progress)
     except ArgumentError as error:
-        raise ValueError(error.with_names(name_in_python)) from None
+        raise ValueError(error.with_names(format_python_name)) from None
     except ValueError as error:
         raise ValueError("; ".join(str(error).splitlines())) from None

@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._number_format import finite, prefix, with_interval, with_unit
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.pull_off import STICKING_PRESSURE, Sticking, Three
+from stiction.studies.pull_off import STICKING_PRESSURE, Sticking, ValueWithInterval
 
 
 def pull_off_text(sticking: Sticking, inputs: str = "") -> str:
@@ -38,7 +38,7 @@ def pull_off_record(sticking: Sticking) -> dict[str, Any]:
     return {"sticks": sticking.sticks, "pull_off_is_bound": sticking.is_bound, **values}
 
 
-def _shown(interval: Three, name: str) -> str:
+def _shown(interval: ValueWithInterval, name: str) -> str:
     """Return a mean with its interval, in the unit with the fewest zeros."""
     factor, unit = prefix(interval[0], QUANTITIES[name].unit) if np.isfinite(interval[0]) else (1.0, "")
     value, lower, upper = (item / factor for item in interval)

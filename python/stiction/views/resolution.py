@@ -21,7 +21,7 @@ from stiction.studies.point import (
     rules_of,
     value_of,
 )
-from stiction.studies.resolution import Seen, seen
+from stiction.studies.resolution import ResolvedRoughness, find_resolved_roughness
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import to_joined_spectrum
 
@@ -37,7 +37,7 @@ RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 # ---- Waves -----------------------------------------------------------------------------------------------------------
 
 
-def wavelengths_text(scan: Seen) -> str:
+def wavelengths_text(scan: ResolvedRoughness) -> str:
     """Return the range of resolved wavelengths and the contribution of the shortest octave to the slope."""
     part = percent(scan.fraction_below(2 * scan.shortest))
     return (
@@ -109,7 +109,9 @@ def cut_off_note(at: xarray.Dataset, study: Study) -> str:
 # ---- Without a hardness ----------------------------------------------------------------------------------------------
 
 
-def yield_estimates(point: xarray.Dataset, study: Study, scan: Seen) -> list[tuple[float, float, float, float, float]]:
+def yield_estimates(
+    point: xarray.Dataset, study: Study, scan: ResolvedRoughness
+) -> list[tuple[float, float, float, float, float]]:
     """Estimate where typical hardnesses would be reached: hardness, wavelength with interval, and mu0 + tau0/H.
 
     The wavelength (µm) is where the elastic mean pressure E* h'(λ)/κ, with κ of this result, equals the hardness (GPa).
@@ -127,7 +129,7 @@ def yield_estimates(point: xarray.Dataset, study: Study, scan: Seen) -> list[tup
     ]
 
 
-def yield_rows(point: xarray.Dataset, study: Study, scan: Seen) -> Rows:
+def yield_rows(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) -> Rows:
     """Return a table of `yield_estimates`, headings first; empty if there are none."""
     rows = []
     for hardness, wave, low, high, limit in yield_estimates(point, study, scan):
@@ -148,7 +150,7 @@ ELASTIC = (
 )
 
 
-def yield_records(point: xarray.Dataset, study: Study, scan: Seen) -> list[dict[str, Any]]:
+def yield_records(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) -> list[dict[str, Any]]:
     """Return `yield_estimates` as records, in GPa and µm."""
     return [
         {
@@ -165,7 +167,7 @@ def yield_records(point: xarray.Dataset, study: Study, scan: Seen) -> list[dict[
 
 def resolution_record(at: xarray.Dataset, study: Study, over: xarray.Dataset | None) -> dict[str, Any] | None:
     """Return the JSON record of the resolution: wavelengths, cutoffs and, without a hardness, yield estimates."""
-    scan = seen(study)
+    scan = find_resolved_roughness(study)
     if scan is None and over is None:
         return None
     record: dict[str, Any] = {}
@@ -194,7 +196,7 @@ def resolution_limits(at: xarray.Dataset, study: Study) -> dict[str, Any]:
     lower and upper end of the elastic result, extrapolated with the Hurst exponent (empty with a hardness);
     ``spectral``, the result of `spectral_resolution` for joined spectra of several scans (None for single scans).
     """
-    limit, scan = plastic_limit(at, study), seen(study)
+    limit, scan = plastic_limit(at, study), find_resolved_roughness(study)
     table: dict[str, Any] = {
         "friction": limit, "area_fraction": None, "shortest": None if scan is None else scan.shortest,
         "wavelength": np.empty(0), "finer_area_fraction": np.empty((0, 3)), "finer_friction": np.empty((0, 3)),

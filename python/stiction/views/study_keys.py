@@ -11,11 +11,11 @@ from pydantic_core import PydanticUndefined
 from stiction._units import Quantity
 from stiction.mechanics.law import LAWS_BY_NAME
 from stiction.studies import values
-from stiction.studies.contact_tables import CONTACTS, LAW_TABLES, SHARED
+from stiction.studies.contact_tables import CONTACT_CASES, LAW_TABLES, SHARED_CONTACT_TABLES
 from stiction.studies.generated_surfaces import SelfAffineSurfaces
 from stiction.studies.input_uncertainty import UncertainInputsTable
 from stiction.studies.measured_surfaces import MeasuredFile
-from stiction.studies.study import FRICTIONS, SHARED_FRICTION, SURFACES, Ensemble, Figures
+from stiction.studies.study import FRICTION_CASES, SHARED_FRICTION_TABLES, SURFACE_CASES, Ensemble, Figures
 from stiction.views.text import wrap_text
 
 Row = tuple[str, str, str, str]  # key, default, allowed values, meaning
@@ -57,13 +57,13 @@ _UNCERTAIN_TYPES = {
 
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
 _FRICTION_DESCRIPTION = "Loads and friction of measured surfaces, and those in the figures of generated surfaces."
-_CONTACTS = tuple(dict.fromkeys(case for cases in CONTACTS.values() for case in cases.values()))
+_CONTACTS = tuple(dict.fromkeys(case for cases in CONTACT_CASES.values() for case in cases.values()))
 _TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values.Case], ...]], ...] = (
-    ("`[surfaces]`, generated", "Fractal profiles, or two kinds of areal surfaces.", SURFACES[:3], ()),
-    ("`[surfaces]`, measured", "Two measured files and their combination into pairs.", SURFACES[3:], ()),
+    ("`[surfaces]`, generated", "Fractal profiles, or two kinds of areal surfaces.", SURFACE_CASES[:3], ()),
+    ("`[surfaces]`, measured", "Two measured files and their combination into pairs.", SURFACE_CASES[3:], ()),
     ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,), ()),
-    ("`[contact]`", _CONTACT_DESCRIPTION, _CONTACTS, SHARED),
-    ("`[friction]`", _FRICTION_DESCRIPTION, FRICTIONS, SHARED_FRICTION),
+    ("`[contact]`", _CONTACT_DESCRIPTION, _CONTACTS, SHARED_CONTACT_TABLES),
+    ("`[friction]`", _FRICTION_DESCRIPTION, FRICTION_CASES, SHARED_FRICTION_TABLES),
     ("`[known]`", f"{UncertainInputsTable.__doc__}", (UncertainInputsTable,), ()),
     ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), ()),
     ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,), ()),

@@ -15,7 +15,7 @@ import numpy as np
 from stiction._number_format import duration, from_to, prefix, quoted, significant, with_interval, with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import HELD, PER_AREA, QUANTITIES, shown_in
-from stiction.studies.assessment import OF_ASPERITIES, VERDICTS, WIDE_INTERVAL, Caveat, apply_checks
+from stiction.studies.assessment import ASPERITY_CHECKS, VERDICTS, WIDE_INTERVAL_TEXT, Caveat, apply_checks
 from stiction.studies.budget import FINER, LOWER_PIECE, POSITIONS, UPPER_PIECE
 from stiction.studies.point import (
     CELLS,
@@ -30,7 +30,7 @@ from stiction.studies.point import (
     shape_coordinate,
     value_of,
 )
-from stiction.studies.resolution import seen
+from stiction.studies.resolution import find_resolved_roughness
 from stiction.studies.summary import ORIGIN, PointSummary, Summary
 from stiction.views.onset import onset_note, onset_rows, onset_text, quantity_label
 from stiction.views.point import RULE_DESCRIPTIONS, load_text, motion_text
@@ -261,7 +261,7 @@ def parts_text(point: PointSummary) -> str:
 def budget_text(point: PointSummary) -> str:
     """Return the most useful measurement and the interval that it would give."""
     largest = point.most
-    if largest is None or any(fault.text != WIDE_INTERVAL for fault in point.faults):
+    if largest is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
         return ""
     current, reduced = (
         from_to(low, high) for low, high in ((point.lower, point.upper), (largest.lower, largest.upper))
@@ -518,7 +518,7 @@ def resolution_text(at: xarray.Dataset, study: Study, over: xarray.Dataset | Non
 
     `at` is a result of `at_load`, `over` a result of `resolution_at`.
     """
-    scan, parts = seen(study), []
+    scan, parts = find_resolved_roughness(study), []
     if scan is not None:
         parts.append(wrap_text(wavelengths_text(scan)))
     if over is not None:
@@ -628,6 +628,6 @@ def _overview_cell(values: xarray.Dataset) -> str:
         return bad[0]
     name = "friction_all_round" if "friction_all_round" in values else "friction_coefficient"
     numbers = {name: value_of(values, name) for name in ("share_beyond_hertz", "share_below_grid")}
-    beyond = apply_checks(OF_ASPERITIES, numbers)
+    beyond = apply_checks(ASPERITY_CHECKS, numbers)
     mean, lower, upper = (float(values[name].sel(statistic=statistic)) for statistic in STATISTICS)
     return quoted(mean, lower, upper) + "*" * any(beyond)

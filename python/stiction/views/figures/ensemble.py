@@ -23,7 +23,7 @@ from stiction._drawing import HEIGHT_MAP, set_log_ticks
 from stiction._number_format import with_unit
 from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
-from stiction.studies.assessment import HALF
+from stiction.studies.assessment import MAX_AFFECTED_FRACTION
 from stiction.studies.evaluation import reached_loads
 from stiction.studies.maps import area_map, friction_map, means
 from stiction.studies.members import generate_phases, pair_of, unscaled_profile
@@ -223,7 +223,7 @@ def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) ->
 def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
     """Draw curves with intervals for the lowest and the highest strength; dotted where the model is not valid."""
     dimension = curves["fractal_dimension"].values
-    trusted = ~(curves["share_beyond_hertz"].values > HALF)  # (dimension, strength)
+    trusted = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # (dimension, strength)
     value, lower, upper = (curves[name].values for name in ("friction_coefficient", "lower", "upper"))
     for index, colour in zip(range(len(strengths)), STRENGTHS, strict=False):
         axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
@@ -271,7 +271,7 @@ def _colour_norm(maps: xarray.Dataset) -> Any:
     """Return a logarithmic colour scale for the valid values, or for all values if few are valid."""
     values = maps["friction_coefficient"].values
     finite = np.isfinite(values) & (values > 0)
-    trusted = finite & ~(maps["share_beyond_hertz"].values > HALF)
+    trusted = finite & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
     positive = values[trusted if trusted.sum() > 0.1 * finite.sum() else finite]
     low, high = np.quantile(positive, COLOUR_QUANTILES) if positive.size else (0.1, 1.0)
     step = 10.0 ** np.floor(np.log10(low)) / 2  # round the limits
@@ -294,13 +294,13 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     colours[status == STATUS_SELF_LOCKED] = (*to_rgb(LOCKED), 1)
     axes.pcolormesh(*edges, colours)
     fraction = panel["share_beyond_hertz"].values
-    _hatch_cells(axes, *edges, finite & (fraction > HALF))
+    _hatch_cells(axes, *edges, finite & (fraction > MAX_AFFECTED_FRACTION))
     if min(values.shape) > 1:
         masked = np.ma.masked_invalid(fraction)
-        if masked.count() and masked.min() < HALF < masked.max():
+        if masked.count() and masked.min() < MAX_AFFECTED_FRACTION < masked.max():
             axes.contour(
                 panel["fractal_dimension"].values, panel["load"].values, masked,
-                levels=[HALF], colors="0.1", linewidths=0.7,
+                levels=[MAX_AFFECTED_FRACTION], colors="0.1", linewidths=0.7,
             )  # fmt: skip
     axes.axhline(load, color="black", linewidth=0.5)
 
@@ -347,10 +347,10 @@ def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
 def _legend_handles(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
     middle = np.array(colormaps[FRICTION_MAP](0.4)[:3])
     handles: list[Any] = []
-    if asperities and (maps["share_beyond_hertz"].values > HALF).any():
+    if asperities and (maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION).any():
         words = "model not valid (dotted): most load on overlaps $> R/10$"
         handles.append(Patch(**_HATCH | {"facecolor": tuple(middle)}, label=words))
-    if (_compute_fading(maps)[~(maps["share_beyond_hertz"].values > HALF)] > 0.1).any():
+    if (_compute_fading(maps)[~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)] > 0.1).any():
         handles.append(Patch(facecolor=tuple(_fade(middle, np.array(FADING[2]))), label="grey: wide 95 % interval"))
     if (~np.isin(maps["status"].values, (STATUS_OK, STATUS_SELF_LOCKED))).any():
         handles.append(_not_reached_patch((0, 0), 1, 1, label="load not reached"))
@@ -412,7 +412,7 @@ def _area_curves(axes: list[Axes], areas: xarray.Dataset, *, exact: bool, apart:
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load")
     area, lower, upper = (areas[name].values for name in ("contact_area", "lower", "upper"))
-    trusted = exact | (areas["share_beyond_hertz"].values <= HALF)
+    trusted = exact | (areas["share_beyond_hertz"].values <= MAX_AFFECTED_FRACTION)
     positive = area[area > 0]
     for ax, scale in zip(axes, (np.ones(load.size), 1 / load), strict=True):
         ax.set(xscale="log", xlim=(load[0] / (load[-1] / load[0]) ** 0.24, load[-1] * 1.2))

@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 from stiction._checks import Floats
 from stiction._drawing import set_log_ticks
 from stiction._number_format import prefix
-from stiction.studies.contact_picture import PULL_OFF_LOADS
+from stiction.studies.contact_picture import LOADS_PER_PULL_OFF
 from stiction.studies.point import STATISTICS, by_rule
 from stiction.views.style import (
     ALL,
@@ -86,7 +86,7 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     """
     unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
-    visible = load <= PULL_OFF_LOADS[-1] * -load.min() * 1.001  # loads within the figure
+    visible = load <= LOADS_PER_PULL_OFF[-1] * -load.min() * 1.001  # loads within the figure
     core, unit = prefix(float(abs(load[visible]).max()), "mN")
     figure = new_figure(70)
     across = [(branches["approach"].values * 1000, "approach (nm)")] if branches["approach"].notnull().all() else []

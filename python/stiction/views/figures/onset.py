@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 from stiction._checks import Floats
 from stiction._drawing import add_scale_bar
 from stiction._number_format import with_unit
-from stiction.studies.assessment import HALF
-from stiction.studies.contact_picture import MIN_WINDOW_SIZE, WINDOW_DIVISOR
-from stiction.studies.contact_tables import Asperities
+from stiction.studies.assessment import MAX_AFFECTED_FRACTION
+from stiction.studies.contact_picture import MIN_ZOOM_SIZE, ZOOM_DIVISOR
+from stiction.studies.contact_tables import AsperityContactTable
 from stiction.studies.evaluation import at_load, reached_loads
 from stiction.studies.point import STATISTICS
 from stiction.studies.study import study_of
@@ -167,7 +167,7 @@ def _busiest_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[f
     from scipy.ndimage import gaussian_filter
 
     touching = np.isfinite(onset["slip"].values)
-    size = [min(max(n // WINDOW_DIVISOR, MIN_WINDOW_SIZE), n) for n in touching.shape]
+    size = [min(max(n // ZOOM_DIVISOR, MIN_ZOOM_SIZE), n) for n in touching.shape]
     density = gaussian_filter(touching.astype(np.float64), [item / 4 for item in size], mode="constant")
     middle = np.unravel_index(int(density.argmax()), density.shape)
     rows, columns = (
@@ -199,7 +199,7 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     Bands are 95 % intervals. Curves are dotted where the model is not valid.
     """
     study = study_of(dataset)
-    assert isinstance(study.contact, Asperities)
+    assert isinstance(study.contact, AsperityContactTable)
     settings = study.contact.onset
     assert settings is not None
     ends = np.log(reached_loads(dataset, 2))
@@ -237,7 +237,7 @@ def _draw_curves(axes: Axes, at: xarray.Dataset, name: str) -> None:
         mean, lower, upper = (
             factor * dataset_at_load[name].sel(statistic=statistic).values for statistic in STATISTICS
         )
-        trusted = ~(dataset_at_load["share_beyond_hertz"].values > HALF)
+        trusted = ~(dataset_at_load["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
         axes.fill_between(dimension, lower, upper, color=colour, alpha=0.2, linewidth=0)
         marker = "o" if dimension.size == 1 else None
         style: dict[str, Any] = {"color": colour, "linewidth": 1, "marker": marker, "markersize": 2}

@@ -14,7 +14,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction.studies.evaluation import member_values
-from stiction.studies.height_scale import Scaled, at_height_scale
+from stiction.studies.height_scale import ScaledSides, evaluate_height_scale
 from stiction.studies.members import load_bodies
 from stiction.studies.result import Result
 from stiction.studies.study import Study
@@ -175,13 +175,13 @@ def _cut_off(at: xarray.Dataset, study: Study, *, title: str) -> Figure:
     return cut_off_figure(at, title=title, limits=resolution_limits(at, study))
 
 
-def draw_height_scale(result: Result, scaled: Scaled, place: tuple[int, ...] = (0, 0), *, title: str) -> Figure:
+def draw_height_scale(result: Result, scaled: ScaledSides, place: tuple[int, ...] = (0, 0), *, title: str) -> Figure:
     """Draw a result against the stored factors of the heights, at its first load and one pair of mu0 and tau0."""
     friction = result.study.friction
     mu0, tau0 = [friction.mu0[place[0]]], [float(friction.tau0[place[1]])]
     factors, load = stored_scale_factors(result)[scaled], [float(friction.load[0])]
     assert result.stored is not None, "factors are stored alongside"
-    at = at_height_scale(result.stored, factors, load, mu0=mu0, tau0=tau0, scaled=scaled)
+    at = evaluate_height_scale(result.stored, factors, load, mu0=mu0, tau0=tau0, scaled=scaled)
     return height_scale_figure(at.isel(load=0, mu0=0, tau0=0), title=title)
 
 

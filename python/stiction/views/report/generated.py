@@ -15,7 +15,13 @@ from stiction._checks import Floats
 from stiction._number_format import prefix, with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import AREAL_VALIDITY, AT_HARDNESS, ONSET, QUANTITIES, VALIDITY
-from stiction.studies.assessment import ADVICE, HALF, LIMITS_OF_CONTACTS, VERDICTS, checks_of_ensemble
+from stiction.studies.assessment import (
+    CONTACT_COUNT_LIMITS,
+    MAX_AFFECTED_FRACTION,
+    STATUS_EXPLANATIONS,
+    VERDICTS,
+    list_ensemble_checks,
+)
 from stiction.studies.evaluation import reached_loads
 from stiction.studies.maps import friction_map, means, solved_pieces
 from stiction.studies.nodes import Axis, at_nodes, axes_of, is_interpolated, largest_errors, refined
@@ -122,7 +128,7 @@ def _at_nodes(
         tables.add(f"validity_{len(figures)}", values)
         figures.append({
             "words": quantity.short[0].upper() + quantity.short[1:],
-            "limit": HALF if quantity.percent else MAX_OVERLAP, "isDrawn": "hatch" in quantity.shown,
+            "limit": MAX_AFFECTED_FRACTION if quantity.percent else MAX_OVERLAP, "isDrawn": "hatch" in quantity.shown,
             "factor": 100 if quantity.percent else 1, "decimals": 0 if quantity.percent else 2,
             "unit": " %" if quantity.percent else "",
         })  # fmt: skip
@@ -243,7 +249,7 @@ def check_numbers(
     value, lower, upper = np.moveaxis(points, -1, 0)
     mu0, tau0 = np.meshgrid(axes[0].values, axes[1].values, indexing="ij")
     surfaces: Any = study.surfaces
-    limits, nominal = LIMITS_OF_CONTACTS, float(np.prod(surfaces.extents())) if study.is_areal else math.inf
+    limits, nominal = CONTACT_COUNT_LIMITS, float(np.prod(surfaces.extents())) if study.is_areal else math.inf
     with np.errstate(divide="ignore", invalid="ignore"):
         few = np.where(area / nominal > limits["merged"], np.nan, contacts)
         relative = np.where((mu0 > 0) & (tau0 == 0), value / mu0, np.nan)
@@ -269,12 +275,12 @@ def assess_points(
     failed = []
     is_ok = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"])
     for name in np.unique(np.where(is_ok, friction.STATUS_OK, status)).tolist():
-        text, cure = ADVICE.get(name, ADVICE[""])
+        text, cure = STATUS_EXPLANATIONS.get(name, STATUS_EXPLANATIONS[""])
         mask = ~is_ok & (status == name)
         if mask.any():
             reasons.append({"text": text, "cure": cure, "severity": "fault", "number": None})
             failed.append(np.where(mask, len(reasons), 0))
-    for group in checks_of_ensemble(study):
+    for group in list_ensemble_checks(study):
         reason_indices = np.zeros(status.shape, np.intp)
         for check in group:
             number = numbers.get(check["name"])

@@ -14,11 +14,11 @@ from stiction._number_format import with_unit
 from stiction._text import printable
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, shown_in
-from stiction.studies.assessment import limit_of
+from stiction.studies.assessment import find_smallest_limit
 from stiction.studies.evaluation import Kind, at_load
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.nodes import Axis, at_nodes, axes_of, is_interpolated, largest_errors, refined
-from stiction.studies.resolution import seen
+from stiction.studies.resolution import find_resolved_roughness
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.studies.summary import PointSummary
@@ -72,7 +72,7 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     picture = result.contact_picture if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.onset
-    lines = [wavelengths_text(found)] if (found := seen(study)) is not None else []
+    lines = [wavelengths_text(found)] if (found := find_resolved_roughness(study)) is not None else []
     lines += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
     text = "".join(f"<p>{escaped(line)}</p>" for line in (*lines, *_pull_off_lines(result, study)))
     details = text + "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
@@ -289,7 +289,7 @@ def _quantities(result: Result, study: Study, num_kinds: int) -> list[dict[str, 
         unit = "%" if quantity.percent else _UNITS.get(quantity.unit, quantity.unit)
         factor = next((curve["factor"] for curve in _CURVES.values() if curve["of"] == name), 1)
         texts = [[[text_with_unit(point, unit) for point in row] for row in table] for table in means.tolist()]
-        limit = limit_of(name)
+        limit = find_smallest_limit(name)
         points = factor * means
         decimals, upper_decimals = decimals_of(*np.moveaxis(points, -1, 0))
         records.append({

@@ -25,7 +25,7 @@ from stiction._core import __version__
 from stiction._files import replaced_file
 from stiction._text import printable
 from stiction.studies.nodes import Axis
-from stiction.studies.study import Study, differences
+from stiction.studies.study import Study, find_differences
 from stiction.views.report.tables import Tables
 
 MARK = "<!doctype html>\n<!-- A report of stiction -->\n"  # start of every report; other files are not overwritten
@@ -152,7 +152,7 @@ class PageResult:
         )
         if self.study.is_measured:
             return f"<h2>The study</h2>{self.details}{study_file}"
-        changes = [f"{key} = {value}" for key, _, value in differences(Study(), self.study)]
+        changes = [f"{key} = {value}" for key, _, value in find_differences(Study(), self.study)]
         lines = "".join(f"<li><code>{escaped(line)}</code></li>" for line in changes)
         summary = f"<p>The defaults, but</p><ul>{lines}</ul>" if changes else "<p>All values are the defaults.</p>"
         return f"<h2>The study</h2>{summary}{study_file}"

@@ -14,7 +14,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._number_format import percent, with_unit
-from stiction.studies.contact_tables import Asperities
+from stiction.studies.contact_tables import AsperityContactTable
 from stiction.studies.members import generate_pairs
 from stiction.studies.result import Result
 from stiction.studies.study import Study
@@ -34,7 +34,7 @@ def profiles_panel(study: Study, approach: float) -> str:
     dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])
     middle = dimensions[dimensions.size // 2 :][:1]
     upper, lower = next(iter(generate_pairs(study, 0, middle, amplitude)))
-    assert isinstance(contact, Asperities)
+    assert isinstance(contact, AsperityContactTable)
     options: dict[str, Any] = {"mu0": study.friction.mu0[0], "tau0": float(study.friction.tau0[0])}
     options |= {"title": f"$D$ = {middle[0]:.3g}, amplitude {with_unit(amplitude, 'um')}", "model": contact.model()}
     return _panel(

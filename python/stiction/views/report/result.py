@@ -13,7 +13,7 @@ import xarray
 
 from stiction._number_format import percent, with_unit
 from stiction.mechanics import friction
-from stiction.studies.assessment import ADVICE
+from stiction.studies.assessment import STATUS_EXPLANATIONS
 from stiction.studies.intervals import CONFIDENCE
 from stiction.studies.result import Result
 from stiction.views.figures.ensemble import COLOUR_BAR_TICKS
@@ -34,7 +34,7 @@ STATUSES = {
     friction.STATUS_SEIZURE: "seizure: junctions grow without limit",
     NOT_INTERPOLATED: "not resolved between nodes",
 }  # fmt: skip
-"""Legend text of each status in the map. `ADVICE` contains the reasons."""
+"""Legend text of each status in the map. `STATUS_EXPLANATIONS` contains the reasons."""
 
 NOT_INTERPOLATED_REASON = (
     "the coefficient changes too much between the values of μ0 and τ0 at which the library evaluated it"
@@ -127,7 +127,7 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
 
 
 def _status_reason(status: str) -> str:
-    return NOT_INTERPOLATED_REASON if status == NOT_INTERPOLATED else ADVICE.get(status, ("",))[0]
+    return NOT_INTERPOLATED_REASON if status == NOT_INTERPOLATED else STATUS_EXPLANATIONS.get(status, ("",))[0]
 
 
 def _error_text(error: tuple[float, float] | None) -> str:
