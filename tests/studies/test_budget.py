@@ -174,7 +174,7 @@ def test_elastic_pair_over_modulus_agrees_with_direct_solutions() -> None:
 
     for ratio in (0.6, 1.5):
         softer = pair(*bodies(rms=0.01), effective_modulus=float(study.contact.effective_modulus) * ratio, **kwargs)
-        assert area(softer) / area(result) == pytest.approx(areas.factor(0, None, ratio).item(), rel=BETWEEN)
+        assert area(softer) / area(result) == pytest.approx(areas.area_ratio(0, None, ratio).item(), rel=BETWEEN)
 
 
 def test_gap_has_the_interval_of_its_inputs_and_a_caveat() -> None:

@@ -273,7 +273,7 @@ def test_area_over_hardness_has_the_error_of_its_members() -> None:
     relative = np.log(solved.div(solved[float(rough.study.contact.hardness)], axis=0))
     expected = relative.sem(axis=0)
     for hardness in expected.index[:-1]:
-        assert own.areas.error(0, np.array([hardness])) == pytest.approx(expected[hardness])
+        assert own.areas.area_ratio_error(0, np.array([hardness])) == pytest.approx(expected[hardness])
     fit = calibrate([test] * 4).fits[0]
     assert own.error in fit.scores
 

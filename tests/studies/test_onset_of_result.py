@@ -122,7 +122,7 @@ def test_slip_map_gives_smallest_slip_load_of_each_cell(study, onset, monkeypatc
     bears = curve.contact(0).pressure[onset["slip"].values <= 0.5].sum() / curve.contact(0).pressure.sum()
     assert bears == pytest.approx(one.slipped_load[onset["fraction"].values.tolist().index(0.5)], rel=1e-9)
     np.testing.assert_allclose(onset["lower_height"], lower.heights, rtol=1e-6)
-    monkeypatch.setattr("stiction.studies.onset.MAX_MAP_SIZE", 8)
+    monkeypatch.setattr("stiction.studies.onset.MAX_PICTURE_SIZE", 8)
     coarse = computed(study, members=1)["slip"].values
     assert coarse.shape == (8, 8)
     for row, column in np.ndindex(8, 8):

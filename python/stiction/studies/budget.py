@@ -314,7 +314,7 @@ class _CoefficientSamples:
         if self.growth is None or (np.ndim(tau0) == 0 and tau0 == 0):
             return 1.0
         pressure = np.broadcast_to(self._under_shear(hardness, mu0, tau0, alpha), hardness.shape)
-        return self.areas.grown(self.load, self.rule, hardness, pressure, modulus)
+        return self.areas.growth_ratio(self.load, self.rule, hardness, pressure, modulus)
 
     def next_test(self) -> tuple[float, float]:
         """Return the 95 % prediction interval of one more member in one direction.
@@ -324,10 +324,10 @@ class _CoefficientSamples:
         from scipy.special import stdtrit
 
         key = len(self.names), self.freedom
-        if key not in self.areas.kept:
-            self.areas.kept[key] = stdtrit(self.freedom, stratified_points(len(self.names) + 1)[:, -1])
+        if key not in self.areas.cache:
+            self.areas.cache[key] = stdtrit(self.freedom, stratified_points(len(self.names) + 1)[:, -1])
         scatter = math.sqrt(math.log1p(self.scatter**2))
-        factor = np.exp(np.minimum(self.areas.kept[key] * scatter, MAX_EXPONENT))
+        factor = np.exp(np.minimum(self.areas.cache[key] * scatter, MAX_EXPONENT))
         return extend_interval(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
@@ -342,7 +342,7 @@ class _CoefficientSamples:
         area, grown = (self._grown(each, self.mu0, self.tau0) for each in ends)
         if not np.isfinite(area).all():
             return math.nan, math.nan, math.nan
-        area = self.areas.factor(self.load, ends[0], 1.0) * area
+        area = self.areas.area_ratio(self.load, ends[0], 1.0) * area
         own = self.friction.coefficient(self.mu0, self.tau0, grown)
         value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / own
         return float(value[0]), *extend_interval(self._ends({}, wait), float(value[0]))
@@ -353,14 +353,14 @@ class _CoefficientSamples:
         from scipy.special import ndtri
 
         key = self.names, tuple(fixed.items()), self.load, wait
-        if key not in self.areas.kept:  # shared by all mu0 and tau0 of a load
-            self.areas.kept[key] = self._input_samples(fixed, wait)
-        columns, samples, hardness, area, modulus = self.areas.kept[key]
+        if key not in self.areas.cache:  # shared by all mu0 and tau0 of a load
+            self.areas.cache[key] = self._input_samples(fixed, wait)
+        columns, samples, hardness, area, modulus = self.areas.cache[key]
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
         if strength is not None:  # ordered by the coefficient, so that quantiles are those of the coefficient
             own, growth = strength[2:]
-            with_own = 1.0 if own is None else self.areas.factor(self.load, own, 1.0)
+            with_own = 1.0 if own is None else self.areas.area_ratio(self.load, own, 1.0)
             softness = np.full(strength[0].shape, self.areas.hardness or np.nan) if own is None else own
             with_own = with_own * self._grown(softness, *strength[:2], growth)
             with np.errstate(invalid="ignore"):
@@ -370,7 +370,7 @@ class _CoefficientSamples:
             growth = None if growth is None else growth[place]
             if own is not None:
                 hardness = own[place] * hardness / float(self.areas.hardness or 1.0)
-                area = self.areas.factor(self.load, hardness, modulus)
+                area = self.areas.area_ratio(self.load, hardness, modulus)
         own_grown: Any = 1.0
         if self.growth is not None:
             alpha = samples.get("junction_growth", self.growth.value) if growth is None else growth
@@ -403,7 +403,7 @@ class _CoefficientSamples:
             hardness = hardness * wait ** -creep.quantile(cube[:, -1])
         softest = None if self.areas.hardness is None else hardness
         modulus = compute_relative_modulus(self.study, samples)
-        return columns, samples, hardness, self.areas.factor(self.load, softest, modulus), modulus
+        return columns, samples, hardness, self.areas.area_ratio(self.load, softest, modulus), modulus
 
 
 def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:

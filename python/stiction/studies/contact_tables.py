@@ -41,20 +41,20 @@ from stiction.studies.values import (
     written,
 )
 
-DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion of measured areas, degrees
-MAX_DIRECTIONS = 360  # of motion, for measured areas
-LINE_LOAD_MARGIN = 30.0  # ratio by which a load curve of asperities on lines extends beyond the given loads
+DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # degrees, directions of motion of measured areas
+MAX_DIRECTIONS = 360  # largest number of directions of motion of measured areas
+LINE_LOAD_MARGIN = 30.0  # factor by which the load curve of asperities on lines extends below and above the given loads
 NUM_LINE_LOADS = 25
-HALF_PLANE_LOAD_MARGIN = 10.0  # same ratio for half-planes, where every load needs its own solution
+HALF_PLANE_LOAD_MARGIN = 10.0  # the same factor for half-planes, smaller because every load needs its own solution
 NUM_HALF_PLANE_LOADS = 7
-MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio between successive loads of areas
+MAX_AREAL_LOAD_RATIO = 10**0.5  # largest ratio between successive loads of areal contact
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
 
 
 class HertzCylinderTable(Table):
-    """Contact law of elastic cylinders of a given width."""
+    """Contact law of elastic cylinders with a given width."""
 
     name: Literal["hertz-cylinder"]
     width: Length
@@ -145,7 +145,7 @@ LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `fric
 
 
 class ContactTable(Case):
-    """Keys that all contact models and all kinds of surfaces share."""
+    """Keys of the table `[contact]` that all contact models and all kinds of surfaces share."""
 
     effective_modulus: Modulus = Field(
         default=quantity("10 GPa", "pressure"), description="Effective modulus E* of both bodies."
@@ -153,7 +153,7 @@ class ContactTable(Case):
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """Quantity that is prescribed at each step of pressing."""
+        """Name of the quantity that is prescribed at each loading step."""
         return "load"
 
     def steps(self) -> Floats:
@@ -173,7 +173,7 @@ class ContactTable(Case):
         return np.array([degrees_of(way) for way in self.ways()])
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
+        """Return the sliding rules and directions (degrees) that form dimensions of a result."""
         return {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
 
 
@@ -181,7 +181,7 @@ class ContactTable(Case):
 
 
 class GeneratedContact(ContactTable):
-    """Keys for the motion of generated surfaces."""
+    """Keys of the contact table for the motion of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
     materials: ClassVar[None] = None
@@ -211,13 +211,13 @@ class GeneratedContact(ContactTable):
         return chosen if isinstance(chosen, tuple) else (chosen,)
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are given as lists."""
+        """Return the sliding rules and directions (degrees) that are lists, and so form dimensions of a result."""
         is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
         return {name: values for name, values in super().motions().items() if is_list[name]}
 
 
 class GeneratedLoads(GeneratedContact):
-    """Keys for the load curve of generated surfaces."""
+    """Keys of the contact table for the loads of generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -232,7 +232,7 @@ class GeneratedLoads(GeneratedContact):
 
 
 class MeasuredContact(ContactTable):
-    """Keys of measured surfaces, which are pressed to loads and evaluated for both sliding rules."""
+    """Keys of the contact table for measured surfaces, which are pressed to loads and slide by both sliding rules."""
 
     place: ClassVar[str] = "measured surfaces"
 
@@ -255,7 +255,7 @@ class MeasuredContact(ContactTable):
 
 
 class MeasuredLinesContact(MeasuredContact):
-    """Keys for lines of measured bodies, which are moved in both directions."""
+    """Keys of the contact table for lines of measured bodies, which slide in both directions."""
 
     place: ClassVar[str] = "measured lines"
 
@@ -265,7 +265,7 @@ class MeasuredLinesContact(MeasuredContact):
 
 
 class MeasuredAreasContact(MeasuredContact):
-    """Keys for measured areas, which are moved in several directions."""
+    """Keys of the contact table for measured areas, which slide in several directions."""
 
     place: ClassVar[str] = "measured areas"
 
@@ -278,7 +278,7 @@ class MeasuredAreasContact(MeasuredContact):
 
 
 class HalfSpaceContactTable(ContactTable):
-    """Keys for contact of elastic half-spaces."""
+    """Keys of the contact table for the half-space model."""
 
     place: ClassVar[str] = "the half-space"
     law: ClassVar[None] = None
@@ -348,7 +348,7 @@ class HalfSpaceContactTable(ContactTable):
         return self
 
     def solid(self) -> dict[str, Any]:
-        """Return the keyword arguments of `half_space` other than bodies, loads and motion."""
+        """Return the keyword arguments of `half_space` except bodies, loads and motion."""
         return {
             "effective_modulus": float(self.effective_modulus),
             "boundary": self.boundary,
@@ -361,7 +361,7 @@ class HalfSpaceContactTable(ContactTable):
 
 
 class AsperityContactTable(ContactTable):
-    """Keys for the asperity model, whose contacts do not interact."""
+    """Keys of the contact table for the asperity model, whose contacts do not interact."""
 
     place: ClassVar[str] = "asperities"
     hardness: ClassVar[None] = None
@@ -380,11 +380,11 @@ class AsperityContactTable(ContactTable):
     curvature: CurvatureKey = "convex"
 
     def motion(self) -> dict[str, Any]:
-        """Return the direction arguments of a contact model: none if pairs are pressed to loads."""
+        """Return the arguments for the direction of motion of a contact model; empty for pairs pressed to loads."""
         return {}
 
     def model(self, sliding: Sliding | None = None) -> ContactModel:
-        """Return the contact model under a sliding rule, by default the first."""
+        """Return the contact model for a sliding rule, by default the first rule of the table."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -396,7 +396,7 @@ class AsperityContactTable(ContactTable):
 
 
 class GeneratedAsperities(AsperityContactTable, GeneratedContact):
-    """Keys for asperities of generated surfaces, which are pressed to approaches."""
+    """Keys of the contact table for asperities of generated surfaces, which are pressed to approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
 
@@ -417,7 +417,7 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
 
     @property
     def step(self) -> Literal["approach", "load"]:
-        """Quantity that is prescribed at each step of pressing."""
+        """Name of the quantity that is prescribed at each loading step."""
         return "approach"
 
     def steps(self) -> Floats:
@@ -425,12 +425,12 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
         return array_of(self.approach)
 
     def motion(self) -> dict[str, Any]:
-        """Return the direction arguments of a contact model."""
+        """Return the arguments for the direction of motion of a contact model."""
         return {"shear": self.shear, "direction": self.direction}
 
 
 class AsperitiesOfGeneratedLines(GeneratedAsperities):
-    """Asperities of generated profiles."""
+    """Contact table for the asperity model and generated profiles."""
 
     place: ClassVar[str] = "asperities of generated lines"
 
@@ -438,7 +438,7 @@ class AsperitiesOfGeneratedLines(GeneratedAsperities):
 
 
 class AsperitiesOfGeneratedAreas(GeneratedAsperities):
-    """Asperities of generated surfaces."""
+    """Contact table for the asperity model and generated surfaces."""
 
     place: ClassVar[str] = "asperities of generated areas"
 
@@ -446,14 +446,14 @@ class AsperitiesOfGeneratedAreas(GeneratedAsperities):
 
 
 class AsperitiesOfMeasuredLines(AsperityContactTable, MeasuredLinesContact):
-    """Asperities of lines of measured bodies."""
+    """Contact table for the asperity model and lines of measured bodies."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
 class AsperitiesOfMeasuredAreas(AsperityContactTable, MeasuredAreasContact):
-    """Asperities of measured height maps."""
+    """Contact table for the asperity model and measured height maps."""
 
     place: ClassVar[str] = "asperities of measured areas"
     onset: ClassVar[None] = None
@@ -462,25 +462,25 @@ class AsperitiesOfMeasuredAreas(AsperityContactTable, MeasuredAreasContact):
 
 
 class HalfSpaceOfGeneratedLines(HalfSpaceContactTable, GeneratedLoads):
-    """Half-planes of generated profiles."""
+    """Contact table for half-planes and generated profiles."""
 
     place: ClassVar[str] = "the half-space of generated lines"
 
 
 class HalfSpaceOfGeneratedAreas(HalfSpaceContactTable, GeneratedLoads):
-    """Half-spaces of generated surfaces."""
+    """Contact table for half-spaces and generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated areas"
 
 
 class HalfSpaceOfMeasuredLines(HalfSpaceContactTable, MeasuredLinesContact):
-    """Half-planes of lines of measured bodies."""
+    """Contact table for half-planes and lines of measured bodies."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
 class HalfSpaceOfMeasuredAreas(HalfSpaceContactTable, MeasuredAreasContact):
-    """Half-spaces of measured height maps."""
+    """Contact table for half-spaces and measured height maps."""
 
     place: ClassVar[str] = "the half-space of measured areas"
 
@@ -503,25 +503,25 @@ CONTACT_CASES: dict[str, dict[str, type[Contact]]] = {
     "measured lines": {"asperities": AsperitiesOfMeasuredLines, "half-space": HalfSpaceOfMeasuredLines},
     "measured areas": {"half-space": HalfSpaceOfMeasuredAreas, "asperities": AsperitiesOfMeasuredAreas},
 }
-"""Cases of the table by kind of bodies and by the key `mechanics`; the first value is the default."""
+"""Classes of the table by kind of bodies and by the key `mechanics`; the first class of each kind is the default."""
 
 SHARED_CONTACT_TABLES: tuple[type[ContactTable], ...] = (
     AsperityContactTable, GeneratedAsperities, MeasuredContact, GeneratedContact, MeasuredAreasContact,
     HalfSpaceContactTable, GeneratedLoads,
 )  # fmt: skip
-"""Classes of keys that several cases share; messages about misplaced keys name them."""
+"""Base classes with keys that several tables share; messages about misplaced keys name these classes."""
 
 
 def select_contact_case(
     surfaces: type[GeneratedSurfaces | MeasuredSurfaces], table: Mapping[str, Any]
 ) -> type[Contact]:
-    """Return the case of a table by the surfaces and its key `mechanics`."""
+    """Return the class of a contact table, selected by the surfaces and by its key `mechanics`."""
     cases = CONTACT_CASES[surfaces.bodies]
     return cases[chosen("mechanics", table, cases)]
 
 
 def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | MeasuredSurfaces) -> Contact:
-    """Read the table and check it against the surfaces."""
+    """Read a contact table and check that it is consistent with the surfaces."""
     case = select_contact_case(type(surfaces), value)
     check_keys(value, case, SHARED_CONTACT_TABLES)
     contact = case.model_validate(value)
@@ -557,7 +557,7 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
 
 
 def _extend_loads(given: Floats, ratio: float, steps: int) -> Floats:
-    """Return given loads (mN) with a curve of loads in equal ratios around them."""
+    """Return the given loads (mN) and a load curve in equal ratios that extends below and above them."""
     curve = np.geomspace(given.min() / ratio, given.max() * ratio, steps)
     # Given loads stay exact; curve loads almost equal to them are dropped.
     is_new = np.abs(curve[:, np.newaxis] / given - 1).min(axis=1) > 1e-6
@@ -565,7 +565,7 @@ def _extend_loads(given: Floats, ratio: float, steps: int) -> Floats:
 
 
 def _fill_loads(given: Floats) -> Floats:
-    """Return given loads (mN) and loads between them, in ratios of at most about `MAX_AREAL_LOAD_RATIO`."""
+    """Return the given loads (mN) and loads between them, so that ratios are at most about `MAX_AREAL_LOAD_RATIO`."""
     given = np.unique(given)
     steps = np.ceil(np.log(given[1:] / given[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     between = [
@@ -576,26 +576,26 @@ def _fill_loads(given: Floats) -> Floats:
 
 
 def choose_load_steps(
-    loads: ArrayLike, *, press: str, mechanics: str, most: float | None = None, lighter: int = 1
+    loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the loads (mN) at which a measured pair is solved: the given loads with loads around and between them.
+    """Return the loads (mN) at which a measured pair is solved: the given loads, and loads around and between them.
 
-    All loads are below `most`. Areas have `lighter` loads below the given loads, and ratios of at most
-    `MAX_AREAL_LOAD_RATIO` between successive loads.
+    All loads are below `max_load`. For areas there are `num_smaller` loads below the given loads, and the ratio of
+    successive loads is at most `MAX_AREAL_LOAD_RATIO`.
     """
     given = np.atleast_1d(float_array("loads", loads))
     if not given.size or not (given > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     if press == "lines" and mechanics == "asperities":
-        around = _extend_loads(given, LINE_LOAD_MARGIN, NUM_LINE_LOADS)
+        steps = _extend_loads(given, LINE_LOAD_MARGIN, NUM_LINE_LOADS)
     elif press == "lines":
-        around = _extend_loads(given, HALF_PLANE_LOAD_MARGIN, NUM_HALF_PLANE_LOADS)
+        steps = _extend_loads(given, HALF_PLANE_LOAD_MARGIN, NUM_HALF_PLANE_LOADS)
     else:
-        below = given.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, lighter + 1)
-        around = np.unique(np.concatenate([_fill_loads(given), below, [given.max() * MAX_AREAL_LOAD_RATIO]]))
+        below = given.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
+        steps = np.unique(np.concatenate([_fill_loads(given), below, [given.max() * MAX_AREAL_LOAD_RATIO]]))
     # Given loads stay exact; other loads are rounded to six digits.
     exact = set(given.tolist())
-    rounded = np.array([load if load in exact else float(f"{load:.6g}") for load in around.tolist()])
+    rounded = np.array([load if load in exact else float(f"{load:.6g}") for load in steps.tolist()])
     lowest, highest = MAGNITUDES["force"]
     rounded = rounded[(lowest <= rounded) & (rounded <= highest)]
-    return rounded if most is None else rounded[rounded < most]
+    return rounded if max_load is None else rounded[rounded < max_load]

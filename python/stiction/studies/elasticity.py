@@ -1,4 +1,4 @@
-"""Elasticity of a pair of bodies from arguments: numbers, or names of materials."""
+"""Elasticity of a pair of bodies, from moduli or from the names of materials."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class Elasticity:
     """Elasticity of a pair, with the properties of its softer body."""
 
     effective_modulus: float  # GPa
-    compliance_share: float = 0.5  # fraction of the lower body, 0.5 unless both bodies are given
+    compliance_share: float = 0.5  # fraction of the compliance due to the lower body; 0.5 if only E* is given
     poisson_ratio: float | None = None  # of the softer body
     hardness: float | None = None  # of the softer body, GPa
-    source: str = ""  # source of the modulus, if materials are given
+    source: str = ""  # text about the source of the modulus, if materials are given
     hardness_source: str = ""
     materials: tuple[str, str] | None = None  # of the upper and the lower body
     poisson_ratios: tuple[float, float] | None = None  # of the upper and the lower body
-    renamed: str = ""  # note about materials given by alternative names
+    renamed: str = ""  # note if materials were given by alternative names
 
 
 def find_elasticity(
@@ -116,7 +116,7 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 
 def _combine_materials(upper: str, lower: str) -> Elasticity:
-    """Return the elasticity of two materials, with the hardness of the softer material if it yields."""
+    """Return the elasticity of two materials, including the hardness of the softer material if it yields."""
     above, below = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(above, below))
     softer = softer_material(above, below) or min((above, below), key=lambda body: body.young_modulus)
@@ -136,14 +136,14 @@ def _combine_materials(upper: str, lower: str) -> Elasticity:
 
 
 def _format_alias_note(names: Iterable[tuple[str, str]]) -> str:
-    """Return a note about alternative names, from pairs of given and standard name; empty if there are none."""
+    """Return a note about alternative names of materials, from pairs of the given and the standard name."""
     aliases = [f'"{given}"{{}} as {name}' for given, name in names if not is_name_of(given, name)]
     text = ", ".join(alias.format("" if index else " is taken") for index, alias in enumerate(aliases))
     return f"{text} (stiction materials lists others)" if len(aliases) == 1 else text
 
 
 def _load_material(argument: str, name: str) -> Any:
-    """Return a material by its name; errors name the argument, and a file name is an error."""
+    """Return a material by its name. The error message names the argument, and has a hint if it is a file name."""
     try:
         return material(name)
     except ValueError as error:

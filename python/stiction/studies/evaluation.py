@@ -447,7 +447,7 @@ def areas_of(at: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpo
     area = at["contact_area"].sel(statistic="mean")
     ratio = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
     gradient = float(at["rms_gradient"].sel(statistic="mean").mean())
-    return AreaInterpolator.of(loads, ratio, gradient, growth_of_area(result, loads), study, result)
+    return AreaInterpolator.from_result(loads, ratio, gradient, growth_of_area(result, loads), study, result)
 
 
 def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolator:
@@ -455,7 +455,7 @@ def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolat
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
     ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
     study = result.study
-    return AreaInterpolator.of(loads, ratio, float(gradient.mean()), np.zeros(loads.size), study, result)
+    return AreaInterpolator.from_result(loads, ratio, float(gradient.mean()), np.zeros(loads.size), study, result)
 
 
 def growth_of_area(result: Result, loads: Floats) -> Floats:
@@ -480,7 +480,7 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
     assert areas.hardness is not None, "contacts that do not yield do not grow"
     pressure = hardness_under_shear(areas.hardness, mu0[:, np.newaxis], tau0, float(study.contact.junction_growth or 0))
     hardness = np.full(pressure.size, areas.hardness)
-    grown = [areas.grown(load, rule, hardness, pressure.ravel()) for load in range(areas.pressures.size)]
+    grown = [areas.growth_ratio(load, rule, hardness, pressure.ravel()) for load in range(areas.pressures.size)]
     return np.array(grown).reshape(-1, *pressure.shape)
 
 

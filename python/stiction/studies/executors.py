@@ -16,7 +16,9 @@ from stiction._text import MAX_PATH_LENGTH, printable
 from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
-MIN_THREADED_POINTS = 2**16  # grid points above which threads share a transform; below, they would wait for each other
+MIN_THREADED_POINTS = (
+    2**16
+)  # grid points above which several threads compute one transform; smaller ones are slower with threads
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
 CONNECTION_TIMEOUT = "15s"
@@ -24,7 +26,7 @@ CONNECTION_TIMEOUT = "15s"
 
 @contextlib.contextmanager
 def enter_executor(given: Executor | None) -> Iterator[Executor]:
-    """Enter the given executor, which the caller shuts down, or an executor of threads.
+    """Enter the given executor, which the caller shuts down, or create an executor of threads.
 
     Raises a `StudyError` if a worker process ends.
     """
@@ -40,7 +42,7 @@ def enter_executor(given: Executor | None) -> Iterator[Executor]:
 
 @contextlib.contextmanager
 def thread_executor(workers: int | None = None) -> Iterator[Executor]:
-    """Enter an executor of threads, by default one for each core. Raises a `RuntimeError` if no thread can start."""
+    """Enter an executor of threads, by default one per core. Raises a `RuntimeError` if no thread can start."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     pool = ThreadPoolExecutor(workers or cores or 1, thread_name_prefix="stiction")
     pool.submit(int)
@@ -55,9 +57,10 @@ def thread_executor(workers: int | None = None) -> Iterator[Executor]:
 def use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Return the function of a task, with several threads per FFT if large tasks are fewer than the threads.
+    """Return the function of a task, wrapped so that idle threads speed up its transforms.
 
-    `tasks` is the number of tasks, and `points` the number of grid points of each task.
+    Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
+    of tasks, and `points` the number of grid points of each task.
     """
     workers = executor._max_workers if isinstance(executor, ThreadPoolExecutor) else 1
     threads_per_task = workers // max(tasks, 1)
@@ -75,7 +78,7 @@ def use_idle_threads(
 
 @contextlib.contextmanager
 def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterator[Callable[..., None]]:
-    """Show a progress bar on a terminal or in a notebook. Enters a function that advances the count."""
+    """Show a progress bar on a terminal or in a notebook, and yield a function that advances the bar."""
     if not enabled:
         yield lambda count=1: None
         return
@@ -89,7 +92,7 @@ def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterat
         progress.TimeElapsedColumn(), progress.TextColumn("left"), progress.TimeRemainingColumn(),
     )  # fmt: skip
     is_notebook = Console().is_jupyter
-    # In a notebook rich needs ipywidgets. Without them it prints a line of text at the end.
+    # In a notebook, rich needs ipywidgets for a bar. Without ipywidgets it prints one line of text at the end.
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
     hidden = not (console.is_terminal or is_notebook)
     with progress.Progress(*columns, console=console, transient=console.is_terminal, disable=hidden) as bar:
@@ -98,7 +101,7 @@ def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterat
 
 
 class ClusterError(ValueError):
-    """Error for a cluster that cannot be reached, or fails."""
+    """Error raised if a cluster cannot be reached, or fails."""
 
 
 @contextlib.contextmanager

@@ -1,4 +1,4 @@
-"""Table `[surfaces]` of a study of generated surfaces: fractal profiles and two kinds of areas."""
+"""Table `[surfaces]` of a study of generated surfaces: fractal profiles and two kinds of height maps."""
 
 from __future__ import annotations
 
@@ -47,13 +47,15 @@ AreaAmplitude = Annotated[
 ]
 
 
-MAX_HARMONICS = 1_000_000  # largest product of directions and frequencies, which limits the run time per point
+MAX_HARMONICS = (
+    1_000_000  # largest product of the numbers of directions and frequencies, which limits the run time per point
+)
 
 
 class GeneratedSurfaceKeys(Case):
-    """Keys that all generated ensembles share: fractal dimension and amplitude."""
+    """Keys of `[surfaces]` that all generated ensembles share: fractal dimension and amplitude."""
 
-    bodies: ClassVar[str] = "generated areas"  # name in `place` of contact tables
+    bodies: ClassVar[str] = "generated areas"  # name of these bodies in `ContactTable.place`
     is_areal: ClassVar[bool] = True
     """True if members are pairs of height maps rather than profiles."""
 
@@ -82,7 +84,7 @@ class GeneratedSurfaceKeys(Case):
         return self
 
     def longest(self) -> float:
-        """Return the longest wavelength, µm (for Eq. 1 its length scale)."""
+        """Return the longest wavelength, µm; for Eq. 1 this is its length scale."""
         return float(self.length_scale)  # type: ignore[attr-defined]
 
     def fractal_dimensions(self) -> Floats:
@@ -94,12 +96,12 @@ class GeneratedSurfaceKeys(Case):
         return array_of(self.amplitude)
 
     def cells(self) -> dict[str, Floats]:
-        """Return the dimensions of a result before its members, with their values."""
+        """Return the values of the dimensions that precede the members in a result."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
 class GeneratedProfiles(GeneratedSurfaceKeys):
-    """Keys for pairs of fractal profiles by Eq. 1 of the paper."""
+    """Keys of `[surfaces]` for pairs of fractal profiles by Eq. 1 of the paper."""
 
     place: ClassVar[str] = "fractal profiles"
     bodies: ClassVar[str] = "generated lines"
@@ -128,7 +130,7 @@ class GeneratedProfiles(GeneratedSurfaceKeys):
 
 
 class GeneratedAreas(GeneratedSurfaceKeys):
-    """Keys that all generated areas share: extent and shape of the grid."""
+    """Keys of `[surfaces]` that all generated height maps share: extent and shape of the grid."""
 
     kind: Literal["surface"] = Field(default="surface", description="Kind of surfaces: lines or areas.")
     extent: AreaExtent = (quantity("10 um", "length"), quantity("10 um", "length"))
@@ -152,7 +154,7 @@ class GeneratedAreas(GeneratedSurfaceKeys):
 
 
 class WeierstrassMandelbrotSurfaces(GeneratedAreas):
-    """Keys for pairs of fractal surfaces by Eq. 1 of the paper."""
+    """Keys of `[surfaces]` for pairs of fractal height maps by Eq. 1 of the paper."""
 
     place: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
 
@@ -181,7 +183,7 @@ def _to_fractal_dimensions(exponents: Any) -> Any:
 
 
 class SelfAffineSurfaces(GeneratedAreas):
-    """Keys for pairs of surfaces with Gaussian heights and a power-law spectrum."""
+    """Keys of `[surfaces]` for pairs of height maps with Gaussian heights and a power-law spectrum."""
 
     place: ClassVar[str] = "self-affine surfaces"
 
@@ -208,12 +210,12 @@ class SelfAffineSurfaces(GeneratedAreas):
             "Distance between rows and between columns, instead of `extent`.",
         ),
     }
-    """Alternative keys, named as the arguments of `self_affine_surface`: allowed values and meaning."""
+    """Allowed values and meaning of alternative keys, which are named like the arguments of `self_affine_surface`."""
 
     @model_validator(mode="before")
     @classmethod
     def _translate_argument_names(cls, given: Any) -> Any:
-        """Replace keys named as the arguments of `self_affine_surface`; they override the standard keys."""
+        """Replace the alternative keys by the standard keys, which they override."""
         if not isinstance(given, Mapping) or not cls.other_keys.keys() & given.keys():
             return given
         table = {key: value for key, value in given.items() if key not in cls.other_keys}

@@ -1,7 +1,7 @@
-"""Friction and true area of a measured pair over the scale of its heights, as another finish would leave them.
+"""Friction and true area of a measured pair whose heights are multiplied by a factor, as by another finish.
 
-Each factor of the heights is a study of its own, stored alongside the result. Between factors, results are
-interpolated.
+Each factor is computed as a separate study, which is stored in the folder of the result. Between these factors the
+results are interpolated.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ if TYPE_CHECKING:
     import xarray
 
 HEIGHT_SCALE_FOLDER = "height_scale"
-"""In the folder of a result: a folder for each factor of the heights."""
+"""Name of the folder in a result folder that contains one study for each factor."""
 
 FACTOR_STEP = 0.5
-"""Steps of log2 of the factors that are solved over a range; results are interpolated between neighbors so close."""
+"""Largest difference of log2 of two factors between which results are interpolated."""
 
-FACTOR_DIGITS = 6  # significant digits of a factor, by which its folder is named
+FACTOR_DIGITS = 6  # significant digits of a factor, which names its folder
 
 ScaledSides = Literal["both", "upper", "lower"]
 """Surfaces whose heights are scaled."""
@@ -61,11 +61,11 @@ _INTERPOLATED_VARIABLES = (
     "contact_area", "contact_area_fraction", "contact_count", "mean_pressure", "normal_stiffness",
     "stiffness_per_area", "rms_gradient", "rms_slope", "pull_off", "pull_off_pressure",
 )  # fmt: skip
-"""Variables of `at_load` that are given over factors."""
+"""Variables of `at_load` that are interpolated between factors."""
 
 
 class MissingFactorsError(ArgumentError):
-    """Factors of the heights are not computed yet.
+    """Error raised for factors of the heights that are not computed yet.
 
     Attributes
     ----------
@@ -76,28 +76,28 @@ class MissingFactorsError(ArgumentError):
     """
 
     def __init__(self, factors: Floats, seconds: float) -> None:
-        several = f"{factors.size} factors from {factors[0]:g} to {factors[-1]:g}"
-        which = several if factors.size > 1 else f"the factor {factors[0]:g}"
+        range_text = f"{factors.size} factors from {factors[0]:g} to {factors[-1]:g}"
+        factors_text = range_text if factors.size > 1 else f"the factor {factors[0]:g}"
         super().__init__(
             "{height_scale} needs {which} computed, about {time} of one core: give {compute=True}",
-            which=which, time=format_duration(seconds),
+            which=factors_text, time=format_duration(seconds),
         )  # fmt: skip
         self.factors, self.seconds = factors, seconds
 
 
 def parse_factors(factors: Any) -> Floats:
-    """Return factors of the heights in rising order, rounded to `FACTOR_DIGITS` significant digits.
+    """Return factors of the heights in ascending order, rounded to `FACTOR_DIGITS` significant digits.
 
     Parameters
     ----------
     factors : float, array_like or str
-        Factors from 0.01 to 100, also as text, "0.5,1,2", or a range, "0.25..4", of which there are the ends and the
-        powers of the square root of 2 between them.
+        Factors from 0.01 to 100. A text contains a list, "0.5,1,2", or a range, "0.25..4", which stands for its ends
+        and the powers of the square root of 2 between them.
 
     Raises
     ------
     ArgumentError
-        If a factor is no number or outside its range, or a range does not rise.
+        If a factor is not a number or out of range, or if the ends of a range are not in ascending order.
     """
     values = _parse_factor_text(factors) if isinstance(factors, str) else float_array("height_scale", factors)
     values = np.unique([float(f"{each:.{FACTOR_DIGITS}g}") for each in np.ravel(values).tolist()])
@@ -108,7 +108,7 @@ def parse_factors(factors: Any) -> Floats:
 
 
 def _parse_factor_text(text: str) -> Floats:
-    """Return the factors of a text: of a list, or the ends of a range and those that are solved between them."""
+    """Parse a text with a list of factors, or with a range, which stands for its ends and the powers between them."""
     try:
         if ".." not in text:
             if text.count(",") == 1:
@@ -130,32 +130,35 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _list_enclosing_powers(low: float, high: float) -> Floats:
-    """Return powers of 2, in steps of `FACTOR_STEP` of the exponent, that enclose a range of factors."""
+    """Return the powers of 2, in steps of `FACTOR_STEP` of the exponent, that enclose a range of factors."""
     first, last = math.floor(math.log2(low) / FACTOR_STEP), math.ceil(math.log2(high) / FACTOR_STEP)
     powers = np.exp2(FACTOR_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
     return np.unique([float(f"{each:.{FACTOR_DIGITS}g}") for each in powers.tolist()])
 
 
 def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
-    """Return the factors to solve, so that each one is solved or lies between neighbors a step apart."""
-    wanted = np.array([each for each in factors.tolist() if _find_neighbors(solved, each) is None])
-    if not wanted.size:
-        return wanted
-    nodes = np.setdiff1d(_list_enclosing_powers(wanted[0], wanted[-1]), solved)
-    return nodes if nodes.size < wanted.size else wanted
+    """Return the factors that still have to be solved, so that all given factors can be interpolated."""
+    missing = np.array([factor for factor in factors.tolist() if _find_neighbors(solved, factor) is None])
+    if not missing.size:
+        return missing
+    nodes = np.setdiff1d(_list_enclosing_powers(missing[0], missing[-1]), solved)
+    return nodes if nodes.size < missing.size else missing
 
 
 def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the places of the solved factors around one, twice the same if it is solved; None if they are too far."""
-    right = int(np.searchsorted(solved, factor))
-    if right < solved.size and solved[right] == factor:
-        return right, right
-    near = 0 < right < solved.size and math.log2(solved[right] / solved[right - 1]) < FACTOR_STEP * 1.001
-    return (right - 1, right) if near else None
+    """Return the indices of the solved factors just below and above a factor.
+
+    Both indices are the same if the factor itself is solved. Returns None if the neighbors are too far apart.
+    """
+    upper = int(np.searchsorted(solved, factor))
+    if upper < solved.size and solved[upper] == factor:
+        return upper, upper
+    is_close = 0 < upper < solved.size and math.log2(solved[upper] / solved[upper - 1]) < FACTOR_STEP * 1.001
+    return (upper - 1, upper) if is_close else None
 
 
 def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Study:
-    """Return a study of the same measured pair with heights times a factor.
+    """Return the study of a measured pair with heights multiplied by a factor.
 
     Raises
     ------
@@ -173,63 +176,61 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Stu
 
 
 def find_factor_folder(path: Path, factor: float, scaled: ScaledSides) -> Path:
-    """Return the folder of a factor in that of a result."""
+    """Return the folder of a factor within a result folder."""
     return path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
 
 
 def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float, StoredResult]:
-    """Return the finished studies of a result over factors, in rising order, each with the friction of the result.
+    """Open the finished studies of all factors of a result, by factor in ascending order.
 
-    That of 1 is the result itself.
+    The result itself is included as factor 1. All studies are opened with the friction parameters of the result.
     """
-    found = {1.0: result}
+    studies = {1.0: result}
     for folder in (result.path / HEIGHT_SCALE_FOLDER).glob(f"{scaled}-*"):
         try:
             factor = float(folder.name.removeprefix(f"{scaled}-"))
             stored = open_stored(folder)
         except (StoreError, ValueError):
             continue
-        wanted = scale_study_heights(result.study, factor, scaled)
-        if find_member_differences(stored.study, wanted):
+        expected = scale_study_heights(result.study, factor, scaled)
+        if find_member_differences(stored.study, expected):
             continue
-        stored = StoredResult(stored.path, wanted, stored.blocks)  # with the friction of the result
-        if stored.count == wanted.ensemble.repetitions and not _lacks_hardness(stored):
-            found[factor] = stored
-    return dict(sorted(found.items()))
+        stored = StoredResult(stored.path, expected, stored.blocks)  # use the friction parameters of the result
+        if stored.count == expected.ensemble.repetitions and not _lacks_hardness(stored):
+            studies[factor] = stored
+    return dict(sorted(studies.items()))
 
 
 def _lacks_hardness(stored: StoredResult) -> bool:
-    """Return whether a study has ranges of hardness or E*, and is not solved over them yet."""
-    wants = bool(choose_area_nodes(stored.study)[0].size) and not is_unloaded(Result(stored))
-    return wants and load_areas_over_hardness(stored) is None
+    """Return whether uncertain inputs require areas at other hardnesses or moduli that are not stored yet."""
+    needs_areas = bool(choose_area_nodes(stored.study)[0].size) and not is_unloaded(Result(stored))
+    return needs_areas and load_areas_over_hardness(stored) is None
 
 
 def estimate_factor_time(study: Study, count: int) -> float:
-    """Estimate the time of one core that so many factors take."""
-    others = count_solutions(study) * cost_of_solution(study) if study.uses_half_space else 0.0
-    return count * (study.ensemble.repetitions * cost_of_member(study) + others)
+    """Estimate the time (s) that one core takes to compute a number of factors."""
+    time_of_nodes = count_solutions(study) * cost_of_solution(study) if study.uses_half_space else 0.0
+    return count * (study.ensemble.repetitions * cost_of_member(study) + time_of_nodes)
 
 
 def compute_factors(
     result: StoredResult, factors: Any, scaled: ScaledSides = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Compute factors of the heights, or others around them, that a stored result lacks.
+    """Compute the missing factors that a stored result needs to evaluate the given factors.
 
-    Each factor is a stored study of its own, so that whoever is interrupted keeps those that are finished. `announce`
-    is given a line before each. Errors are those of `evaluate_height_scale` and of `compute_missing`.
+    Each factor is stored as a separate study, so that an interrupted run keeps the finished factors. `announce`
+    receives a line before each factor. Raises the errors of `evaluate_height_scale` and of `compute_missing`.
     """
     missing = find_missing_factors(parse_factors(factors), np.array(list(open_stored_factors(result, scaled))))
     with enter_executor(executor) as workers:
-        for number, factor in enumerate(missing.tolist(), 1):
-            announce(f"heights times {factor:g} ({number} of {missing.size})")
-            study, folder = (
-                scale_study_heights(result.study, factor, scaled),
-                find_factor_folder(result.path, factor, scaled),
-            )
-            there = open_stored(folder) if (folder / STUDY_FILE).exists() else None
-            if there and find_member_differences(there.study, study):
-                remove_result(there)  # of another pair
+        for index, factor in enumerate(missing.tolist(), 1):
+            announce(f"heights times {factor:g} ({index} of {missing.size})")
+            study = scale_study_heights(result.study, factor, scaled)
+            folder = find_factor_folder(result.path, factor, scaled)
+            existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
+            if existing and find_member_differences(existing.study, study):
+                remove_result(existing)  # it belongs to another pair
             compute_missing(study, folder, executor=workers, progress=progress)
             stored = open_stored(folder)
             if _lacks_hardness(stored) and (areas := compute_areas_over_hardness(stored.study, workers)) is not None:
@@ -242,39 +243,39 @@ def compute_factors(
 def evaluate_height_scale(
     result: StoredResult, factors: Any, loads: Any, *, mu0: Any = None, tau0: Any = None, scaled: ScaledSides = "both"
 ) -> xarray.Dataset:
-    """Return friction, true area and stiffness of a measured pair over factors of its heights.
+    """Return friction, true area and stiffness of a measured pair for factors of its heights.
 
     Parameters
     ----------
     result : StoredResult
     factors : float, array_like or str
-        From 0.01 to 100, as `parse_factors` reads them; 1 is the pair as measured.
+        Factors from 0.01 to 100, in the form that `parse_factors` accepts; 1 is the pair as measured.
     loads : array_like of float, mN
     mu0, tau0 : array_like of float, optional
-        Those of the study by default; GPa.
+        By default the values of the study; tau0 in GPa.
     scaled : {"both", "upper", "lower"}
         Surfaces whose heights are scaled.
 
     Returns
     -------
     xarray.Dataset
-        Of the quoted cutoff, over height_scale and the dimensions of `at_load`: friction_all_round and friction_by_axis
-        with the sampling interval, friction_combined with the combined one, true area, number of contacts, mean
-        pressure, stiffness, and rms_gradient and rms_slope of the gap; upper_rms and lower_rms (µm) are the
-        root-mean-square heights of the two bodies of the first member, where their files are there. The attribute
-        solved has the factors that are computed.
+        Variables at the quoted cutoff, with the dimension height_scale and the dimensions of `at_load`:
+        friction_all_round and friction_by_axis with the sampling interval, friction_combined with the combined
+        interval, true area, number of contacts, mean pressure, stiffness, and rms_gradient and rms_slope of the gap.
+        upper_rms and lower_rms (µm) are the root-mean-square heights of both bodies of the first member, if their files
+        exist. The attribute `solved` contains the computed factors.
 
     Raises
     ------
-    NotComputedError
-        If a factor is neither computed nor between computed ones a step apart.
+    MissingFactorsError
+        If a factor is not computed, and cannot be interpolated between computed factors.
     ValueError
-        If the study is not of two measured surfaces or not finished, or a factor is outside its range.
+        If the study has no two measured surfaces or is not finished, or if a factor is out of range.
 
     Notes
     -----
-    Between computed factors, positive variables are interpolated by a monotone cubic of their logarithms over the
-    logarithm of the factor, and others by one of their values.
+    Between computed factors, variables are interpolated by a monotone cubic in the logarithm of the factor. Positive
+    variables are replaced by their logarithms for this purpose.
     """
     import xarray
 
@@ -282,63 +283,71 @@ def evaluate_height_scale(
     scale_study_heights(study, 1.0, scaled)
     if result.count < study.ensemble.repetitions:
         raise ArgumentError("{height_scale} needs a finished result")
-    there = open_stored_factors(result, scaled)
-    solved = np.array(list(there))
+    studies = open_stored_factors(result, scaled)
+    solved = np.array(list(studies))
     if (missing := find_missing_factors(factors, solved)).size:
         raise MissingFactorsError(missing, estimate_factor_time(study, missing.size))
-    around = [places for each in factors.tolist() if (places := _find_neighbors(solved, each))]
+    neighbors = [places for factor in factors.tolist() if (places := _find_neighbors(solved, factor))]
     points = [
-        add_uncertainty(at_load(each, loads, mu0=mu0, tau0=tau0), each, budget=False).isel(cut_off=0)
-        for each in map(Result, there.values())
+        add_uncertainty(at_load(scaled_result, loads, mu0=mu0, tau0=tau0), scaled_result, budget=False).isel(cut_off=0)
+        for scaled_result in map(Result, studies.values())
     ]
-    first = points[list(there).index(1.0)]
+    first = points[list(studies).index(1.0)]
     variables: dict[str, Any] = {}
-    for name in (each for each in _INTERPOLATED_VARIABLES if all(each in point for point in points)):
+    for name in (name for name in _INTERPOLATED_VARIABLES if all(name in point for point in points)):
         values = np.stack([point[name].transpose(*first[name].dims).values for point in points])
-        read = np.stack([_interpolate_factors(values, solved, *each) for each in zip(factors, around, strict=True)])
-        if "statistic" in first[name].dims:  # which is the last dimension
-            read[..., 1], read[..., 2] = np.minimum(read[..., 1], read[..., 0]), np.maximum(read[..., 2], read[..., 0])
-        variables[name] = (("height_scale", *first[name].dims), read, first[name].attrs)
+        interpolated = np.stack(
+            [
+                _interpolate_factors(values, solved, factor, indices)
+                for factor, indices in zip(factors, neighbors, strict=True)
+            ]
+        )
+        if "statistic" in first[name].dims:  # always the last dimension
+            interpolated[..., 1] = np.minimum(interpolated[..., 1], interpolated[..., 0])
+            interpolated[..., 2] = np.maximum(interpolated[..., 2], interpolated[..., 0])
+        variables[name] = (("height_scale", *first[name].dims), interpolated, first[name].attrs)
     if all("contact_status" in point for point in points):
         dims = first["contact_status"].dims
         statuses = np.stack([point["contact_status"].transpose(*dims).values for point in points])
         other = STATUS_OK if study.uses_half_space else ABOVE_NOMINAL
-        read = np.stack([np.where(statuses[i] == statuses[j], statuses[i], other) for i, j in around])
-        variables["contact_status"] = (("height_scale", *dims), read, first["contact_status"].attrs)
+        interpolated = np.stack([np.where(statuses[i] == statuses[j], statuses[i], other) for i, j in neighbors])
+        variables["contact_status"] = (("height_scale", *dims), interpolated, first["contact_status"].attrs)
     for side, rms in _compute_rms_heights(study).items():
-        own = rms * (factors if scaled in ("both", side) else np.ones(factors.size))
-        variables[f"{side}_rms"] = ("height_scale", own, attributes_of(f"{side}_rms"))
-    own_dims = set(np.concatenate([np.ravel(each[0]) for each in variables.values()]).tolist())
-    coordinates: dict[str, Any] = {str(name): each for name, each in first.coords.items() if set(each.dims) <= own_dims}
+        scaled_rms = rms * (factors if scaled in ("both", side) else np.ones(factors.size))
+        variables[f"{side}_rms"] = ("height_scale", scaled_rms, attributes_of(f"{side}_rms"))
+    used_dims = set(np.concatenate([np.ravel(dims) for dims, *_ in variables.values()]).tolist())
+    coordinates: dict[str, Any] = {
+        str(name): values for name, values in first.coords.items() if set(values.dims) <= used_dims
+    }
     coordinates["height_scale"] = ("height_scale", factors, attributes_of("height_scale"))
     return xarray.Dataset(variables, coordinates, first.attrs | {"scaled": scaled, "solved": solved})
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:
-    """Return the root-mean-square heights (µm) of the bodies of the first member; none where files are gone."""
+    """Return the root-mean-square heights (µm) of the bodies of the first member; empty if their files are missing."""
     try:
         return {side: float(np.std(body.heights)) for side, body in zip(SIDES, first_pair(study), strict=True)}
     except (ValueError, OSError):
         return {}
 
 
-def _interpolate_factors(values: Floats, solved: Floats, factor: float, around: tuple[int, int]) -> Floats:
-    """Return values over solved factors (first axis) at another one; NaN where they are at one of its neighbors."""
+def _interpolate_factors(values: Floats, solved: Floats, factor: float, neighbors: tuple[int, int]) -> Floats:
+    """Interpolate values between solved factors (first axis); NaN if the value of a neighbor is NaN."""
     from scipy.interpolate import PchipInterpolator
 
-    left, right = around
-    if left == right:
-        return np.asarray(values[left])
+    lower, upper = neighbors
+    if lower == upper:
+        return np.asarray(values[lower])
     flat = values.reshape(solved.size, -1)
     finite = np.isfinite(flat)
-    found = np.full(flat.shape[1], np.nan)
-    answered = finite[left] & finite[right]
-    x = np.log(solved)
-    for there in np.unique(finite[:, answered], axis=1).T:
-        own = answered & (finite == there[:, np.newaxis]).all(axis=0)
-        positive = own & (flat[there] > 0).all(axis=0)
-        for which, to, back in ((positive, np.log, np.exp), (own & ~positive, np.asarray, np.asarray)):
-            if which.any():
-                curve = PchipInterpolator(x[there], to(flat[np.ix_(there, which)]))
-                found[which] = back(curve(math.log(factor)))
-    return found.reshape(values.shape[1:])
+    interpolated = np.full(flat.shape[1], np.nan)
+    is_available = finite[lower] & finite[upper]
+    log_factors = np.log(solved)
+    for is_finite in np.unique(finite[:, is_available], axis=1).T:
+        mask = is_available & (finite == is_finite[:, np.newaxis]).all(axis=0)
+        positive = mask & (flat[is_finite] > 0).all(axis=0)
+        for selected, transform, inverse in ((positive, np.log, np.exp), (mask & ~positive, np.asarray, np.asarray)):
+            if selected.any():
+                curve = PchipInterpolator(log_factors[is_finite], transform(flat[np.ix_(is_finite, selected)]))
+                interpolated[selected] = inverse(curve(math.log(factor)))
+    return interpolated.reshape(values.shape[1:])

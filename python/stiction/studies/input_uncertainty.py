@@ -1,8 +1,8 @@
-"""Uncertain inputs: numbers, values with a standard uncertainty, and ranges, as text and as samples.
+"""Uncertain inputs: numbers, values with a standard uncertainty, and ranges, parsed from text and drawn as samples.
 
-Distributions are propagated by samples (JCGM 101, 2008). A range of a hardness, a modulus or a strength is log-normal
-with 95 % between its ends. A range of a coefficient is normal and truncated at 0, as is a value with a standard
-uncertainty. A range that starts at 0 is uniform.
+Distributions are propagated by sampling (JCGM 101, 2008). A range of a hardness, a modulus or a strength is a
+log-normal distribution with 95 % between its ends. A range of a coefficient, and a value with a standard uncertainty,
+are normal distributions truncated at 0. A range that starts at 0 is a uniform distribution.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from stiction._units import exact_text, quantity, short_repr
 from stiction.studies.values import Table, as_tuple
 
 Distribution = Literal["exact", "normal", "log-normal", "uniform"]
-Z_95 = 1.959963984540054  # half of the 95 % interval of a normal distribution over its standard deviation
-NUM_SAMPLES = 2**14  # samples of the inputs; budget fractions of equal inputs differ by less than 0.01
+Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
+NUM_SAMPLES = 2**14  # number of samples, at which budget fractions of equal inputs differ by less than 0.01
 MIN_RELATIVE_DEVIATION = 1e-9  # smallest relative standard uncertainty
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
-"""Part of a text that makes it more than a number with a unit."""
+"""Pattern that occurs only in texts with a range, an uncertainty or a hardness scale."""
 
 _VICKERS_BY_ROCKWELL = {
     20: 238,
@@ -43,15 +43,17 @@ _VICKERS_BY_ROCKWELL = {
     65: 832,
     68: 940,
 }
-"""Vickers hardness of steels over the Rockwell hardness C, from ISO 18265 (2013), table A.1, and ASTM E140."""
+"""Vickers hardness of steels by Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-ROCKWELL_CONVERSION_ERROR = 0.05  # half of the relative range of a hardness that is converted from HRC: 10 to 20 HV
+ROCKWELL_CONVERSION_ERROR = 0.05  # relative half width of the range of a hardness converted from HRC: 10 to 20 HV
 _VICKERS_PRESSURE = 9.80665e-3 / 0.9272
 """Mean pressure (GPa) of 1 HV, which is 1 kgf per mm² of the faces; the projected area is 0.9272 of the faces."""
 
 _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
-_PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")  # a relative uncertainty, and the unit of the value if it follows
+_PERCENT_PATTERN = re.compile(
+    r"(.+?)\s*%\s*(.*)"
+)  # a relative uncertainty, optionally followed by the unit of the value
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
 _TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")  # "HV10", "HV 0.5": kgf
 InputKind = Literal["", "pressure", "modulus", "hardness"]
@@ -64,11 +66,11 @@ MAX_CREEP_EXPONENT = 0.5  # of indentation creep; the hardness then falls to a t
 class UncertainInput:
     """An input as a distribution, in core units."""
 
-    value: float  # the number, or the middle of a range, geometric if the distribution is log-normal
+    value: float  # the number, or the middle of the range (geometric mean for a log-normal distribution)
     low: float  # lower end of the 95 % interval, or of a uniform distribution
     high: float
     distribution: Distribution
-    text: str  # as the user wrote it
+    text: str  # text as written by the user
     maximum: float = math.inf  # largest possible value
 
     @property
@@ -78,11 +80,11 @@ class UncertainInput:
 
     @property
     def short_text(self) -> str:
-        """The number in up to six digits, or the range as the user wrote it."""
+        """Number in up to six digits, or the range as written by the user."""
         return f"{self.value:g}" if self.is_exact else self.text
 
     def agrees_with(self, text: str) -> bool:
-        """Return whether a text gives the same distribution of a hardness, in any unit."""
+        """Return whether a text describes the same distribution of a hardness, possibly in another unit."""
         try:
             other = self if text == self.text else parse_input("", text, "hardness")
         except ValueError:
@@ -104,8 +106,8 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        below = ndtr(-self.value / deviation)  # probability that is truncated at 0
-        return np.asarray(np.maximum(self.value + deviation * ndtri(below + probability * (1 - below)), 0.0))
+        truncated = ndtr(-self.value / deviation)  # probability that is truncated at 0
+        return np.asarray(np.maximum(self.value + deviation * ndtri(truncated + probability * (1 - truncated)), 0.0))
 
 
 def parse_input(name: str, given: Any, kind: InputKind = "") -> UncertainInput:
@@ -114,7 +116,7 @@ def parse_input(name: str, given: Any, kind: InputKind = "") -> UncertainInput:
     Raises
     ------
     ValueError
-        If the input is none of these, is negative, or is larger than `MAX_NUMBER`.
+        If the input has another form, is negative, or is larger than `MAX_NUMBER`.
     """
     if isinstance(given, UncertainInput):
         return given
@@ -131,8 +133,8 @@ def parse_input(name: str, given: Any, kind: InputKind = "") -> UncertainInput:
 
 
 def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
-    """Return the distribution that a text with single blanks gives."""
-    is_rockwell = text.find("HRC") >= 0 and kind == "hardness"
+    """Parse a text with single blanks as a distribution."""
+    is_rockwell = "HRC" in text and kind == "hardness"
     if match := _RANGE_PATTERN.fullmatch(text):
         is_uniform, first, last = match.groups()
         low, high = (_parse_value(name, end, kind) for end in _complete_units(first, last))
@@ -180,10 +182,10 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
 
 
 def _convert_rockwell(low: float, high: float, text: str) -> UncertainInput:
-    """Return a hardness between ends that were converted from HRC, with the uncertainty of the conversion."""
-    half = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
+    """Return the distribution of a hardness range converted from HRC, widened by the conversion error."""
+    half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
-    return UncertainInput(value, value * math.exp(-half), value * math.exp(half), "log-normal", text)
+    return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
 
 
 def _parse_number(name: str, text: str) -> float:
@@ -198,7 +200,7 @@ def _parse_number(name: str, text: str) -> float:
 
 
 def _parse_value(name: str, given: Any, kind: str) -> float:
-    """Parse a number of at least 0, as text with a unit if the input is of a kind."""
+    """Parse a number of at least 0. An input with a kind of quantity may be a text with a unit."""
     if isinstance(given, str) and not kind:
         return _parse_number(name, given)
     scale = _TRAILING_UNIT_PATTERN.search(given) if kind == "hardness" and isinstance(given, str) else None
@@ -224,19 +226,22 @@ def _parse_value(name: str, given: Any, kind: str) -> float:
     return value
 
 
-def _complete_units(first: str, last: str) -> tuple[str, str]:
-    """Return two texts with units, one of which may have the unit of both."""
-    units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first, last)]
+def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
+    """Return two texts with units. If only one text has a unit, it applies to both."""
+    units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if units[0] is None and units[1] is not None:
-        return f"{first} {units[1][0]}", last
+        return f"{first_text} {units[1][0]}", last_text
     if units[0] is not None and units[1] is None and units[0][0].strip() in ("HV", "HRC"):
-        return first, f"{last} {units[0][0]}"
-    return first, last
+        return first_text, f"{last_text} {units[0][0]}"
+    return first_text, last_text
 
 
 @functools.lru_cache(maxsize=32)
 def sobol_points(dimensions: int, count: int = NUM_SAMPLES, *, seed: int = 0) -> Floats:
-    """Return (count, dimensions) points of a scrambled Sobol sequence in the unit cube; `count` is a power of two."""
+    """Return points of a scrambled Sobol sequence in the unit cube, with shape (count, dimensions).
+
+    `count` is a power of two.
+    """
     from scipy.stats import qmc
 
     points = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(round(math.log2(count)))
@@ -244,12 +249,12 @@ def sobol_points(dimensions: int, count: int = NUM_SAMPLES, *, seed: int = 0) ->
 
 
 def stratified_points(dimensions: int) -> Floats:
-    """Return (NUM_SAMPLES, dimensions) points of a Sobol sequence in the unit cube, one in each stratum of a column."""
+    """Return stratified points of a Sobol sequence in the unit cube, with shape (NUM_SAMPLES, dimensions)."""
     return sobol_points(dimensions, NUM_SAMPLES, seed=2016)
 
 
 def draw_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
-    """Return (NUM_SAMPLES,) samples of each input."""
+    """Draw `NUM_SAMPLES` samples of each input."""
     points = stratified_points(len(inputs))
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 
@@ -260,11 +265,11 @@ INPUT_KINDS: dict[str, InputKind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
     "poisson": "", "creep": "", "junction_growth": "",
 }  # fmt: skip
-"""Inputs that may be ranges, with their kind of quantity."""
+"""Kind of quantity of each input that may be a range."""
 
 
 def parse_study_input(name: str, given: Any) -> UncertainInput:
-    """Parse an input by its name in `INPUT_KINDS`; messages of errors do not contain the name."""
+    """Parse an input by its name in `INPUT_KINDS`. Error messages do not contain the name."""
     parsed = parse_input("", given, INPUT_KINDS[name])
     if name == "poisson":
         if parsed.high > MAX_POISSON_RATIO:
@@ -282,7 +287,7 @@ _BodyInputTexts = Annotated[tuple[_InputText, ...], as_tuple, Field(min_length=1
 
 
 class UncertainInputsTable(Table):
-    """Ranges and uncertainties of inputs; the study computes at their middle."""
+    """Ranges and uncertainties of inputs; the contacts are computed with their central values."""
 
     mu0: _InputText | None = Field(
         default=None, description="Molecular friction coefficient, a range or value ± deviation."
@@ -305,7 +310,7 @@ class UncertainInputsTable(Table):
 
     @field_validator("*")
     @classmethod
-    def _says_what_is_parse_input(cls, value: Any, info: ValidationInfo) -> Any:
+    def _check_inputs(cls, value: Any, info: ValidationInfo) -> Any:
         texts = (value,) if isinstance(value, str) else value or ()
         for text in texts if info.field_name != "interface" else ():
             try:

@@ -244,15 +244,15 @@ class _ResultAreaFactor(_AreaFactor):
         hardness = samples.get("hardness", np.asarray(self.areas.hardness or math.nan))
         hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
         modulus = compute_relative_modulus(self.study, samples)
-        factor = self.areas.factor(0, None if self.areas.hardness is None else hardness, modulus)
+        factor = self.areas.area_ratio(0, None if self.areas.hardness is None else hardness, modulus)
         if self.growth is not None and strength is not None:
             pressure = strength.under_shear(hardness, samples.get("junction_growth", self.growth.value))
             if strength.tau0 is None:  # finite at any load on the nominal area
                 pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * self.areas.pressures[0])
-            factor = factor * self.areas.grown(0, strength.sliding, hardness, pressure, modulus)
+            factor = factor * self.areas.growth_ratio(0, strength.sliding, hardness, pressure, modulus)
             hardness = np.where(np.isfinite(factor), pressure, hardness)
         if _AREA_ERROR_NAME in samples:
-            factor = factor * np.exp(self.areas.error(0, hardness / modulus) * samples[_AREA_ERROR_NAME])
+            factor = factor * np.exp(self.areas.area_ratio_error(0, hardness / modulus) * samples[_AREA_ERROR_NAME])
         return np.asarray(factor)
 
 

@@ -27,19 +27,19 @@ if TYPE_CHECKING:
     import xarray
 
 RESULT_TITLE = "stiction study"  # attribute `title` of every result
-MAX_PIECE_BYTES = 2**26  # part of a result that is in memory at a time, if the result is read in pieces
+MAX_PIECE_BYTES = 2**26  # memory for one piece of a result that is read in pieces
 
 MEMBER_COORDINATES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
 }  # fmt: skip
-"""Coordinates along `repetition` that describe the members of measured bodies, with their data types."""
+"""Data types of the coordinates that describe each member of measured bodies."""
 
 Arrays = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """Description of an array of a result: dimensions, shape, data type and attributes."""
+    """Dimensions, shape, data type and attributes of an array of a result."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -57,23 +57,28 @@ def list_coordinates(
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
     """Return the coordinates of a result, or of some repetitions, in the order of the dimensions.
 
-    Each entry is the description of the array and its values.
+    Each entry consists of the description of the array and its values.
     """
     values: dict[str, NDArray[Any]] = {
         **study.surfaces.cells(),
         "repetition": np.arange(study.ensemble.repetitions) if repetitions is None else np.array(repetitions, np.int64),
-        **{name: np.array(items) for name, items in study.motions().items()},
+        **{name: np.array(entries) for name, entries in study.motions().items()},
         study.step: study.contact.steps(),
     }
     if study.is_measured:
         values["fraction_below"] = np.array(STORED_PROBABILITIES)
-    extra: dict[str, dict[str, str]] = {"load": {"long_name": "normal load of the elastic contact, without friction"}}
+    extra_attributes: dict[str, dict[str, str]] = {
+        "load": {"long_name": "normal load of the elastic contact, without friction"}
+    }
     if not study.is_measured:
         surfaces: Any = study.surfaces
-        extra["fractal_dimension"] = {"convention": surfaces.convention}
-        extra["amplitude"] = {"measure": surfaces.amplitude_measure}
+        extra_attributes["fractal_dimension"] = {"convention": surfaces.convention}
+        extra_attributes["amplitude"] = {"measure": surfaces.amplitude_measure}
     return {
-        name: (ArraySpec((name,), array.shape, array.dtype, attributes_of(name) | extra.get(name, {})), array)
+        name: (
+            ArraySpec((name,), array.shape, array.dtype, attributes_of(name) | extra_attributes.get(name, {})),
+            array,
+        )
         for name, array in values.items()
     }
 
@@ -93,30 +98,30 @@ def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] |
 
 
 def member_bytes(study: Study) -> int:
-    """Return the size of the arrays of one member in bytes."""
+    """Return the total size, in bytes, of the arrays of one member."""
     return sum(spec.size for spec in list_variables(study, [0]).values())
 
 
 def piece_length(size: int) -> int:
-    """Return the number of members in a piece, a power of two, for members of `size` bytes."""
+    """Return the number of members in a piece, for members of `size` bytes. It is a power of two."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
 def variable_names(study: Study) -> tuple[str, ...]:
-    """Return the names of the variables of a result: contact sums, and contact statistics of measured bodies."""
+    """Return the names of the variables of a result: contact sums and, for measured bodies, contact statistics."""
     if not study.is_measured:
         return study.sums()
     return tuple(dict.fromkeys((*study.sums(), *STATISTICS, *DISTRIBUTIONS, *GAP)))
 
 
 def _list_dims(study: Study, name: str) -> tuple[str, ...]:
-    """Return the dimensions of a stored variable. A single sliding rule or direction is not a dimension."""
+    """Return the dimensions of a stored variable. Sliding rule and direction are dimensions only if they are lists."""
     dims = {"step": study.step, "fraction_below": "fraction_below"} | {motion: motion for motion in study.motions()}
     return (*study.surfaces.cells(), "repetition", *(dims[axis] for axis in QUANTITIES[name].along if axis in dims))
 
 
 def stack_members(study: Study, members: Sequence[Arrays]) -> Arrays:
-    """Stack the arrays of several members along a new axis after the cells, as in a result."""
+    """Stack the arrays of several members along a new axis, which follows the axes of the cells as in a result."""
     axis = len(study.surfaces.cells())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATES else axis)
@@ -128,7 +133,7 @@ def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     bodies: BodyAttributes | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Build the dataset of some repetitions from arrays of `stack_members`. The shapes must match the study."""
+    """Build the dataset of some repetitions from arrays of `stack_members`, whose shapes must match the study."""
     import xarray
 
     variables = list_variables(study, repetitions)
@@ -165,7 +170,7 @@ _DIVISORS = {
     "um^2": (0, 2, "L²"),
     "um": (0, 1, "L"),
 }
-"""For each unit: the powers of E* and L by which a quantity is divided, and the divisor as text."""
+"""Powers of E* and L by which a quantity is divided, and the divisor as text, for each unit."""
 
 
 def nondimensional(
@@ -176,12 +181,12 @@ def nondimensional(
     Parameters
     ----------
     result : xarray.Dataset
-        The dataset of a result, or what `friction_map`, `area_map`, `stiffness_map` or `Result.at` returns.
+        Dataset of a result, or of `friction_map`, `area_map`, `stiffness_map` or `Result.at`.
     length : float, µm, optional
         L; by default the length scale of the result's study, or the longest wavelength of self-affine surfaces.
         Measured bodies have no length scale, so L must be given.
     effective_modulus : float, GPa, optional
-        E*; by default that of the result.
+        E*; by default the modulus of the result.
 
     Returns
     -------
@@ -196,7 +201,8 @@ def nondimensional(
     Notes
     -----
     With the law of spheres, nondimensional loads, areas and friction do not change if all lengths of the surfaces are
-    scaled by a factor: the coefficient depends on tau0/E* alone. The law of cylinders has a width as another length.
+    scaled by a factor, and the coefficient depends only on tau0/E*. For the law of cylinders this requires that the
+    width is scaled too.
 
     Examples
     --------
@@ -227,7 +233,7 @@ def nondimensional(
     length = number("length", length, unit="µm", above=0)
     modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
 
-    def scaled(name: str, variable: xarray.Variable) -> xarray.Variable:
+    def divide(name: str, variable: xarray.Variable) -> xarray.Variable:
         units = variable.attrs.get("units", "1")
         if units in ("1", "degree"):
             return variable
@@ -244,9 +250,9 @@ def nondimensional(
         )
 
     return xarray.Dataset(
-        {str(name): scaled(str(name), array.variable) for name, array in result.data_vars.items()},
-        {str(name): scaled(str(name), array.variable) for name, array in result.coords.items()},
-        # Omit the study, because its values have units.
+        {str(name): divide(str(name), array.variable) for name, array in result.data_vars.items()},
+        {str(name): divide(str(name), array.variable) for name, array in result.coords.items()},
+        # The attribute `study` is omitted, because its values have units.
         {name: value for name, value in result.attrs.items() if name != "study"}
         | {"length_um": length, "effective_modulus_GPa": modulus},
     )

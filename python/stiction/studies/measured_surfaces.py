@@ -113,7 +113,7 @@ def _parse_crop(value: object) -> tuple[Quantity, ...] | None:
 
 
 def _validate_one_or_list(read: Callable[[object], Any], max_count: int = 2) -> PlainValidator:
-    """Return a validator of one value, a list of two to `max_count` values, or None."""
+    """Return a validator that accepts one value, a list of two to `max_count` values, or None."""
 
     def values(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -130,7 +130,7 @@ MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # range of `height_factor`
 
 
 class BodyInMemory:
-    """Container of a body in memory; not a dataclass, so that copies of a study share the object."""
+    """Container of a body in memory. It is not a dataclass, so that copies of a study share the body."""
 
     def __init__(self, body: Any) -> None:
         self.body = body
@@ -142,7 +142,7 @@ class MeasuredFile(Table):
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     def __eq__(self, other: object) -> bool:
-        """Compare all fields but the body, which its checksum identifies."""
+        """Compare all fields except the body, which the checksum identifies."""
         return isinstance(other, MeasuredFile) and self._identity() == other._identity()
 
     def __hash__(self) -> int:
@@ -219,7 +219,7 @@ class MeasuredFile(Table):
 
     @property
     def name(self) -> str:
-        """File name without its folder, with the number of further scans."""
+        """File name without the folder, followed by the number of further scans."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _map_scans(self, change: Callable[[MeasuredFile], MeasuredFile]) -> MeasuredFile:
@@ -227,7 +227,10 @@ class MeasuredFile(Table):
 
     @classmethod
     def holding(cls, body: Any, name: str) -> MeasuredFile:
-        """Create an entry for a body in memory, converted from other libraries; `ArgumentError` if it is invalid."""
+        """Create an entry for a body in memory, also one of another library.
+
+        Raises an `ArgumentError` if the body is invalid.
+        """
         if not isinstance(body, JoinedSpectrum):
             try:
                 heights, spacing, history, missing = extract_heights(name, body)
@@ -241,7 +244,7 @@ class MeasuredFile(Table):
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
     def kept(self, folder: Path, side: str) -> MeasuredFile:
-        """Return the entry with bodies in memory replaced by files, written under their checksums in the folder."""
+        """Write bodies in memory to files in a folder, and return the entry with these files instead."""
         return self._map_scans(lambda scan: scan._save_body(folder, side))
 
     def _save_body(self, folder: Path, side: str) -> MeasuredFile:
@@ -262,7 +265,7 @@ class MeasuredFile(Table):
         return MeasuredFile(file=str(path), missing="mask" if has_missing else "error", **options).known()
 
     def read(self) -> Body:
-        """Read the profile, surface or spectrum, µm; `ValueError` if the checksum of the file differs."""
+        """Read the profile, surface or spectrum, in µm. Raises a `ValueError` if the file has another checksum."""
         return _scale_heights(self.height_factor, self._read())  # type: ignore[no-any-return]
 
     def _read(self) -> Body:
@@ -277,7 +280,10 @@ class MeasuredFile(Table):
         return _read_body(self.model_copy(update={"sha256": self.checksum(), "others": None, "height_factor": 1.0}))
 
     def with_height_factor(self, factor: float) -> MeasuredFile:
-        """Return the scans with heights times a factor; `ValueError` if the total factor is out of range."""
+        """Return the entry with all heights multiplied by a factor.
+
+        Raises a `ValueError` if the product with the present factor is out of range.
+        """
         total = factor * self.height_factor
         if not MIN_HEIGHT_FACTOR <= total <= MAX_HEIGHT_FACTOR:
             limits = f"from {MIN_HEIGHT_FACTOR:g} to {MAX_HEIGHT_FACTOR:g}"
@@ -290,11 +296,14 @@ class MeasuredFile(Table):
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def cut_off_at(self, wavelength: float) -> float:
-        """Return the cutoff (µm) of this scan for a cutoff of the pair."""
+        """Return the cutoff wavelength (µm) at which this scan is filtered, for a cutoff of the pair."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def filled(self) -> Floats:
-        """Return the fraction of interpolated points and the area (µm²; length of profiles, µm) of the largest gap."""
+        """Return the fraction of interpolated points, and the size of the largest gap in the data.
+
+        The size is an area (µm²) for height maps, and a length (µm) for profiles.
+        """
         if self.missing != "interpolate" or self.body is not None or is_spectrum(Path(self.file)):
             return np.zeros(2)
         body = self.model_copy(update={"missing": "mask"}).read()
@@ -320,7 +329,7 @@ class MeasuredFile(Table):
         return find_caveats(Scan(heights_with_nan(body), body.spacings, from_text=False))
 
     def checksum(self) -> str:
-        """Compute the SHA-256 of the file; `ValueError` if it cannot be read."""
+        """Compute the SHA-256 checksum of the file. Raises a `ValueError` if the file cannot be read."""
         try:
             with Path(self.file).open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
@@ -328,7 +337,7 @@ class MeasuredFile(Table):
             raise ValueError(f"{printable_path(self.file)}: cannot be read: {error.strerror}") from None
 
     def stamp(self) -> tuple[int, int] | None:
-        """Return the modification time (ns) and size of the file; None without a file."""
+        """Return the modification time (ns) and the size of the file; None if there is no file."""
         try:
             status = None if self.body else Path(self.file).stat()
         except OSError:
@@ -336,7 +345,7 @@ class MeasuredFile(Table):
         return status and (status.st_mtime_ns, status.st_size)
 
     def with_absolute_paths(self, directory: Path) -> MeasuredFile:
-        """Return the entry with absolute paths; relative paths start from the directory."""
+        """Return the entry with absolute paths. Relative paths are resolved against the directory."""
         return self._map_scans(
             lambda scan: (
                 scan if scan.body else scan.model_copy(update={"file": str((directory / scan.file).absolute())})
@@ -344,7 +353,7 @@ class MeasuredFile(Table):
         )
 
     def known(self) -> MeasuredFile:
-        """Return the entry with the current checksums of files that have none."""
+        """Return the entry with the current checksum of each file that has no checksum yet."""
         return self._map_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
         )
@@ -360,7 +369,7 @@ def _scale_heights(factor: float, body: Any) -> Any:
 
 
 def _compute_checksum(body: Body) -> str:
-    """Compute the SHA-256 of a body in memory, with its grid and history."""
+    """Compute the SHA-256 checksum of a body in memory, including its grid and history."""
     if isinstance(body, JoinedSpectrum):
         content = repr(body.history).encode() + body.density.tobytes()
     else:
@@ -370,7 +379,7 @@ def _compute_checksum(body: Body) -> str:
 
 @functools.lru_cache(maxsize=16)
 def _read_body(file: MeasuredFile) -> Body:
-    """Read the body of a file; the cache is keyed by the checksum, so that each file is parsed once."""
+    """Read the body of a file. The entry contains the checksum, so that the cache parses each file once."""
     if is_spectrum(Path(file.file)):
         for name in ("unit", "spacing", "channel", "columns", "crop"):
             if getattr(file, name) is not None:
@@ -392,7 +401,7 @@ def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
 
 @dataclass(frozen=True)
 class Member:
-    """Member of a study of measured bodies: the pair, the shift of its upper body (µm), and its origin."""
+    """Member of a study of measured bodies: its pair, the shift of the upper body (µm), and the origin of the pair."""
 
     pair: Pair
     x: float
@@ -403,7 +412,7 @@ class Member:
 
 @dataclass(frozen=True)
 class SharedProperties:
-    """Properties that all members share; lengths in µm, along (y and) x."""
+    """Properties that all members of a study share. Lengths are in µm, along x, or along y and x."""
 
     upper: Body
     lower: Body
@@ -411,7 +420,7 @@ class SharedProperties:
     shape: Sequence[int]
     spacing: Sequence[float]
     used: Sequence[float]
-    scans: Sequence[Any]  # upper and lower scan, with their spacings and extents
+    scans: Sequence[Any]  # upper and lower scan, of which the spacing and the extent are used
 
 
 @dataclass(frozen=True)
@@ -423,23 +432,23 @@ class BodyAttributes:
 
 
 class Members(Protocol):
-    """Members of two bodies, determined by their indices."""
+    """Members of a study of two bodies; the index of a member determines it completely."""
 
     def member(self, index: int) -> Member:
-        """Return a member; `ValueError` if there are fewer."""
+        """Return a member by its index. Raises a `ValueError` if there are fewer members."""
 
     def facts(self) -> SharedProperties:
         """Return the properties that all members share."""
 
 
 class MeasuredSurfaceKeys(Case):
-    """Keys that all studies of measured surfaces share."""
+    """Keys of `[surfaces]` that all studies of measured surfaces share."""
 
-    bodies: ClassVar[str] = "measured areas"  # name in `place` of contact tables
+    bodies: ClassVar[str] = "measured areas"  # name of these bodies in `ContactTable.place`
     is_areal: ClassVar[bool] = True
     """True if members are independent pairs of height maps rather than profiles."""
     pressed: ClassVar[str]
-    """Name of the members in reports."""
+    """Name of the pressed members in reports."""
 
     kind: Literal["measured"] = Field(default="measured", description="Kind of surfaces: two measured files.")
     upper: MeasuredFile = Field(
@@ -464,20 +473,20 @@ class MeasuredSurfaceKeys(Case):
     )
 
     def cells(self) -> dict[str, Floats]:
-        """Return the dimensions of a result before its members, with their values."""
+        """Return the values of the dimensions that precede the members in a result."""
         return {"cut_off": array_of(self.cut_off)}
 
     def quoted_cut_off(self) -> float:
-        """Return the cutoff (µm) of the quoted result, which is the first."""
+        """Return the cutoff (µm) of the quoted result, which is the first cutoff of the study."""
         return float(self.cells()["cut_off"][0])
 
     def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
-        """Return the table with the file of each side replaced by a function of file and side."""
+        """Return the table with the file of each side replaced by `change(file, side)`."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
     def first_scanned(self) -> int:
-        """Index of the first member that is a pair of the scans themselves."""
+        """Index of the first member whose bodies are the scans themselves, not surrogates."""
         return 0
 
     @property
@@ -486,17 +495,23 @@ class MeasuredSurfaceKeys(Case):
         return len(self.upper.scans), len(self.lower.scans)
 
     def scans_of(self, members: Any) -> tuple[Any, Any]:
-        """Return the indices of the upper and lower scan of members (int or array): all pairs of scans in turn."""
+        """Return the indices of the upper and the lower scan of each member (int or array).
+
+        Successive members use all pairs of scans in turn.
+        """
         upper, lower = self.scan_counts
         cell = members % (upper * lower)
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> Members:
-        """Return the members of two scans with a cutoff for each (µm, 0 for none); `ValueError` if there are none."""
+        """Return the members of two scans, each with its own cutoff (µm, 0 for none).
+
+        Raises a `ValueError` if there are no members.
+        """
         raise NotImplementedError
 
     def filtered(self, scans: tuple[Body, Body], cut_offs: CutoffPair) -> Iterator[Profile | Surface]:
-        """Yield both scans, each filtered at its cutoff (µm, 0 for none)."""
+        """Yield both scans, each low-pass filtered at its own cutoff (µm, 0 for none)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default
@@ -508,13 +523,13 @@ class MeasuredSurfaceKeys(Case):
 
 # ---- Lines -----------------------------------------------------------------------------------------------------------
 
-DEFAULT_NUM_SHIFTS = 16  # default number of relative positions of two maps
+DEFAULT_NUM_SHIFTS = 16  # default number of relative positions of two height maps
 DEFAULT_NUM_SURROGATES = 16  # default number of pairs of surrogates of profiles
 MAX_OFFSETS = 100_000  # largest number of positions on a pair of lines or maps
 
 
 class MeasuredLines(MeasuredSurfaceKeys):
-    """Keys for lines of two measured files, where the upper line slides along the lower."""
+    """Keys of `[surfaces]` for lines of two measured files; the upper line slides along the lower line."""
 
     place: ClassVar[str] = "lines of measured files"
     pressed: ClassVar[str] = "Lines"
@@ -560,7 +575,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
         return self
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMembers:
-        """Return lines of both scans, or of their surrogates, at several positions."""
+        """Return the members: lines of both scans, or of their surrogates, at several relative positions."""
         upper, lower = self.filtered(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
@@ -576,11 +591,11 @@ class LineMembers:
 
     pairs: LinePairs
     scans: tuple[Body, Body]
-    offsets: int = 1  # positions on each of several pairs; on a single pair every member is a position
-    positions: tuple[float, ...] | None = None  # positions (µm) on each pair, instead of a quasi-random sequence
+    offsets: int = 1  # positions on each pair, if there are several pairs; otherwise every member is a position
+    positions: tuple[float, ...] | None = None  # positions (µm) on each pair; None for a quasi-random sequence
 
     def member(self, index: int) -> Member:
-        """Return a slider and the part of its counterface below it."""
+        """Return a member: a slider, and the part of the counterface below it."""
         pairs, offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
         line, place = divmod(index, offsets) if pairs.several else (0, index)
         count = pairs.max_count()
@@ -596,18 +611,18 @@ class LineMembers:
             return self._member_at(slider, track, round(self.positions[place] / slider.spacing), line)
         if max_steps == 0 and place > 0:
             raise ValueError("several positions need a slider shorter than its counterface; give a travel")
-        # A single line may lie on itself, where offset 0 is excluded; several lines never do.
+        # Offset 0 is excluded for a single pair, because both lines may be the same line.
         is_unshifted = pairs.several and offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             steps = 0
         elif offsets == 1 and pairs.travel is not None and place == 0:
-            steps = max_steps  # a single position is at the given travel
+            steps = max_steps  # a single position is at the end of the travel
         else:
             steps = 1 + min(int(quasi_random_point(place + 1, 1)[0] * max_steps), max_steps - 1)
         return self._member_at(slider, track, steps, line)
 
     def _member_at(self, slider: Profile, track: Profile, steps: int, line: int) -> Member:
-        """Return the member whose slider starts `steps` points from the start of its counterface."""
+        """Return the member whose slider starts `steps` points after the start of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(track, offset, slider)
         return Member(pair, offset, self.pairs.place(line), line=line, surrogate=self.pairs.surrogates != "none")
@@ -619,7 +634,7 @@ class LineMembers:
 
 
 def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> SharedProperties:
-    """Return the properties that all members of lines share; `used` is the fraction of the upper scan in a slider."""
+    """Return the shared properties of lines; `used` is the fraction of the upper scan that the slider covers."""
     return SharedProperties(
         slider, track, slider.extent * THICKNESS, [len(slider)], [slider.spacing], [used, len(slider) / len(track)],
         scans,
@@ -627,7 +642,7 @@ def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[A
 
 
 class MeasuredAreas(MeasuredSurfaceKeys):
-    """Keys for areas of two measured maps, pressed at several relative positions."""
+    """Keys of `[surfaces]` for two measured height maps that are pressed at several relative positions."""
 
     place: ClassVar[str] = "areas of measured maps"
     pressed: ClassVar[str] = "Areas"
@@ -660,11 +675,11 @@ class MeasuredAreas(MeasuredSurfaceKeys):
 
     @property
     def first_scanned(self) -> int:
-        """Index of the first member that is a pair of pieces of the maps."""
+        """Index of the first member that consists of pieces of the maps, after the surrogates."""
         return self.surrogates
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers | GapMember:
-        """Return surrogates of two maps followed by pieces at relative positions, or the gap."""
+        """Return the members: first surrogates of both maps, then pieces at relative positions; or the gap."""
         upper, lower = self.filtered(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')
@@ -680,7 +695,7 @@ class MeasuredAreas(MeasuredSurfaceKeys):
 
 
 class MeasuredSurrogates(MeasuredSurfaceKeys):
-    """Keys for random areas with the spectra of two maps, or isotropic areas with the spectra of profiles."""
+    """Keys of `[surfaces]` for surrogates: random height maps with the spectra of two maps or two profiles."""
 
     place: ClassVar[str] = "surrogates of measured files"
     pressed: ClassVar[str] = "Surfaces with the spectra of both"
@@ -691,7 +706,7 @@ class MeasuredSurrogates(MeasuredSurfaceKeys):
     )
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers:
-        """Return pairs of random surfaces with the spectra of two scans."""
+        """Return the members: pairs of random height maps with the spectra of two scans."""
         first, second = scans
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
             finest = float(self.cells()["cut_off"].min())
@@ -716,7 +731,7 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, turned: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Return pairs of pieces of two levelled maps; the upper map is rotated (degrees) and flipped."""
+    """Return pairs of pieces of two levelled maps, of which the upper map is rotated (degrees) and flipped."""
     above = levelled(upper, level)
     return MapPairs(flipped(rotated(above, turned) if turned else above), levelled(lower, level), level, seed, shifts)
 
@@ -746,7 +761,7 @@ class AreaMembers:
         """Return the properties that all members share."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
-        if isinstance(pairs, SpectrumPairs):  # a spacing of half the shortest wavelength
+        if isinstance(pairs, SpectrumPairs):  # the spacing is half the shortest wavelength
             waves = (max(body.shortest, pairs.finest) for body in (pairs.upper, pairs.lower))
             scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side) for shortest in waves]
         return SharedProperties(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, scans)
@@ -754,7 +769,7 @@ class AreaMembers:
 
 @dataclass(frozen=True, eq=False)
 class GapMember:
-    """Single member of a measured gap: a flat face, and a rough face at the measured distance."""
+    """The only member of a measured gap: a flat face, and a rough face at the measured distance."""
 
     flat: Surface
     rough: Surface
@@ -774,4 +789,4 @@ class GapMember:
 
 
 MeasuredSurfaces = MeasuredAreas | MeasuredLines | MeasuredSurrogates
-"""Table `[surfaces]` of a study of measured files; a new kind of members is added here."""
+"""Table `[surfaces]` of a study of measured files. Each class is one way to press two files."""

@@ -1,6 +1,7 @@
-"""Members of a study: pairs of generated or measured bodies, each determined by the study and the member's number.
+"""Members of a study: pairs of generated or measured bodies.
 
-A member is a generated repetition, a line at an offset, two maps at a relative position, or a pair of surrogates.
+A member is a generated repetition, two lines or two maps at a relative position, or a pair of surrogates. The study and
+the number of the member determine it completely.
 """
 
 from __future__ import annotations
@@ -23,16 +24,16 @@ from stiction.surfaces.profile import Profile, Side, combine_missing, scale_prof
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
-MAX_BATCH_BYTES = 64_000_000  # profiles of each body in memory at a time; memory then does not grow with the study
-MAX_CACHED_PAIRS = 16  # prepared pairs of scans
-NUM_AVERAGED_MEMBERS = 16  # members over which the measured area is averaged
-TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}  # grid points of a member of a typical scan, profile and areal
+MAX_BATCH_BYTES = 64_000_000  # memory for the profiles of each body at a time, whatever the size of the study
+MAX_CACHED_PAIRS = 16  # pairs of filtered and levelled scans that stay in memory
+NUM_AVERAGED_MEMBERS = 16  # members over which the fraction of measured points is averaged
+TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}  # by whether the scan is areal
 
 # ---- Generated -------------------------------------------------------------------------------------------------------
 
 
 def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
-    """Return the random phases of Eq. 1 for one body of a repetition, rad, with shape (directions, frequencies)."""
+    """Return the random phases (rad) of Eq. 1 for one body, with shape (directions, frequencies)."""
     surfaces: Any = study.surfaces
     return fractal.random_phases(
         study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
@@ -41,7 +42,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _equation_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the parameters of Eq. 1 of a study, without phases and grid."""
+    """Return the arguments of Eq. 1 from a study, except phases and grid."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
@@ -49,7 +50,7 @@ def _equation_arguments(surfaces: Any) -> dict[str, Any]:
 
 
 def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-    """Compute unscaled heights (k, points) of one body at fractal dimensions (k,).
+    """Fill `heights` (k, points) with the unscaled profiles of one body at k fractal dimensions.
 
     Returns the mean, lowest and highest point of each profile, (k, 3).
     """
@@ -61,7 +62,7 @@ def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition:
 
 
 def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
-    """Return one generated profile for a fractal dimension, before it is scaled to an amplitude."""
+    """Return a generated profile with a fractal dimension, before it is scaled to an amplitude."""
     surfaces: Any = study.surfaces
     heights = np.empty((1, surfaces.points))
     fill_profiles(study, heights, np.array([dimension]), repetition, side)
@@ -71,7 +72,7 @@ def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float
 def generate_pairs(
     study: Study, repetition: int, dimensions: Floats, amplitude: float
 ) -> Iterator[tuple[Profile, Profile]]:
-    """Yield a pair of profiles for each fractal dimension. Many dimensions take little longer than one."""
+    """Yield a pair of profiles for each fractal dimension. Many dimensions take hardly longer than a single one."""
     surfaces: Any = study.surfaces
     batch_size = max(1, MAX_BATCH_BYTES // (8 * surfaces.points))
     for first in range(0, dimensions.size, batch_size):
@@ -88,7 +89,7 @@ def generate_pairs(
 
 
 def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
-    """Return one generated surface for a fractal dimension, before it is scaled to an amplitude."""
+    """Return a generated surface with a fractal dimension, before it is scaled to an amplitude."""
     surfaces: Any = study.surfaces
     if isinstance(surfaces, SelfAffineSurfaces):
         longest, shortest = surfaces.longest_wavelength, surfaces.shortest_wavelength
@@ -105,7 +106,7 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
 
 
 def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
-    """Scale a surface to an amplitude of its study."""
+    """Scale a surface to an amplitude, in the measure of its study."""
     surfaces: Any = study.surfaces
     return surface.with_amplitude(amplitude, surfaces.amplitude_measure)
 
@@ -161,13 +162,19 @@ def pair_of(
 
 
 def _describe_grid(body: Any) -> tuple[Any, ...]:
-    """Return type, shape and spacing of a scan for comparison. Spacings are rounded, as positions have round-off."""
+    """Return type, shape and spacing of a scan, for comparison with other scans.
+
+    The spacing is rounded, because the positions in a file have round-off.
+    """
     steps = [f"{step:.5g}" for step in np.atleast_1d(getattr(body, "spacing", 0.0))]
     return type(body), np.shape(getattr(body, "heights", body)), *steps
 
 
 class LoadedBodies:
-    """Measured bodies of a study, read once, and their members. Raises a `ValueError` if a file has changed."""
+    """Measured bodies of a study, which are read once, and their members.
+
+    The constructor raises a `ValueError` if a file has changed.
+    """
 
     def __init__(self, surfaces: MeasuredSurfaces, seed: int) -> None:
         self._surfaces, self._seed = surfaces, seed
@@ -185,7 +192,7 @@ class LoadedBodies:
     def _prepared(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
         """Return the members of two scans at a cutoff (µm, 0 for none).
 
-        Raises a `ValueError` if the scans do not give any member.
+        Raises a `ValueError` if the scans have no members.
         """
         surfaces, places = self._surfaces, (upper, lower)
         scans = self._parts[0][upper], self._parts[1][lower]
@@ -196,7 +203,7 @@ class LoadedBodies:
     def member(self, index: int, wavelength: float) -> Member:
         """Return a member at a cutoff (µm, 0 for unfiltered scans)."""
         surfaces = self._surfaces
-        # Each pair of scans has its own positions. Surrogates have different random numbers for all pairs of scans.
+        # Each pair of scans has its own positions, but surrogates of all pairs of scans need different random numbers.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         number = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scans_of(index)).member(number)
@@ -220,7 +227,7 @@ class LoadedBodies:
         return BodyAttributes(nominal_area=float(facts.area) * self._measured(), attributes=attributes)
 
     def _measured(self) -> float:
-        """Return the fraction of the area that was measured in both bodies, averaged over the first members."""
+        """Return the fraction of the area with data in both bodies, as a mean over the first members."""
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
         fractions = []
@@ -232,7 +239,7 @@ class LoadedBodies:
 
 
 def count_points(study: Study) -> int:
-    """Return the number of grid points of a member. If files are missing, return the number for a typical scan."""
+    """Return the number of grid points of a member; that of a typical scan if files are missing."""
     surfaces: Any = study.surfaces
     if not study.is_measured:
         return math.prod(surfaces.shape) if study.is_areal else int(surfaces.points)
@@ -248,7 +255,7 @@ def first_pair(study: Study) -> Any:
 
 
 def load_bodies(study: Study) -> LoadedBodies:
-    """Load the measured bodies of a study. A process reads them once, and again if a file has changed."""
+    """Load the measured bodies of a study. They are cached, and read again only if a file has changed."""
     surfaces = study.surfaces
     assert isinstance(surfaces, MeasuredSurfaces)
     stamps = tuple(scan.stamp() for side in SIDES for scan in getattr(surfaces, side).scans)

@@ -1,4 +1,4 @@
-"""Uncertainty of the moduli of a pair: of E* itself, or of Young's moduli and Poisson's ratios of both bodies."""
+"""Uncertainty of E* of a pair, given directly or by Young's moduli and Poisson's ratios of both bodies."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class Moduli:
     middle : float, GPa
         E* at the central values of its inputs.
     effective_modulus : UncertainInput or None
-        E*, GPa, if it is given itself.
+        E* (GPa), if it is given directly.
     bodies : tuple of mapping of str to UncertainInput
-        Otherwise "young" (GPa) and "poisson" of the upper and the lower body, if they are given.
+        Otherwise "young" (GPa) and "poisson" of the upper and the lower body, if given.
     is_one_material : bool
-        Whether both bodies are the same material, whose moduli are sampled once.
+        True if both bodies are the same material, so that one sample of the moduli applies to both.
     """
 
     middle: float
@@ -46,7 +46,7 @@ class Moduli:
 
     @property
     def inputs(self) -> dict[str, UncertainInput]:
-        """Uncertain inputs, by names such as "young_upper"."""
+        """Inputs that are uncertain, by names such as "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
             f"{name}_{side}": body[name]
@@ -58,7 +58,7 @@ class Moduli:
         return {name: value for name, value in inputs.items() if not value.is_exact}
 
     def relative(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Return the ratio of E* to its central value for samples of `inputs`."""
+        """Return the ratio of E* to its central value, for samples of `inputs`."""
         if "effective_modulus" in samples:
             return samples["effective_modulus"] / self.middle
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
@@ -96,8 +96,8 @@ def parse_elasticity(
 ) -> tuple[Elasticity, Moduli]:  # fmt: skip
     """Return the elasticity of a pair at the central values of the arguments, and the uncertainty of its moduli.
 
-    Arguments are those of `find_elasticity`; numbers may be ranges or have an uncertainty. Raises a `ValueError` if
-    arguments are missing, contradictory or invalid.
+    The arguments are the same as for `find_elasticity`, but may be ranges or have an uncertainty. Raises a
+    `ValueError` if arguments are missing, contradictory or invalid.
     """
     arguments = {"effective_modulus": effective_modulus, "young": young, "poisson": poisson}
     inputs = {name: _parse_inputs(name, value) for name, value in arguments.items() if value is not None}

@@ -651,7 +651,7 @@ class Pair:
         lighter = NUM_ADHESION_LOADS if self._adhesion.get("work_of_adhesion") else 1
         around = choose_load_steps(
             loaded, press=self.press, mechanics="half-space" if "half-space" in self.contact_models else "asperities",
-            most=max_load, lighter=0 if loaded == unloaded else lighter,
+            max_load=max_load, num_smaller=0 if loaded == unloaded else lighter,
         )  # fmt: skip
         return np.union1d(around, np.array(unloaded, np.float64))
 
