@@ -73,7 +73,7 @@ def test_workers_write_to_shared_directory_or_return_blocks(tmp_path, undisturbe
     ):
         del written[:], completed[:]
         events = []
-        compute_missing(TINY, tmp_path / where, executor=executor, say=events.append)
+        compute_missing(TINY, tmp_path / where, executor=executor, announce=events.append)
         assert len(events) == 1
         assert events[0].startswith("computing 22 repetitions: ")
         assert "in 6 files" in events[0]

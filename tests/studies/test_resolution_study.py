@@ -98,9 +98,9 @@ def test_wavelengths_begin_at_the_cutoff(study):
 
 def test_plastic_wavelength_follows_pressure(study):
     result = find_resolved_roughness(study)
-    reached = [result.yields_at(ratio, 100.0)[0] for ratio in (0.5, 0.8, 0.95)]
+    reached = [result.find_plastic_wavelength(ratio, 100.0)[0] for ratio in (0.5, 0.8, 0.95)]
     assert np.all(np.diff(reached) < 0)
-    value, lower, upper = result.yields_at(0.8, 100.0)
+    value, lower, upper = result.find_plastic_wavelength(0.8, 100.0)
     assert lower < value < upper
 
 

@@ -213,7 +213,7 @@ def test_progress_is_printed_in_a_notebook(capfd, monkeypatch):
 def test_estimate_is_announced_once(tmp_path):
     events = []
     for _ in range(2):
-        runner.compute_missing(SMALL, tmp_path, say=events.append)
+        runner.compute_missing(SMALL, tmp_path, announce=events.append)
     (line,) = events
     assert line.startswith("computing 5 repetitions: about ")
     assert line.endswith(" of one core, 23 kB in 5 files")

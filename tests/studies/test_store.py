@@ -649,7 +649,7 @@ runner.member_sums = held
 runner.block_size = lambda study: 8
 tell("begun")
 try:
-    runner.compute_missing(study, "r", say=lambda text: tell("ready"))
+    runner.compute_missing(study, "r", announce=lambda text: tell("ready"))
 except KeyboardInterrupt:
     sys.exit(130)
 """

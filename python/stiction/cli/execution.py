@@ -91,8 +91,8 @@ def compute_in_folder(
     check_output_directory(directory)
     try:
         return complete_result(
-            study, directory, executor, progress=True, said=print_written, say=print_message, announce=show_status,
-            **options,
+            study, directory, executor, progress=True, print_finished=print_written, print_remark=print_message,
+            announce=show_status, **options,
         )  # fmt: skip
     except OtherStudyError as error:
         raise error.with_advice(_conflict_advice(error, study, replaceable="replace" in options)) from None

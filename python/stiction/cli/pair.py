@@ -162,7 +162,7 @@ def pair(
                 part=part_number,
                 replace=replace,
                 onset=bodies.options.onset,
-                answered=print_finished,
+                show_result=print_finished,
             )
             for print_remainder in remainder_printers[len(results) :]:
                 print_remainder()

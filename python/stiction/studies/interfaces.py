@@ -1,7 +1,7 @@
 """Friction tests, and strengths of interfaces from tests, files and published sources.
 
-A file is a table of samples of mu0, tau0, hardness, junction growth and A/F of the tests, below a header of lines that
-begin with "# ".
+An interface file has header lines that begin with "# ", and below them a table with one sample per row. The columns are
+mu0, tau0, hardness, junction growth, and the true area per load of the tests (A/F).
 """
 
 from __future__ import annotations
@@ -46,45 +46,49 @@ if TYPE_CHECKING:
 
 FILE_HEADER = "# stiction interface"  # first line of an interface file
 FILE_COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)", "junction growth", "area per load of the tests (1/GPa)")
-MAX_INTERFACE_BYTES = 50_000_000  # largest size (bytes) of an interface file
+MAX_INTERFACE_BYTES = 50_000_000  # largest size of an interface file that is read
 _NUMBER_ENTRIES = ("area_per_load", "variation")
 
 EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY = 0.01, 0.05
-"""Probabilities of the residuals below which a rule is excluded, and below which errors are scaled."""
+"""Probabilities of the residuals below which a sliding rule is excluded, and below which the errors are scaled."""
 
-BOUND_TOLERANCE = 0.01  # distance of a lower end from its bound, over the width, below which it is the bound
-INTERVAL_COVERAGE = 0.95  # probability of intervals
+BOUND_TOLERANCE = 0.01  # fraction of the width of an interval; a lower end closer to its bound is set to the bound
+INTERVAL_COVERAGE = 0.95  # probability that an interval contains the value
 SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 
 HARDNESS_ENTRY = "hardness of the draws"
-"""Entry of `Interface.about` with the range of hardness that all tests share."""
+"""Name of the entry of `Interface.about` that contains the range of hardness of all tests."""
 
 GROWTH_ENTRY = "junction growth of the draws"
-"""Entry of `Interface.about` with α of the tests; missing if no test depends on α, or tests differ in it."""
+"""Name of the entry of `Interface.about` that contains α of the tests.
 
-MIN_RELATIVE_PRESSURE = 1.001  # smallest pressure of sliding contacts over the nominal pressure
-VON_MISES_GROWTH = 27.0  # α at which a body shears at its hardness over 27^(1/2) (von Mises)
+The entry is missing if no test depends on α, or if α differs between tests."""
+
+MIN_RELATIVE_PRESSURE = 1.001  # smallest ratio of the pressure of sliding contacts to the nominal pressure
+VON_MISES_GROWTH = 27.0  # α at which the shear strength of a body is its hardness divided by √27 (von Mises)
 MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
-"""True area over that of plastic contact, and relative increase, above which a coefficient depends on α."""
+"""Smallest ratio of the true area to the area of plastic contact, and smallest relative increase of a coefficient, for
+which the coefficient depends on α."""
 
 _AREA_ERROR_NAME = "area over hardness"
 
-Interval = tuple[float, float, float]  # a value with the ends of its 95 % interval
+Interval = tuple[float, float, float]  # a value, and the lower and upper end of its 95 % interval
 
 
 @dataclass(frozen=True)
 class Ball:
-    """A smooth ball on a smooth flat below yield, with the contact area of Hertz.
+    """A smooth ball on a smooth flat, elastic, with the contact area of Hertz.
 
     Attributes
     ----------
     radius : float or str, µm
     effective_modulus : float or str, GPa
-        "3 GPa", or a range, "2..4.5 GPa", which becomes its middle. None if the moduli of the bodies are given.
+        E*, as in "3 GPa", or a range, as in "2..4.5 GPa", of which the attribute is the middle. None if the moduli of
+        the bodies are given.
     young, poisson : optional
-        Young's moduli and Poisson's ratios of both bodies, also ranges.
+        Young's moduli and Poisson's ratios of both bodies; ranges are accepted.
     upper_material, lower_material : str, optional
-        Names of the materials of the bodies; their moduli are the ranges of `material`.
+        Names of the materials of the bodies, which have the ranges of moduli that `material` returns.
 
     Examples
     --------
@@ -99,7 +103,7 @@ class Ball:
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # at the middle of the moduli
+    elasticity: Elasticity = field(init=False, repr=False, compare=False)  # for the central values of the moduli
     moduli: Moduli = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
 
     def __post_init__(self) -> None:
@@ -114,7 +118,7 @@ class Ball:
         object.__setattr__(self, "moduli", moduli)
 
     def area_per_load(self, load: float) -> float:
-        """Return A/F (1/GPa) at a load (mN), at the middle of the moduli."""
+        """Return the true area per load A/F (1/GPa) at a load (mN), for the central values of the moduli."""
         radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
         force, area = hertz_sphere(overlap, radius, modulus)
@@ -123,9 +127,9 @@ class Ball:
 
 @dataclass(frozen=True, kw_only=True)
 class _TestFriction(PerLoad):
-    """Forces and true area of the surfaces of a test at its load."""
+    """Forces per load and true area per load of the surfaces of a test, at the load of the test."""
 
-    scatter: float = 0.0  # relative standard error of `stick`
+    scatter: float = 0.0  # relative standard error of `stick`, the adhesive sum
     surfaces: Hashable = None  # name of the surfaces; tests with the same name share the error of the area
     hardness: float = math.nan
     yields: _AreaFactor | None = None
@@ -133,14 +137,14 @@ class _TestFriction(PerLoad):
 
 @dataclass(frozen=True)
 class ShearStrength:
-    """Strength of an interface with junction growth: mu0 and tau0 (GPa), or only a friction coefficient."""
+    """Strength of an interface with junction growth: samples of mu0 and tau0 (GPa), or of a friction coefficient."""
 
     sliding: Sliding
     mu0: Floats
-    tau0: Floats | None = None  # None: `mu0` is T/F of sliding contacts, for any tau0
+    tau0: Floats | None = None  # None if `mu0` is the ratio T/F of sliding contacts, whatever mu0 and tau0
 
     def under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
-        """Return the pressure H' (GPa) of sliding plastic contacts of hardness H (GPa)."""
+        """Return the pressure H' (GPa) of sliding plastic contacts, from their hardness H (GPa)."""
         if self.tau0 is None:  # p² + α s² = H² with s = (T/F) p
             return np.asarray(hardness / np.sqrt(1 + alpha * self.mu0**2))
         return hardness_under_shear(hardness, self.mu0, self.tau0, alpha)
@@ -148,21 +152,21 @@ class ShearStrength:
 
 @dataclass(frozen=True)
 class _AreaFactor:
-    """True area over the computed one as a function of uncertain inputs."""
+    """Ratio of the true area to the computed area, as a function of uncertain inputs."""
 
-    known: Mapping[str, UncertainInput]  # hardness, creep, moduli and α of junction growth that are ranges
+    known: Mapping[str, UncertainInput]  # uncertain inputs: hardness, creep exponent, moduli and α of junction growth
 
     def key(self, name: str) -> str:
-        """Return the name of a nuisance; equal inputs of two results share it."""
+        """Return the name of the nuisance parameter of an input; equal inputs of two results have the same name."""
         return f"{name} {self.known[name].text}"
 
     @property
     def names(self) -> list[str]:
-        """Names of all nuisances."""
+        """Names of all nuisance parameters."""
         return [self.key(name) for name in self.known]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return values of the inputs from probabilities by the names of the nuisances."""
+        """Return values of the inputs, from probabilities by the names of the nuisance parameters."""
         return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
 
     @property
@@ -171,61 +175,61 @@ class _AreaFactor:
         return None
 
     def area(self, columns: Mapping[Any, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the true area over the computed one from probabilities by the names of the nuisances."""
+        """Return the ratio of the true area to the computed area, from probabilities of the nuisance parameters."""
         return self.area_of(self.values(columns), strength)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the true area over the computed one from values of the inputs.
+        """Return the ratio of the true area to the computed area, from values of the inputs.
 
-        With a strength it is the area at the onset of sliding, with junction growth; infinite at seizure.
+        With a strength, the true area at the onset of sliding is used, with junction growth; infinite at seizure.
         """
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class _BallAreaFactor(_AreaFactor):
-    """Area of Hertz, which is proportional to E*^(-2/3)."""
+    """Area factor of a Hertzian contact, whose area is proportional to E*^(-2/3)."""
 
     moduli: Moduli
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the true area over that at the middle of the modulus; contacts below yield do not grow."""
+        """Return the ratio of the area to the area at the central moduli; elastic contacts do not grow."""
         return np.asarray(self.moduli.relative(samples)) ** (-2 / 3)
 
 
 @dataclass(frozen=True)
 class _ResultAreaFactor(_AreaFactor):
-    """True area of a result of measured bodies at a load."""
+    """Area factor of a result of measured bodies at a load."""
 
     areas: AreaInterpolator
     study: Study
     wait: float
-    error: str | None  # name of the nuisance for the error of the area over hardness
+    error: str | None  # name of the nuisance parameter for the error of the interpolated area
 
     @classmethod
     def of(cls, result: Any, load: float, wait: float) -> _ResultAreaFactor | None:
-        """Return the area of a result of measured half-spaces; None for others, and if no input is uncertain."""
+        """Return the area factor of a result of measured half-spaces; None if no input is uncertain."""
         source = getattr(result, "source", result)
         study = study_of(getattr(result, "dataset", result))
         known = {name: each.estimate for name, each in find_inputs(study).items() if name not in ("mu0", "tau0")}
-        fall = find_creep(study)
-        if wait != 1 and fall is None:
+        creep = find_creep(study)
+        if wait != 1 and creep is None:
             raise ValueError("wait requires a pair that was pressed with wait and creep")
-        if not known and fall is None and find_junction_growth(study) is None:
+        if not known and creep is None and find_junction_growth(study) is None:
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
-        at = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
-        areas, dataset = areas_of(at, source), getattr(result, "dataset", result)
+        means = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
+        areas, dataset = areas_of(means, source), getattr(result, "dataset", result)
         error = f"{_AREA_ERROR_NAME} after {wait:g} s, {dataset.attrs['study']}" if areas.errors.any() else None
-        return cls(known | ({} if fall is None else {"creep": fall}), areas, study, wait, error)
+        return cls(known | ({} if creep is None else {"creep": creep}), areas, study, wait, error)
 
     @property
     def names(self) -> list[str]:
-        """Names of all nuisances; tests after the same dwell time share the error of the area over hardness."""
+        """Names of all nuisance parameters. Tests with the same dwell time share the error of the interpolated area."""
         return [*super().names, *([] if self.error is None else [self.error])]
 
     def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return values of the inputs, and the normal score of the error of the area over hardness."""
+        """Return values of the inputs, and the normal score of the error of the interpolated area."""
         from scipy.special import ndtri
 
         scores = {} if self.error is None else {_AREA_ERROR_NAME: ndtri(columns[self.error])}
@@ -237,9 +241,9 @@ class _ResultAreaFactor(_AreaFactor):
         return find_junction_growth(self.study)
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
-        """Return the true area over the computed one from values of the inputs.
+        """Return the ratio of the true area to the computed area, from values of the inputs.
 
-        With a strength it is the area at the onset of sliding, with junction growth; infinite at seizure.
+        With a strength, the true area at the onset of sliding is used, with junction growth; infinite at seizure.
         """
         hardness = samples.get("hardness", np.asarray(self.areas.hardness or math.nan))
         hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
@@ -247,7 +251,7 @@ class _ResultAreaFactor(_AreaFactor):
         factor = self.areas.area_ratio(0, None if self.areas.hardness is None else hardness, modulus)
         if self.growth is not None and strength is not None:
             pressure = strength.under_shear(hardness, samples.get("junction_growth", self.growth.value))
-            if strength.tau0 is None:  # finite at any load on the nominal area
+            if strength.tau0 is None:  # keep the area finite at any load on the nominal area
                 pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * self.areas.pressures[0])
             factor = factor * self.areas.growth_ratio(0, strength.sliding, hardness, pressure, modulus)
             hardness = np.where(np.isfinite(factor), pressure, hardness)
@@ -257,7 +261,7 @@ class _ResultAreaFactor(_AreaFactor):
 
 
 MIN_COEFFICIENT_UNCERTAINTY = 1e-15
-"""Smallest standard uncertainty of a measured coefficient; weights of smaller ones overflow."""
+"""Smallest standard uncertainty of a measured coefficient; the weights of smaller ones would overflow."""
 
 
 @dataclass(frozen=True)
@@ -267,21 +271,22 @@ class FrictionTest:
     Attributes
     ----------
     result : Result, HalfSpaceCurve, LoadCurve or Ball
-        Contact of the surfaces under load; several tests on the same surfaces share it.
+        Contact of the surfaces under load; tests on the same surfaces have the same result.
     load : float or str, mN
-        "10 mN", or "10 MPa" per nominal area if the result has one.
+        Normal load, as in "10 mN", or pressure, as in "10 MPa", if the result has a nominal area.
     coefficient : float, optional
     force : float or str, mN, optional
-        Tangential force at the onset of sliding, instead of the coefficient: the first peak.
+        Tangential force at the onset of sliding (the first peak), instead of the coefficient.
     uncertainty : float or str, optional
-        Standard uncertainty of the coefficient, or of the force (mN) if the force is given. "20 mN" is that of the
-        force, and "3 %" is relative. None: it is estimated from the scatter of all tests.
+        Standard uncertainty of the coefficient, or of the force (mN) if the force is given. A text is the
+        uncertainty of the force, as in "20 mN", or relative, as in "3 %". By default it is estimated from the scatter
+        of the tests.
     slid : bool
-        Whether the pair slid; if not, the coefficient is a lower bound.
+        True if the pair slid; otherwise the coefficient is a lower bound.
     run : str or int, optional
-        Specimen or series; tests of one run share an unknown offset.
+        Name of the specimen or series; tests of one run share an unknown offset.
     wait : float or str, s
-        Dwell time under load before shear; the result must have dwell times and a creep exponent.
+        Dwell time under load before shear; other values than 1 s require a result with dwell times and creep exponent.
 
     Examples
     --------
@@ -326,21 +331,21 @@ class FrictionTest:
             object.__setattr__(self, "uncertainty", found)
 
     def _uncertainty_of_coefficient(self, load: float) -> float:
-        """Return the standard uncertainty of the coefficient from that of the force or a percentage, at a load (mN)."""
+        """Return the standard uncertainty of the coefficient at a load (mN), from any form of `uncertainty`."""
         given, is_force = self.uncertainty, self.force is not None
         if isinstance(given, str) and given.strip().endswith("%"):
             try:
-                part = float(given.strip().removesuffix("%"))
+                percentage = float(given.strip().removesuffix("%"))
             except ValueError:
                 raise ValueError(f"uncertainty must be a number of percent, got {given!r}") from None
-            return number("uncertainty", 0.01 * part * float(self.coefficient or 0.0), above=0)
+            return number("uncertainty", 0.01 * percentage * float(self.coefficient or 0.0), above=0)
         if isinstance(given, str):
             given, is_force = to_core_units("uncertainty", given, "force"), True
         return number("uncertainty", given, above=0) / (load if is_force else 1.0)
 
     @cached_property
     def yields(self) -> _AreaFactor | None:
-        """True area over uncertain inputs, for a ball or a result of `pair`; None without uncertain inputs."""
+        """True area as a function of uncertain inputs, for a ball or a result; None if all inputs are exact."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
         return _ResultAreaFactor.of(self.result, float(self.load), float(self.wait))
@@ -348,20 +353,22 @@ class FrictionTest:
 
 @dataclass(frozen=True)
 class Fit:
-    """Joint distribution of mu0 and tau0 by one sliding rule, and the quality of the fit."""
+    """Joint distribution of mu0 and tau0 for one sliding rule, and the quality of the fit."""
 
     sliding: Sliding
-    chi_squared: float  # at the best fit, with the given errors
+    chi_squared: float  # value at the best fit, with the errors as given
     freedom: int  # number of tests that slid minus fitted parameters
     probability: float  # probability of a larger chi_squared; NaN without errors or freedom
     scale: float  # factor by which the errors were multiplied
-    trend: float  # probability of the observed trend of the residuals with the load by chance
+    trend: float  # probability that the trend of the residuals with the load is random
     mu0: Floats  # samples
     tau0: Floats  # GPa, same samples
-    hardness: Floats  # GPa, same samples; NaN without a hardness that all tests share
-    junction_growth: Floats  # α, same samples; NaN if no test depends on α, or tests differ in it
-    area_per_load: Floats  # A/F of the tests at the onset of sliding, 1/GPa, same samples; NaN if unknown
-    scores: Mapping[Hashable, Floats] = field(default_factory=dict)  # normal scores of nuisances, same samples
+    hardness: Floats  # GPa, same samples; NaN if the tests do not share one hardness
+    junction_growth: Floats  # α, same samples; NaN if no test depends on α, or if α differs between tests
+    area_per_load: Floats  # A/F (1/GPa) of the tests at the onset of sliding, same samples; NaN if unknown
+    scores: Mapping[Hashable, Floats] = field(
+        default_factory=dict
+    )  # normal scores of the nuisance parameters, same samples
 
 
 @dataclass(frozen=True)
@@ -371,18 +378,19 @@ class Interface:
     Attributes
     ----------
     fits : tuple of Fit
-        Fits by each requested sliding rule, in order of preference.
+        Fits for the requested sliding rules, in order of preference.
     area_per_load : float, 1/GPa
-        A/F of the tests, at which mu0 + tau0 A/F is identified.
+        True area per load (A/F) of the tests, at which mu0 + tau0 A/F is identified.
     variation : float
-        Standard deviation over mean of A/F among the tests.
+        Standard deviation of A/F among the tests, divided by the mean.
     separated : bool
-        Whether the tests separate mu0 and tau0, instead of determining only mu0 + tau0 A/F.
+        True if the tests determine mu0 and tau0 separately, and not only mu0 + tau0 A/F.
     advice : tuple of (str, float, float)
-        Further tests that would separate mu0 and tau0, with the expected standard errors of mu0 and tau0 (GPa) after as
-        many tests again.
+        Further tests that would separate mu0 and tau0, each with the standard errors of mu0 and tau0 (GPa) expected
+        after doubling the number of tests.
     tests : tuple of (float, float, float, bool)
-        A/F (1/GPa), coefficient, its standard uncertainty (NaN if not given) and whether the pair slid, of each test.
+        For each test: A/F (1/GPa), coefficient, standard uncertainty of the coefficient (NaN if not given), and True if
+        the pair slid.
     about : mapping of str to str
         Kind ("measured", "lumped" or "bound"), materials, conditions and source.
 
@@ -403,20 +411,20 @@ class Interface:
     about: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        """Return the identified sum, and mu0 and tau0 if they are separated."""
-        known = [("mu0 + tau0 A/F", self.identified, "")]
+        """Return a text with the identified sum mu0 + tau0 A/F, and with mu0 and tau0 if they are separated."""
+        entries = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
-            known += [("mu0", self.mu0, ""), ("tau0", self.tau0, " GPa")]
+            entries += [("mu0", self.mu0, ""), ("tau0", self.tau0, " GPa")]
         rows = [
             f"  {name:<14}  {value:.4g} [{low:.4g}, {high:.4g}]{unit}"
-            for name, (value, low, high), unit in known
+            for name, (value, low, high), unit in entries
             if math.isfinite(value)
         ]
         return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
 
     @property
     def identified(self) -> Interval:
-        """mu0 + tau0 A/F at the A/F of the tests, that of each sample if known, and its 95 % interval."""
+        """Sum mu0 + tau0 A/F at the A/F of the tests (of each sample, if known), with its 95 % interval."""
         ratio = self.fits[0].area_per_load
         if not np.isfinite(ratio).all():
             return self.at(self.area_per_load)
@@ -439,9 +447,9 @@ class Interface:
 
     @cached_property
     def at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples of mu0 and tau0 (GPa) moved to mu0 = 0 or tau0 = 0, if the interval of mu0 or tau0 begins there.
+        """Samples of mu0 and tau0 (GPa) shifted to mu0 = 0 or to tau0 = 0, if the interval of mu0 or tau0 includes 0.
 
-        The sum mu0 + tau0 A/F at the A/F of the tests is unchanged.
+        The shift does not change the sum mu0 + tau0 A/F at the A/F of the tests.
         """
         fit = self.fits[0]
         ratio = fit.area_per_load
@@ -455,9 +463,9 @@ class Interface:
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> Interval:
-        """Return the median and the 95 % interval of a coefficient, a function of samples of mu0 and tau0 (GPa).
+        """Return the median and the 95 % interval of a coefficient, which is a function of mu0 and tau0 (GPa).
 
-        The interval contains those at mu0 = 0 and at tau0 = 0 unless the tests exclude these values.
+        The interval covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
         fit = self.fits[0]
         value, low, high = credible_interval(coefficient(fit.mu0, fit.tau0), 0.0)
@@ -467,18 +475,21 @@ class Interface:
         return value, low, high
 
     def at(self, area_per_load: float) -> Interval:
-        """Return mu0 + tau0 A/F at an A/F (1/GPa), and its 95 % interval."""
+        """Return the sum mu0 + tau0 A/F at a given A/F (1/GPa), with its 95 % interval."""
         return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
 
     @property
     def excluded(self) -> tuple[Sliding, ...]:
-        """Sliding rules that the tests exclude while another rule fits."""
+        """Sliding rules that the tests exclude, provided that another rule fits."""
         likely = [fit.sliding for fit in self.fits if fit.probability > UNLIKELY_PROBABILITY]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUDED_PROBABILITY and likely)
 
     @cached_property
     def draws(self) -> pandas.DataFrame:
-        """Joint samples, one per row: mu0, tau0 (GPa) and hardness (GPa; NaN unless all tests share its range)."""
+        """Joint samples of mu0, tau0 (GPa) and hardness (GPa), one sample per row.
+
+        The hardness is NaN unless all tests share its range.
+        """
         import pandas
 
         fit = self.fits[0]
@@ -495,8 +506,8 @@ class Interface:
         Returns
         -------
         (float, float, float)
-            Value, lower and upper end. They include the uncertainty of mu0 and tau0 jointly, and that of the area over
-            positions. An end is infinite at seizure.
+            Value, lower and upper end of the interval. The interval includes the joint uncertainty of mu0 and tau0,
+            and the scatter of the area between positions. An end is infinite at seizure.
 
         Warns
         -----
@@ -508,63 +519,67 @@ class Interface:
         from scipy.special import ndtr
 
         fit, random = self.fits[0], np.random.default_rng(1)
-        found = evaluate_friction(FrictionTest(result, load, coefficient=0.0), fit.sliding)
+        friction = evaluate_friction(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
-        def scores(name: Hashable) -> Floats:  # tests and prediction share samples of common inputs
+        def scores(name: Hashable) -> Floats:  # the tests and the prediction use the same samples of common inputs
             return fit.scores[name] if name in fit.scores else random.standard_normal(len(fit.mu0))
 
-        area = np.exp(found.scatter * scores(found.surfaces))
-        if (own := found.yields) is not None:
-            samples = own.values({name: ndtr(scores(name)) for name in own.names})
-            if "hardness" in samples and own.known["hardness"].agrees_with(self.about.get(HARDNESS_ENTRY, "")):
+        area = np.exp(friction.scatter * scores(friction.surfaces))
+        if (area_factor := friction.yields) is not None:
+            samples = area_factor.values({name: ndtr(scores(name)) for name in area_factor.names})
+            if "hardness" in samples and area_factor.known["hardness"].agrees_with(self.about.get(HARDNESS_ENTRY, "")):
                 samples["hardness"] = fit.hardness
-            if "junction_growth" in samples and self.has_growth(own.known["junction_growth"]):
+            if "junction_growth" in samples and self.has_growth(area_factor.known["junction_growth"]):
                 samples["junction_growth"] = fit.junction_growth
-        growth = None if own is None else own.growth
-        depends = growth is not None or depends_on_growth(found, float(np.median(fit.mu0)), float(np.median(fit.tau0)))
-        if depends and self.growth is not None and not self.has_growth(growth):
-            calibrated, own_text = (each.short_text if each is not None else "0" for each in (self.growth, growth))
+        growth = None if area_factor is None else area_factor.growth
+        is_affected = growth is not None or depends_on_growth(
+            friction, float(np.median(fit.mu0)), float(np.median(fit.tau0))
+        )
+        if is_affected and self.growth is not None and not self.has_growth(growth):
+            test_alpha, result_alpha = (each.short_text if each is not None else "0" for each in (self.growth, growth))
             warnings.warn(
-                f"the interface was calibrated with α = {calibrated} of junction growth, and the result has "
-                f"α = {own_text}; press both with the same junction_growth",
+                f"the interface was calibrated with α = {test_alpha} of junction growth, and the result has "
+                f"α = {result_alpha}; press both with the same junction_growth",
                 stacklevel=2,
             )
 
         def coefficient(mu0: Floats, tau0: Floats) -> Floats:
             strength = ShearStrength(fit.sliding, mu0, tau0)
-            whole = area if own is None else area * own.area_of(samples, strength)
-            values = found.coefficient(mu0, tau0, np.where(tau0 > 0, whole, 1.0))
+            total_area = area if area_factor is None else area * area_factor.area_of(samples, strength)
+            values = friction.coefficient(mu0, tau0, np.where(tau0 > 0, total_area, 1.0))
             return np.where(np.isfinite(values), values, np.inf)
 
         return self.interval_of(coefficient)
 
     @property
     def growth(self) -> UncertainInput | None:
-        """α of junction growth of the tests, at its median; None if no test depends on α, or tests differ in it."""
+        """α of junction growth of the tests; None if no test depends on α, or if α differs between tests."""
         if GROWTH_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
         return replace(parse_study_input("junction_growth", self.about[GROWTH_ENTRY]), value=median)
 
     def has_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether α equals that of the tests; None counts as 0."""
-        own = self.growth
-        if own is None or growth is None:
-            return own is not None and own.high == 0
-        return own.distribution == growth.distribution and np.allclose([own.low, own.high], [growth.low, growth.high])
+        """Return whether α has the same distribution as α of the tests; None counts as 0."""
+        test_growth = self.growth
+        if test_growth is None or growth is None:
+            return test_growth is not None and test_growth.high == 0
+        return test_growth.distribution == growth.distribution and np.allclose(
+            [test_growth.low, test_growth.high], [growth.low, growth.high]
+        )
 
 
 def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
     """Return the median of samples and the ends of their 95 % interval.
 
-    The interval has equal tails. If the shortest interval with 95 % of the samples begins at the bound, it is returned
-    instead.
+    The interval has equal tails, unless the shortest interval with 95 % of the samples begins at the bound: then the
+    shortest interval is returned.
     """
     ordered = np.sort(values)
-    inside = math.ceil(INTERVAL_COVERAGE * len(ordered)) - 1
-    start = int((ordered[inside:] - ordered[: len(ordered) - inside]).argmin())
-    if ordered[start] - bound < BOUND_TOLERANCE * (ordered[start + inside] - ordered[start]):
-        low, high = bound, float(ordered[inside])
+    num_inside = math.ceil(INTERVAL_COVERAGE * len(ordered)) - 1
+    start = int((ordered[num_inside:] - ordered[: len(ordered) - num_inside]).argmin())
+    if ordered[start] - bound < BOUND_TOLERANCE * (ordered[start + num_inside] - ordered[start]):
+        low, high = bound, float(ordered[num_inside])
     else:
         low, high = (
             float(end) for end in np.quantile(ordered, [(1 - INTERVAL_COVERAGE) / 2, (1 + INTERVAL_COVERAGE) / 2])
@@ -573,16 +588,16 @@ def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
 
 
 def depends_on_growth(friction: _TestFriction, mu0: float, tau0: float) -> bool:
-    """Return whether junction growth with α = 27 (von Mises) would increase a coefficient noticeably."""
+    """Return whether junction growth with α = 27 (von Mises) would change a coefficient noticeably."""
     if not friction.stick * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
-    own, grown = tabor_friction(friction.hardness, mu0, tau0, [0.0, VON_MISES_GROWTH])
-    return not grown <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * own
+    coefficient, coefficient_with_growth = tabor_friction(friction.hardness, mu0, tau0, [0.0, VON_MISES_GROWTH])
+    return not coefficient_with_growth <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient
 
 
 def list_sliding_rules(result: Any) -> tuple[str, ...]:
-    """Return the sliding rules that a result has."""
-    if isinstance(result, Ball):  # friction acts at its one contact by both rules
+    """Return the sliding rules for which a result has friction."""
+    if isinstance(result, Ball):  # a ball has a single contact, with the same friction for both rules
         return SLIDING_RULES
     if isinstance(result, FrictionCurve):
         return (str(getattr(result, "sliding", "all")),)
@@ -590,7 +605,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
-    """Return forces and true area of the surfaces of a test at its load, by a sliding rule."""
+    """Return forces and true area of the surfaces of a test, at its load and for a sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("wait requires a result of pair, which has the creep exponent")
@@ -602,7 +617,7 @@ def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestFriction:
 
 
 def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
-    """Return forces and true area of a curve, by its own rule and in its first direction."""
+    """Return forces and true area of a curve, for the sliding rule and the first direction of the curve."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         raise ValueError(f"load must be within that of the curve, {loads.min():g} to {loads.max():g} mN, got {load:g}")
@@ -619,16 +634,16 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestFriction:
 
 
 def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestFriction:
-    """Return means of a result over members and directions, and the standard error of the adhesive sum."""
+    """Return forces and true area of a result as means over members and directions, with a standard error."""
     dataset = getattr(result, "dataset", result)
-    there = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
-    six = {str(name): each.mean("direction").values.reshape(-1) for name, each in there.data_vars.items()}
-    reached = np.isfinite(list(six.values())).all(axis=0)
-    if not reached.any():
+    sums = member_sums(dataset, np.array([load])).sel(sliding=sliding).isel(cut_off=0, load=0, missing_dims="ignore")
+    six_sums = {str(name): values.mean("direction").values.reshape(-1) for name, values in sums.data_vars.items()}
+    is_reached = np.isfinite(list(six_sums.values())).all(axis=0)
+    if not is_reached.any():
         raise ValueError(f"load must be a load that the result reaches, got {load:g} mN")
-    stick = six["tangential_adhesive"][reached]
+    stick = six_sums["tangential_adhesive"][is_reached]
     spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
-    means = {name: each[reached].mean() for name, each in six.items()}
+    means = {name: values[is_reached].mean() for name, values in six_sums.items()}
     surfaces = dataset.attrs["study"]
     return _TestFriction.of(
         means, scatter=spread, surfaces=surfaces, hardness=float(study_of(dataset).contact.hardness or math.nan)
@@ -780,21 +795,21 @@ def interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interfaces(folder: str | Path) -> dict[str, dict[str, str]]:
-    """Return entries as those of `interfaces` for the interface files in a folder; other files are ignored."""
-    found = {}
+    """Return the interface files in a folder as entries like those of `interfaces`; other files are ignored."""
+    entries = {}
     try:
         paths = sorted(path for path in Path(folder).iterdir() if path.is_file())
     except OSError as error:
         raise ValueError(f"{printable_path(folder)}: cannot be listed: {describe_os_error(error)}") from None
     for path in paths:
         with contextlib.suppress(ValueError):
-            own = read_interface(path)
-            (_, *mu0), (_, *tau0) = own.strength_intervals
-            found[path.name] = {"kind": "measured", **own.about} | {
+            interface_in_file = read_interface(path)
+            (_, *mu0), (_, *tau0) = interface_in_file.strength_intervals
+            entries[path.name] = {"kind": "measured", **interface_in_file.about} | {
                 "mu0": f"{mu0[0]:.3g}..{mu0[1]:.3g}", "tau0": f"{1e3 * tau0[0]:.3g}..{1e3 * tau0[1]:.3g} MPa",
-                "area_per_load": f"{own.area_per_load:.3g} /GPa",
+                "area_per_load": f"{interface_in_file.area_per_load:.3g} /GPa",
             }  # fmt: skip
-    return found
+    return entries
 
 
 def interface(name_or_path: str | Path) -> Interface:
@@ -845,16 +860,20 @@ def interface(name_or_path: str | Path) -> Interface:
 
 
 def find_interface(study: Study) -> Interface | None:
-    """Return the interface of a study; None if it has none, or its file is missing or has changed."""
+    """Return the interface of a study; None if the study has none, or if its file is missing or has changed."""
     text = study.known.interface
     if text is None:
         return None
     try:
-        found = _read_cached(text, 0 if text in interfaces() else Path(text).stat().st_mtime_ns)
+        study_interface = _read_cached(text, 0 if text in interfaces() else Path(text).stat().st_mtime_ns)
     except (ValueError, OSError):
         return None
-    mu0, tau0 = round_median_strength(found)
-    return found if study.friction.mu0 == (mu0,) and [float(each) for each in study.friction.tau0] == [tau0] else None
+    mu0, tau0 = round_median_strength(study_interface)
+    return (
+        study_interface
+        if study.friction.mu0 == (mu0,) and [float(each) for each in study.friction.tau0] == [tau0]
+        else None
+    )
 
 
 @lru_cache(maxsize=8)
@@ -862,7 +881,7 @@ def _read_cached(text: str, _changed: int) -> Interface:
     return interface(text)
 
 
-def round_median_strength(found: Interface) -> tuple[float, float]:
-    """Return the medians of mu0 and tau0 (GPa) in four digits."""
-    mu0, tau0 = (float(f"{np.median(each):.4g}") for each in (found.fits[0].mu0, found.fits[0].tau0))
+def round_median_strength(strength: Interface) -> tuple[float, float]:
+    """Return the medians of mu0 and tau0 (GPa), rounded to four digits."""
+    mu0, tau0 = (float(f"{np.median(samples):.4g}") for samples in (strength.fits[0].mu0, strength.fits[0].tau0))
     return mu0, tau0

@@ -1,4 +1,4 @@
-"""How a measured pair begins to slide: the mean over some of its members, kept as a small file beside the result."""
+"""Onset of sliding of a measured pair: the mean curve of some of its members, stored with the result."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ if TYPE_CHECKING:
     from stiction.mechanics.onset import Onset
     from stiction.studies.store import StoredResult
 
-ONSET_FILE = "onset.nc"  # name of the file in the folder of a result
-ONSET_TABLE_FILE = "onset.csv"  # the curve as a table: the backbone of a Masing model
-ONSET_TABLE_MARK = b"fraction of the sliding load,"  # beginning of its first line
+ONSET_FILE = "onset.nc"  # file in the folder of a result
+ONSET_TABLE_FILE = "onset.csv"  # the mean curve as a table, for use as the backbone of a Masing model
+ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes of the table, which identify it
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default number of members whose onset is computed; the second is for areas with the half-space, which take longer."""
 
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
-"""Fractions of the sliding load at which the curve is."""
+"""Fractions of the sliding load at which the curve is computed."""
 
-TRACTION_TOLERANCE = 1e-5  # of a member's tractions, which moves displacements by 1e-7 of themselves
-DEFAULT_POISSON_RATIO = 0.3  # of both bodies, where nothing is known of them
+TRACTION_TOLERANCE = 1e-5  # relative error of tractions, which changes displacements by a fraction of 1e-7
+DEFAULT_POISSON_RATIO = 0.3  # of both bodies, if the study has none
 _CURVE_NAMES = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
 _NUMBER_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
 _STATISTIC_NAMES = ["mean", "lower", "upper"]
@@ -49,10 +49,11 @@ _STATISTIC_NAMES = ["mean", "lower", "upper"]
 def compute_onset(
     study: Study, executor: Executor, *, members: int | None = None, load: float | None = None
 ) -> xarray.Dataset | None:
-    """How the first members of a measured pair begin to slide at a load (mN), by default the first of its study.
+    """Compute the onset of sliding of the first members of a measured pair at a load (mN).
 
-    Over fraction (of the sliding load) and statistic, with the map of what slips first of the first member and the
-    Iwan and LuGre models of the mean curve. None where nothing holds the bodies, and where no member has an answer.
+    By default the load is the first load of the study. The dataset has the dimensions `fraction` (of the sliding load)
+    and `statistic`. It also contains the map of slip of the first member, and the parameters of Iwan and LuGre models
+    of the mean curve. Returns None for generated bodies, without friction, and if no member has a solution.
     """
     if not study.is_measured:
         return None
@@ -63,39 +64,39 @@ def compute_onset(
     surfaces: Any = study.surfaces
     first = surfaces.first_scanned
     first = first if first < study.ensemble.repetitions else 0
-    few = surfaces.is_areal and study.uses_half_space
-    wanted = (NUM_AREAL_ONSET_MEMBERS if few else NUM_ONSET_MEMBERS) if members is None else members
-    indices = range(first, min(first + wanted, study.ensemble.repetitions))
-    of_member: Any = partial(
+    is_slow = surfaces.is_areal and study.uses_half_space
+    num_members = (NUM_AREAL_ONSET_MEMBERS if is_slow else NUM_ONSET_MEMBERS) if members is None else members
+    indices = range(first, min(first + num_members, study.ensemble.repetitions))
+    compute: Any = partial(
         compute_member_onset, study, load=load, mu0=mu0, tau0=tau0, cut_off=surfaces.quoted_cut_off()
     )
-    of_member = use_idle_threads(of_member, executor, len(indices), count_points(study))
-    found = [each for each in executor.map(of_member, indices) if each]
-    if not found:
+    compute = use_idle_threads(compute, executor, len(indices), count_points(study))
+    onsets = [curve for curve in executor.map(compute, indices) if curve]
+    if not onsets:
         return None
-    onset = _average_members(study, found, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
-    return onset.assign(found[0]["map"])
+    onset = _average_members(study, onsets, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
+    return onset.assign(onsets[0]["map"])
 
 
 def compute_member_onset(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
-    """The curve of one member as arrays by name, and what the member is; None where it has no answer."""
+    """Compute the onset curve of one member: arrays by name, with index and position; None without a solution."""
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
         pressed = OneLoad.of(study, member.pair, load)
         if pressed is None:
             return None
-        exactly: dict[str, Any] = {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed.curve, HalfSpaceCurve) else {}
-        onset = pressed.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **exactly)
-    except (RuntimeError, ValueError):  # no solution, or a law that has no onset
+        options: dict[str, Any] = {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed.curve, HalfSpaceCurve) else {}
+        onset = pressed.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
+    except (RuntimeError, ValueError):  # the solver failed, or the contact law has no onset
         return None
-    found: dict[str, Any] = {
+    curve: dict[str, Any] = {
         name: getattr(onset, name) for name in (*_CURVE_NAMES, *_NUMBER_NAMES[:-1]) if name != "energy_lost"
     }  # fmt: skip
-    found["unloading_stiffness"] = float(np.ravel(getattr(pressed.curve, "unloading_stiffness", np.nan))[0])
-    return found | {
+    curve["unloading_stiffness"] = float(np.ravel(getattr(pressed.curve, "unloading_stiffness", np.nan))[0])
+    return curve | {
         "energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x, "y": member.y,
         "repetition": index, "map": build_slip_map(pressed, onset),
     }  # fmt: skip
@@ -104,16 +105,18 @@ def compute_member_onset(
 # ---- Over members ----------------------------------------------------------------------------------------------------
 
 
-def _average_members(study: Study, found: Sequence[dict[str, Any]], about: dict[str, Any]) -> xarray.Dataset:
+def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes: dict[str, Any]) -> xarray.Dataset:
     import xarray
 
-    members = OverMembers.of(study, {name: [each[name] for each in found] for name in ("line", "x", "y", "repetition")})
+    members = OverMembers.of(
+        study, {name: [curve[name] for curve in curves] for name in ("line", "x", "y", "repetition")}
+    )
     variables: dict[str, Any] = {}
     for name in (*_CURVE_NAMES, *_NUMBER_NAMES):
         dims = ("fraction", "statistic") if name in _CURVE_NAMES else ("statistic",)
-        values = np.clip(members.mean(np.array([each[name] for each in found])), *QUANTITIES[name].bounds)
+        values = np.clip(members.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
         variables[name] = (dims, values, attributes_of(name))
-    variables["tangential_load"][2]["long_name"] = "tangential load"  # of the whole way to sliding
+    variables["tangential_load"][2]["long_name"] = "tangential load"  # of all points of the curve up to sliding
     coordinates: dict[str, Any] = {
         "fraction": (
             "fraction",
@@ -122,30 +125,30 @@ def _average_members(study: Study, found: Sequence[dict[str, Any]], about: dict[
         ),
         "statistic": _STATISTIC_NAMES,
     }
-    ratios = study.contact.poisson_ratio
-    about = about | {
-        "members": len(found), "mechanics": study.contact.mechanics,
-        "poisson_ratio": np.array(ratios or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)),
-        "poisson_given": int(ratios is not None),
+    poisson_ratios = study.contact.poisson_ratio
+    attributes = attributes | {
+        "members": len(curves), "mechanics": study.contact.mechanics,
+        "poisson_ratio": np.array(poisson_ratios or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)),
+        "poisson_given": int(poisson_ratios is not None),
     }  # fmt: skip
-    dataset = xarray.Dataset(variables, coordinates, {"title": "onset of sliding", **about})
+    dataset = xarray.Dataset(variables, coordinates, {"title": "onset of sliding", **attributes})
     return dataset.assign_attrs(_fit_models(dataset))
 
 
 def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
-    """Parameters of the four-parameter Iwan model and of LuGre's bristles of the mean curve, where it has them."""
+    """Fit the four-parameter Iwan model and the LuGre model to the mean curve, and return their parameters."""
     curve = onset.sel(statistic="mean")
-    way, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
+    displacement, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
     sliding = float(curve["sliding_load"])
     try:
-        iwan = fit_iwan(way, load, sliding_load=sliding, stiffness=float(curve["stiffness"]))
-        lugre = fit_lugre(way, load, sliding_load=sliding)
-    except ValueError:  # a free half-plane has no displacements
+        iwan = fit_iwan(displacement, load, sliding_load=sliding, stiffness=float(curve["stiffness"]))
+        lugre = fit_lugre(displacement, load, sliding_load=sliding)
+    except ValueError:  # displacements of a free half-plane are not defined
         return {}
     return {
         "iwan_sliding_load_mN": sliding,
         "iwan_stiffness_mN_per_um": iwan.stiffness,
-        "iwan_chi": round(iwan.chi, 12) + 0.0,  # 0 where it is at its bound
+        "iwan_chi": round(iwan.chi, 12) + 0.0,  # avoids -0 at the bound
         "iwan_beta": iwan.beta,
         "iwan_largest_residual": float(np.abs(iwan.residual).max() / sliding),
         "lugre_sigma0_mN_per_um": lugre.stiffness,
@@ -153,11 +156,14 @@ def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
     }
 
 
-# ---- Beside a result -------------------------------------------------------------------------------------------------
+# ---- Stored with a result -------------------------------------------------------------------------------------------
 
 
 def load_onset(result: StoredResult) -> xarray.Dataset | None:
-    """The onset beside a stored result, of its first load, mu0 and tau0; a `StoreError` if it is damaged."""
+    """Load the onset stored with a result; None if it is missing, or for another load, mu0 or tau0.
+
+    Raises a `StoreError` if the file is damaged.
+    """
     if not result.study.is_measured:
         return None
     friction = result.study.friction
@@ -170,25 +176,27 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
         or onset["fraction"].values.tolist() != list(ONSET_LOAD_FRACTIONS)
     ):
         return None
-    of = [float(onset.attrs[name]) for name in ("load_mN", "mu0", "tau0_GPa")]
-    return onset if of == [float(each[0]) for each in (friction.load, friction.mu0, friction.tau0)] else None
+    conditions = [float(onset.attrs[name]) for name in ("load_mN", "mu0", "tau0_GPa")]
+    return (
+        onset if conditions == [float(values[0]) for values in (friction.load, friction.mu0, friction.tau0)] else None
+    )
 
 
 def format_backbone(onset: xarray.Dataset) -> str:
-    """The mean curve from rest on as CSV, each column with its unit: the backbone of a Masing model."""
+    """Return the mean curve, starting at zero, as CSV with units: the backbone of a Masing model."""
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
     for name in _CURVE_NAMES:
         unit = QUANTITIES[name].unit
         title = name.replace("_", " ") + ("" if unit == "1" else f" ({unit})")
-        for statistic, more in (("mean", ""), ("lower", ": lower"), ("upper", ": upper")):
-            columns[title + more] = [0.0, *onset[name].sel(statistic=statistic).values]
+        for statistic, suffix in (("mean", ""), ("lower", ": lower"), ("upper", ": upper")):
+            columns[title + suffix] = [0.0, *onset[name].sel(statistic=statistic).values]
     text: str = pandas.DataFrame(columns).to_csv(index=False, float_format="%.9g")
     return text
 
 
-# ---- What slips first -----------------------------------------------------------------------------------------------
+# ---- Map of slip ----------------------------------------------------------------------------------------------------
 
 
 Variables = dict[str, tuple[Any, ...]]
@@ -196,42 +204,43 @@ _LENGTH_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed: OneLoad, onset: Onset) -> Variables:
-    """Which fraction of the sliding load makes each point of a map slip, or each contact, and the heights below.
+    """Return the fraction of the sliding load at which each point of a map slips, or each asperity contact.
 
-    Of large maps the first of some neighbours is kept. Nothing of profiles.
+    The variables include the heights of the lower body. Each block of neighbouring points of a large map is represented
+    by the point that slips first. Returns no variables for profiles.
     """
     lower = pressed.lower
     if not isinstance(lower, Surface):
         return {}
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
     step = -(-max(rows, columns) // MAX_PICTURE_SIZE)
-    found: Variables = {
+    variables: Variables = {
         "slip_y": ("slip_y", np.arange(0, rows, step) * dy, _LENGTH_ATTRIBUTES),
         "slip_x": ("slip_x", np.arange(0, columns, step) * dx, _LENGTH_ATTRIBUTES),
         "lower_height": (("slip_y", "slip_x"), lower.heights[::step, ::step].astype(np.float32), _LENGTH_ATTRIBUTES),
     }
     fraction = onset.slip_load() / onset.sliding_load
     if isinstance(pressed.curve, HalfSpaceCurve):
-        words = {"units": "1", "long_name": "tangential over sliding load at which a point slips"}
+        attributes = {"units": "1", "long_name": "tangential over sliding load at which a point slips"}
         first = _find_block_minima(fraction.reshape(rows, columns), step)
-        return found | {"slip": (("slip_y", "slip_x"), first.astype(np.float32), words)}
+        return variables | {"slip": (("slip_y", "slip_x"), first.astype(np.float32), attributes)}
     table = pressed.table()
-    of_contacts = {
+    contact_variables = {
         "slip": (fraction, "1", "tangential over sliding load at which a contact slides as a whole"),
         "x": (table.x, "um", "middle of a contact along x"),
         "y": (table.y, "um", "middle of a contact along y"),
         "area": (table.area, "um^2", "area of a contact"),
     }
-    return found | {
-        f"contact_{name}": ("contact", values, {"units": unit, "long_name": words})
-        for name, (values, unit, words) in of_contacts.items()
+    return variables | {
+        f"contact_{name}": ("contact", values, {"units": unit, "long_name": attributes})
+        for name, (values, unit, attributes) in contact_variables.items()
     }
 
 
 def _find_block_minima(values: Floats, step: int) -> Floats:
-    """The least number of each block of some rows and columns; NaN where there is none."""
+    """Return the smallest value in each block of `step` rows and columns; NaN if the block has no values."""
     rows, columns = (-(-size // step) * step for size in values.shape)
-    whole = np.full((rows, columns), np.inf)
-    whole[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)
-    least = whole.reshape(rows // step, step, columns // step, step).min(axis=(1, 3))
-    return np.where(np.isinf(least), np.nan, least)
+    padded = np.full((rows, columns), np.inf)
+    padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)
+    minima = padded.reshape(rows // step, step, columns // step, step).min(axis=(1, 3))
+    return np.where(np.isinf(minima), np.nan, minima)

@@ -1,4 +1,8 @@
-"""Complete a result folder: blocks of the study; for a measured pair also contacts, cutoffs and onset of sliding."""
+"""Complete a result folder: compute the missing blocks and, for a measured pair, the companion files.
+
+Companion files contain the contacts of a typical member, areas at other hardnesses, and the onset of sliding. The
+cutoff study has a separate folder.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +43,7 @@ from stiction.studies.study import Study, find_differences, find_member_differen
 
 LinePrinter = Callable[[str], Any]  # function that prints a line
 
-MIN_ANNOUNCED_TIME = 20.0  # seconds of computing above which an estimate is always printed
+MIN_ANNOUNCED_TIME = 20.0  # seconds of computing above which an estimate of the time is always printed
 
 _COMPANION_FILES = {
     PICTURE_FILE: CHECKSUM_SEAL,
@@ -47,7 +51,7 @@ _COMPANION_FILES = {
     ONSET_FILE: CHECKSUM_SEAL,
     ONSET_TABLE_FILE: ONSET_TABLE_MARK,
 }
-"""Files that are stored alongside the blocks of a measured pair, and the bytes that identify each file."""
+"""Companion files of a measured pair, with the bytes that identify each file."""
 
 
 def _ignore_line(_: str) -> None:
@@ -56,14 +60,15 @@ def _ignore_line(_: str) -> None:
 
 def complete_result(
     study: Study, folder: Path, executor: Executor, *, part: tuple[int, int] | None = None, replace: bool = False,
-    onset: int | None = None, progress: bool = False, said: LinePrinter = _ignore_line, say: LinePrinter = _ignore_line,
-    announce: LinePrinter = _ignore_line, answered: Callable[[Result], Any] = lambda _: None,
+    onset: int | None = None, progress: bool = False, print_finished: LinePrinter = _ignore_line,
+    print_remark: LinePrinter = _ignore_line, announce: LinePrinter = _ignore_line,
+    show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
     """Compute the missing blocks of a study, or of a part of it. Without a part, also compute the companion files.
 
-    `replace` removes the result of another study. `onset` is the number of members with an onset, 0 for none.
-    `said` receives lines about finished work, `say` important remarks, and `announce` lines about the work ahead.
-    `answered` receives the result of the blocks.
+    `replace` removes the result of another study. `onset` is the number of members whose onset of sliding is computed,
+    0 for none. `print_finished` receives lines about finished work, `print_remark` important remarks, and `announce`
+    lines about the work ahead. `show_result` receives the result as soon as all blocks are complete.
     """
     for name, mark in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
         check_replaceable(folder / name, mark, StoreError)
@@ -71,17 +76,21 @@ def complete_result(
     if replace and existing:
         remove_result(existing)
     stored, total = prepare_folder(study, folder, part), study.ensemble.repetitions
-    before = stored.count
-    other = find_differences(existing.study, stored.study) if existing and before else []
-    if friction := [each for each in other if each[0].startswith("friction.")]:
-        say(f"{folder} has results for other friction; its {before} repetitions are kept, and its table, report and "
-            f"figures are replaced\n{format_differences(friction)}")  # fmt: skip
+    num_existing = stored.count
+    changes = find_differences(existing.study, stored.study) if existing and num_existing else []
+    if friction := [each for each in changes if each[0].startswith("friction.")]:
+        print_remark(
+            f"{folder} has results for other friction; its {num_existing} repetitions are kept, and its table, report "
+            f"and figures are replaced\n{format_differences(friction)}"
+        )
     measured = stored.study.is_measured
-    seconds = (total - before) * cost_of_member(stored.study)
-    ahead = said if not measured else say if seconds > MIN_ANNOUNCED_TIME else announce
-    stored = complete_blocks(stored, part=part, executor=executor, progress=progress, say=ahead, update=say)
+    seconds = (total - num_existing) * cost_of_member(stored.study)
+    announce_blocks = print_finished if not measured else print_remark if seconds > MIN_ANNOUNCED_TIME else announce
+    stored = complete_blocks(
+        stored, part=part, executor=executor, progress=progress, announce=announce_blocks, update=print_remark
+    )
     if part is not None:
-        said(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
+        print_finished(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
         return Result(stored)
     result = Result(stored)
     if measured and load_areas_over_hardness(stored) is None and not is_unloaded(result):
@@ -90,17 +99,19 @@ def complete_result(
             count_solutions(stored.study) * cost_of_solution(stored.study) if stored.study.uses_half_space else 0.0
         )
         if seconds > MIN_ANNOUNCED_TIME:
-            say(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
+            print_remark(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
         _write_companion(stored, AREAS_FILE, lambda: compute_areas_over_hardness(stored.study, executor))
-    if before < total and (before or not measured):
-        said(f"wrote {folder}" + (f" ({before} of {total} repetitions already existed)" if before else ""))
-    elif before == total:
-        by = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
-        said(f"{folder} already contains this study{by}")
-    answered(result)
-    if measured and (before < total or not (stored.path / PICTURE_FILE).exists()):
+    if num_existing < total and (num_existing or not measured):
+        print_finished(
+            f"wrote {folder}" + (f" ({num_existing} of {total} repetitions already existed)" if num_existing else "")
+        )
+    elif num_existing == total:
+        version_text = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
+        print_finished(f"{folder} already contains this study{version_text}")
+    show_result(result)
+    if measured and (num_existing < total or not (stored.path / PICTURE_FILE).exists()):
         _write_companion(stored, PICTURE_FILE, lambda: contact_picture(result))
-    compute_companions(result, executor, onset, progress=progress, announce=announce, say=say)
+    compute_companions(result, executor, onset, progress=progress, announce=announce, print_remark=print_remark)
     return result
 
 
@@ -113,36 +124,36 @@ def _write_companion(stored: StoredResult, name: str, compute: Callable[[], Any]
 
 def compute_companions(
     result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
-    announce: LinePrinter = _ignore_line, say: LinePrinter = _ignore_line,
+    announce: LinePrinter = _ignore_line, print_remark: LinePrinter = _ignore_line,
 ) -> None:  # fmt: skip
     """Compute the missing cutoff study and onset of sliding of a measured pair."""
     stored = result.stored
     if stored is None or not stored.study.is_measured:
         return
     try:
-        over = None if is_unloaded(result) else build_cutoff_study(stored.study)
-        if over is not None:
+        cutoff_study = None if is_unloaded(result) else build_cutoff_study(stored.study)
+        if cutoff_study is not None:
             folder = stored.path / CUTOFF_STUDY_FOLDER
             existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
-            if existing and find_member_differences(existing.study, over):
-                remove_result(existing)  # of another pair or other loads
-            seconds = over.ensemble.repetitions * cost_of_member(over)
-            (say if seconds > MIN_ANNOUNCED_TIME else announce)(
+            if existing and find_member_differences(existing.study, cutoff_study):
+                remove_result(existing)  # it belongs to another pair or other loads
+            seconds = cutoff_study.ensemble.repetitions * cost_of_member(cutoff_study)
+            (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
                 f"cutoff study: about {format_duration(seconds)} of one core"
             )
-            compute_missing(over, folder, executor=executor, progress=progress)
-        kept = load_onset(stored)
-        if onset == 0 or (kept is not None and onset in (None, int(kept.attrs["members"]))):
+            compute_missing(cutoff_study, folder, executor=executor, progress=progress)
+        stored_onset = load_onset(stored)
+        if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
             return
         announce("onset of sliding")
-        curve = compute_onset(stored.study, executor, members=onset)
+        new_onset = compute_onset(stored.study, executor, members=onset)
     except ValueError as error:  # the files of the bodies are missing
-        say(f"cutoff study and onset are not computed: {error}")
+        print_remark(f"cutoff study and onset are not computed: {error}")
         return
-    if curve is not None:
-        export(curve, stored.path / ONSET_FILE, replace=True)
+    if new_onset is not None:
+        export(new_onset, stored.path / ONSET_FILE, replace=True)
         with replaced_file(stored.path / ONSET_TABLE_FILE, ONSET_TABLE_MARK, StoreError) as partial:
-            partial.write_text(format_backbone(curve), encoding="utf-8")
+            partial.write_text(format_backbone(new_onset), encoding="utf-8")
 
 
 def remove_result(stored: StoredResult) -> None:

@@ -1,4 +1,4 @@
-"""Sticking of adhesive bodies without a load: pull-off force and pressure, and friction at no load."""
+"""Sticking of adhesive bodies: pull-off force, pull-off pressure, and friction without a load."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ if TYPE_CHECKING:
     import xarray
 
 STICKING_PRESSURE = 1e-7
-"""Pull-off pressure (GPa) above which bodies stick: 100 Pa, the weight of a steel plate 1.3 mm thick."""
+"""Pull-off pressure (GPa) above which bodies stick: 100 Pa, which is the weight of a steel plate 1.3 mm thick."""
 
 ValueWithInterval = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Sticking:
-    """Pull-off force (mN), pressure (GPa) and friction at no load (mN): mean, lower and upper end of 95 % intervals."""
+    """Pull-off force (mN), pull-off pressure (GPa) and friction without a load (mN), each with its 95 % interval."""
 
     pull_off: ValueWithInterval
     pressure: ValueWithInterval
     friction: ValueWithInterval
-    is_bound: bool  # whether members contribute lower bounds of the pull-off force
+    is_bound: bool  # True if the pull-off force of some members is only a lower bound
 
     @property
     def sticks(self) -> Literal["yes", "no", "uncertain"]:
-        """Result of comparing the pull-off pressure, or its interval if there is one, with `STICKING_PRESSURE`."""
+        """Whether the bodies stick, from comparing the interval of the pull-off pressure with `STICKING_PRESSURE`."""
         value, lower, upper = self.pressure
         if (lower if np.isfinite(lower) else value) > STICKING_PRESSURE:
             return "yes"
@@ -39,14 +39,14 @@ class Sticking:
 
 
 def find_sticking(point: xarray.Dataset, rule: str) -> Sticking | None:
-    """Return how bodies stick at a point of what `at_load` gives, None if they do not adhere."""
+    """Return pull-off and friction without a load from a point of `at_load`; None if the bodies do not adhere."""
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (
         _read_interval(by_rule(point[name], rule)) for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
     )
-    share = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
-    return Sticking(force, pressure, friction, share > 0)
+    bound_fraction = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
+    return Sticking(force, pressure, friction, bound_fraction > 0)
 
 
 def _read_interval(table: xarray.DataArray) -> ValueWithInterval:

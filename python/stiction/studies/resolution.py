@@ -1,4 +1,4 @@
-"""How finely a measured pair was seen: a second, small study over cut-offs, and the gap's slopes over wavelength."""
+"""Resolution of a measured pair: a small second study at several cutoffs, and the slopes of the gap by wavelength."""
 
 from __future__ import annotations
 
@@ -23,37 +23,45 @@ from stiction.surfaces.scale import ScaleDependentRoughness, scale_dependent_rou
 if TYPE_CHECKING:
     import xarray
 
-CUTOFF_STUDY_FOLDER = "resolution"  # in the folder of a result: that of the same pair over cut-offs
-NUM_AREAL_MEMBERS = 4  # of areas; the first ones of the result, so that what changes with the cut-off is not chance
-NUM_LINE_MEMBERS = 16  # of lines
-MAX_CUTOFFS = 4  # times that the shortest cut-off, of two points, is doubled at most
-FOUR_DIGIT_ERROR = 5e-4  # relative change of a number by rounding it to four digits, at most
-MAX_RELATIVE_CUTOFF = 1 / 30  # longest cut-off over the shortest side of the scans: longer waves are too few
+CUTOFF_STUDY_FOLDER = "resolution"  # folder in a result folder for the study of the same pair at several cutoffs
+NUM_AREAL_MEMBERS = 4  # height maps: the first members of the result, so that only the cutoff differs
+NUM_LINE_MEMBERS = 16  # pairs of lines
+MAX_CUTOFFS = 4  # largest number of cutoffs; the shortest is two points, and each cutoff is twice the one before
+FOUR_DIGIT_ERROR = 5e-4  # largest relative error of a number rounded to four digits
+MAX_RELATIVE_CUTOFF = 1 / 30  # longest cutoff over the shortest side of the scans, which has too few longer waves
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """The study of the same pair over cut-offs, two points and their doubles, for few members and the loads asked for.
+    """Return a study of the same pair at several cutoffs, with few members, at the requested loads.
 
-    None of generated bodies, of asperities, of several cut-offs, and where the scans are too short for any.
+    The first cutoff is the cutoff of the study, and the others double from the shortest resolved wavelength. Returns
+    None for generated bodies, for the asperity model, if the study itself has several cutoffs, and if the scans are too
+    short.
     """
     if not study.is_measured or not study.uses_half_space:
         return None
-    own = study.surfaces.cells()["cut_off"].tolist()
-    facts = body_attributes(study).attributes
-    step = max(float(np.max(facts[f"{side}_spacing_um"])) for side in ("upper", "lower"))
-    side = min(float(np.min(facts[f"{side}_extent_um"])) for side in ("upper", "lower"))
-    if len(own) > 1:
+    cutoffs = study.surfaces.cells()["cut_off"].tolist()
+    attributes = body_attributes(study).attributes
+    step = max(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))
+    side = min(float(np.min(attributes[f"{side}_extent_um"])) for side in ("upper", "lower"))
+    if len(cutoffs) > 1:
         return None
-    doubles = 2 * step * 2.0 ** np.arange(MAX_CUTOFFS) if own[0] == 0 else own[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
-    # Rounded up, because less than two points is no wave.
+    candidates = (
+        2 * step * 2.0 ** np.arange(MAX_CUTOFFS) if cutoffs[0] == 0 else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
+    )
+    # Lengths are rounded up, because a wavelength below two points does not exist on the grid.
     lengths = [
-        own[0],
-        *(float(f"{each * (1 + FOUR_DIGIT_ERROR):.4g}") for each in doubles if each <= MAX_RELATIVE_CUTOFF * side),
+        cutoffs[0],
+        *(
+            float(f"{candidate * (1 + FOUR_DIGIT_ERROR):.4g}")
+            for candidate in candidates
+            if candidate <= MAX_RELATIVE_CUTOFF * side
+        ),
     ]
     if len(lengths) < 2:
         return None
     changes: dict[str, Any] = {
-        "surfaces.cut_off": [exact_text(each, "um") for each in lengths],
+        "surfaces.cut_off": [exact_text(candidate, "um") for candidate in lengths],
         "contact.load": [load.text for load in study.friction.load],
         "ensemble.repetitions": min(
             study.ensemble.repetitions, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
@@ -65,7 +73,10 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
-    """What a result, or that in its folder, says over cut-offs at the loads of its study; None without one."""
+    """Evaluate a result with several cutoffs, or the cutoff study in its folder, at the loads of the study.
+
+    Returns None if there is neither.
+    """
     study = result.study
     if not study.is_measured:
         return None
@@ -76,51 +87,60 @@ def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
     if not (folder / STUDY_FILE).exists():
         return None
     try:
-        beside = open_stored(folder)
-        wanted = build_cutoff_study(study)
+        stored = open_stored(folder)
+        expected = build_cutoff_study(study)
     except (StoreError, ValueError):
         return None
-    if not beside.finished.size or wanted is None or find_member_differences(beside.study, wanted):
+    if not stored.finished.size or expected is None or find_member_differences(stored.study, expected):
         return None
     return at_load(
-        Result(beside), loads, mu0=list(study.friction.mu0), tau0=[float(each) for each in study.friction.tau0]
+        Result(stored), loads, mu0=list(study.friction.mu0), tau0=[float(strength) for strength in study.friction.tau0]
     )
 
 
-# ---- Without pressing anything ---------------------------------------------------------------------------------------
+# ---- Resolved roughness ---------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """What of the gap of a pair was seen: its waves, and how it goes on below them."""
+    """Roughness of the gap of a pair at the resolved wavelengths, with its extrapolation to shorter wavelengths."""
 
-    shortest: float  # µm, of the pressed bodies: two points, or the cut-off
-    longest: float  # µm, their longest side
-    gradient: float  # root-mean-square gradient of the gap of one member
+    shortest: float  # shortest resolved wavelength, µm: two points, or the cutoff
+    longest: float  # longest side of the pressed bodies, µm
+    gradient: float  # root-mean-square gradient of the gap of the first member
     roughness: ScaleDependentRoughness
-    estimate: HurstEstimate | None  # of the gap; None where its spectrum has no self-affine band
+    estimate: HurstEstimate | None  # Hurst exponent of the gap; None if its spectrum has no self-affine band
 
     def fraction_below(self, wavelength: float) -> float:
-        """Fraction of the gap's mean square gradient that is of waves shorter than this (µm)."""
+        """Return the fraction of the mean square gradient of the gap at wavelengths shorter than this one (µm)."""
         return float(self.roughness.fraction_below(wavelength))
 
-    def yields_at(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Wavelength (µm), with interval, down to which waves make the elastic pressure so many times the scan's."""
+    def find_plastic_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
+        """Return the wavelength (µm), with its interval, at which roughness multiplies the elastic pressure by `ratio`.
+
+        The ratio is relative to the mean contact pressure at the resolution of the scans.
+        """
         gradient = ratio * float(self.roughness.gradient_at(self.shortest))
         spread = float(brackets.kappa_spread(np.array(contact_count)))
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, spread)
 
-    def finer(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Wavelengths (µm) of finer, elastic scans, and (value, lower, upper) of their gradients and area fractions."""
+    def extrapolate(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
+        """Extrapolate gradient and area fraction to finer scans of elastic bodies.
+
+        Returns the shortest wavelengths (µm) of the finer scans, and the gradients and area fractions, each as value,
+        lower and upper end.
+        """
         gradients = brackets.extrapolated_gradients(self.roughness, self.estimate, self.shortest, self.gradient)
-        flat = np.array([area_fraction * self.gradient]) / brackets.interface_stretch(np.array(self.gradient))
-        ground = brackets.elastic_area(gradients, flat, brackets.kappa_spread(np.array([contact_count])))[:, 0]
-        ground = ground * brackets.interface_stretch(gradients[:, :1])
-        return np.array(brackets.WAVELENGTH_RATIOS) * self.shortest, gradients, ground
+        flat_fraction = np.array([area_fraction * self.gradient]) / brackets.interface_stretch(np.array(self.gradient))
+        area_fractions = brackets.elastic_area(
+            gradients, flat_fraction, brackets.kappa_spread(np.array([contact_count]))
+        )[:, 0]
+        area_fractions = area_fractions * brackets.interface_stretch(gradients[:, :1])
+        return np.array(brackets.WAVELENGTH_RATIOS) * self.shortest, gradients, area_fractions
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """What was seen of the gap of a measured pair; None of generated bodies, and where the files are gone."""
+    """Return the resolved roughness of the gap of a measured pair; None if generated, or if files are missing."""
     if not study.is_measured:
         return None
     try:
@@ -134,13 +154,13 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
     bodies = load_bodies(study)
     wavelength = surfaces.quoted_cut_off()
-    # Two maps themselves, where there are such members.
+    # The first member with pieces of the scans, or a surrogate if there is no such member.
     first = surfaces.first_scanned
     index = first if first < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, wavelength).pair
     gap = replace(upper, heights=upper.heights - lower.heights, history=(), missing=None)
-    facts = bodies.attributes().attributes
-    steps = [*gap.spacings, *(float(np.max(facts[f"{each}_spacing_um"])) for each in ("upper", "lower"))]
+    attributes = bodies.attributes().attributes
+    steps = [*gap.spacings, *(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))]
     roughness = scale_dependent_roughness(gap)
     return ResolvedRoughness(
         shortest=max(2 * max(steps), wavelength), longest=float(np.max(gap.extent)),

@@ -32,15 +32,17 @@ from stiction.studies.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-BLOCK_TIME = 1.5  # seconds of work in a block: a kill loses no more, and writing the file takes a few per cent of it
+BLOCK_TIME = (
+    1.5  # seconds of work in a block, which limits what a crash loses; writing the file takes a few per cent of it
+)
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-MIN_BLOCKS = 16  # if the study has enough members: workers should not wait long for the last block
-MIN_BLOCK_TIME = 0.06  # seconds of work; writing the file of a block takes some milliseconds
-MAX_SUBMITTED_TASKS = 1000  # queued tasks if the workers write the results
-MAX_RETURNED_TASKS = 256  # queued tasks if this process writes the results; enough for the workers of a large machine
-SHUTDOWN_TIMEOUT = 3.0  # seconds that an interrupted run waits for running blocks
-MAX_BYTES_IN_MEMORY = 2**34  # of a result without a store
+MIN_BLOCKS = 16  # so that workers do not wait long for the last block, if the study has enough members
+MIN_BLOCK_TIME = 0.06  # seconds of work in a block, because writing its file takes some milliseconds
+MAX_SUBMITTED_TASKS = 1000  # queued tasks, if the workers write the block files
+MAX_RETURNED_TASKS = 256  # queued tasks, if this process writes the block files; enough for a large machine
+SHUTDOWN_TIMEOUT = 3.0  # seconds that an interrupted run waits for unfinished blocks
+MAX_BYTES_IN_MEMORY = 2**34  # largest result without a store
 
 
 def choose_block_size(study: Study) -> int:
@@ -109,16 +111,16 @@ def run(
 
 def compute_missing(
     study: Study, folder: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
-    progress: bool = False, say: Callable[[str], None] | None = None,
+    progress: bool = False, announce: Callable[[str], None] | None = None,
 ) -> int:  # fmt: skip
-    """Compute the missing blocks of a study in a folder. Part (3, 16) is every 16th block from the third on.
+    """Compute the missing blocks of a study in a folder. The part (3, 16) is every 16th block from the third on.
 
-    Processes with different parts can share a folder; a process without a part computes all missing blocks. `say`
-    receives a line about the work ahead. Returns the number of finished repetitions of the study, or of the part.
-    Raises the errors of `run`.
+    Several processes can compute different parts in one folder; a process without a part computes all missing
+    blocks. `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study,
+    or of the part. Raises the errors of `run`.
     """
     stored = prepare_folder(study, folder, part)
-    stored = complete_blocks(stored, part=part, executor=executor, progress=progress, say=say)
+    stored = complete_blocks(stored, part=part, executor=executor, progress=progress, announce=announce)
     missing = _MissingMembers(stored, part)
     return missing.total - missing.count
 
@@ -138,12 +140,12 @@ def prepare_folder(study: Study, folder: str | Path, part: tuple[int, int] | Non
 
 def complete_blocks(
     stored: StoredResult, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
-    progress: bool = False, say: Callable[[str], None] | None = None, update: Callable[[str], None] | None = None,
+    progress: bool = False, announce: Callable[[str], None] | None = None, update: Callable[[str], None] | None = None,
 ) -> StoredResult:  # fmt: skip
-    """Compute the missing blocks of a folder and return its new content. Raises the errors of `compute_missing`.
+    """Compute the missing blocks of a stored result, and return the completed result.
 
     `update` receives a new estimate of the run time after the first block, if the remaining time is long and exceeds
-    the first estimate.
+    the first estimate. Raises the errors of `compute_missing`.
     """
     missing = _MissingMembers(stored, part)
     with contextlib.ExitStack() as stack:
@@ -153,7 +155,7 @@ def complete_blocks(
         )
         if missing.count:
             stack.enter_context(_count_finished_on_error(stored))
-            _compute_into(stored, missing, pool, advance, say, update)
+            _compute_into(stored, missing, pool, advance, announce, update)
     stored = stored.reload()
     if _MissingMembers(stored, part).count:
         raise StoreError(f"{printable_path(stored.path)}: was removed or replaced while it was being written")
@@ -162,10 +164,10 @@ def complete_blocks(
 
 def _compute_into(
     stored: StoredResult, missing: _MissingMembers, pool: Executor, advance: Callable[[int], None],
-    say: Callable[[str], None] | None, update: Callable[[str], None] | None,
+    announce: Callable[[str], None] | None, update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
-    """Compute the missing blocks of a folder. Remote workers that can reach the folder write the blocks themselves."""
-    workers = getattr(pool, "_max_workers", None)  # None for a cluster, whose number of workers may change
+    """Compute the missing blocks of a stored result. Workers that can reach its folder write the block files."""
+    workers = getattr(pool, "_max_workers", None)  # None for a cluster, because its number of workers may change
     started, is_first = time.monotonic(), update is not None and workers is not None
 
     def accept(members: range, content: bytes | None) -> None:
@@ -185,15 +187,18 @@ def _compute_into(
         is_local = isinstance(pool, ThreadPoolExecutor)
         folder = None if is_local else stack.enter_context(_create_token(stored.path))
         is_visible = folder is not None and pool.submit(folder.is_visible).result()
-        if say is not None:
-            say(_describe_work(stored, missing, is_local or is_visible, workers or 1))
+        if announce is not None:
+            announce(_describe_work(stored, missing, is_local or is_visible, workers or 1))
         max_tasks = MAX_SUBMITTED_TASKS if is_visible else MAX_RETURNED_TASKS
         _compute_ranges(missing, pool, max_tasks, accept, compute_block, __version__, stored.study, folder)
 
 
 @contextlib.contextmanager
 def _create_token(path: Path) -> Iterator[SharedFolder]:
-    """Create a token file while the run lasts. Workers that find it can reach the folder, and the run is alive."""
+    """Create a token file for the duration of a run.
+
+    Workers that find the file can reach the folder, and know that the run has not ended.
+    """
     folder = SharedFolder(path.resolve(), new_partial_name())
     token = folder.path / BLOCKS_FOLDER / folder.token
     try:
@@ -209,7 +214,7 @@ def _create_token(path: Path) -> Iterator[SharedFolder]:
 
 @contextlib.contextmanager
 def _count_finished_on_error(stored: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to a StoreError, and to the error of a worker that ended."""
+    """Add the number of finished members to the message of a StoreError or of a worker that ended unexpectedly."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -241,11 +246,11 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(missing.total), arrays, body_attributes(study))
 
 
-LONG_RUN_TIME = 600.0  # seconds on all threads above which the estimate includes advice
+LONG_RUN_TIME = 600.0  # seconds on all threads above which the estimate of the run time includes advice
 
 
 def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: bool, workers: int) -> str:
-    """Return a line about the work ahead: run time, number and size of files, and free disk space if it is short."""
+    """Return a line about the work ahead: run time, number and size of files, and a warning if the disk is too full."""
     study = stored.study
     free = shutil.disk_usage(stored.path).free
     files = sum(1 for _ in missing)
@@ -265,11 +270,14 @@ def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: b
     )
 
 
-MIN_REPORTED_TIME = 60.0  # seconds of remaining work above which a new estimate is reported
+MIN_REPORTED_TIME = 60.0  # seconds of remaining work above which a new estimate of the run time is reported
 
 
 def _new_estimate(missing: _MissingMembers, members: int, seconds: float, workers: int, cost: float) -> str:
-    """Return a new estimate from the time of the first block, or "" if little time remains or the estimate holds."""
+    """Return a line with a new estimate from the time of the first block.
+
+    The line is empty if little time remains, or if the first estimate was right.
+    """
     remaining = seconds * (missing.count / (members * workers) - 1)
     if remaining < MIN_REPORTED_TIME or seconds < 2 * members * cost:
         return ""
@@ -278,7 +286,7 @@ def _new_estimate(missing: _MissingMembers, members: int, seconds: float, worker
 
 
 class _MissingMembers:
-    """Unfinished members of a study, or of a part of it: `count` of `total`, in ranges within blocks."""
+    """Unfinished members of a study, or of a part of it, as ranges of members within blocks."""
 
     def __init__(self, stored: StoredResult, part: tuple[int, int] | None) -> None:
         members = stored.study.ensemble.repetitions
@@ -296,7 +304,7 @@ class _MissingMembers:
         for block in self._blocks:
             first = block * self.block
             is_finished = self._is_finished[first : first + self.block]
-            # Indices at which a range of missing members starts or ends.
+            # Indices at which ranges of missing members start or end.
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
                 yield range(first + start, first + end)
@@ -306,14 +314,14 @@ def _compute_ranges(
     missing: _MissingMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
-    """Submit a task for each missing range, at most `max_tasks` at a time, and pass each result to `accept`.
+    """Submit a task for each missing range of members, and pass each result to `accept`.
 
-    An error cancels the remaining tasks.
+    At most `max_tasks` tasks are queued at a time. An error cancels the remaining tasks.
     """
     ranges = iter(missing)
     task = use_idle_threads(task, pool, sum(1 for _ in missing), count_points(arguments[1]))
     pending: dict[Future[Any], range] = {}
-    # concurrent.futures.wait would lock every future in each call, and leave some locked if it is interrupted.
+    # concurrent.futures.wait would lock all futures in each call, and leave some locked if interrupted.
     done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
     def submit(count: int) -> None:
@@ -343,10 +351,10 @@ def _compute_ranges(
 
 @dataclass(frozen=True)
 class SharedFolder:
-    """Folder for the blocks of workers on other machines, if they share its file system."""
+    """Result folder into which workers on other machines write, if they share its file system."""
 
     path: Path
-    token: str  # name of the token file, which exists among the blocks while the run lasts
+    token: str  # name of the token file, which exists in the blocks folder during the run
 
     def is_visible(self) -> bool:
         """Return whether this process can reach the folder."""
@@ -354,7 +362,7 @@ class SharedFolder:
 
 
 def compute_block(version: str, study: Study, folder: SharedFolder | None, members: range) -> bytes | None:
-    """Compute a block of members. Return its file content, or None after writing the file into a visible folder."""
+    """Compute a block of members and write its file, or return the bytes of the file if the folder is not visible."""
     from stiction.studies.store import encode_members
 
     is_visible = folder is not None and folder.is_visible()
@@ -366,7 +374,7 @@ def compute_block(version: str, study: Study, folder: SharedFolder | None, membe
 
 
 def compute_block_arrays(version: str, study: Study, members: range) -> Arrays:
-    """Compute a block of members and return its arrays. Raises a `StudyError` if the version is another."""
+    """Compute a block of members and return its arrays. Raises a `StudyError` if `version` is another version."""
     if version != __version__:
         raise StudyError(
             f"the worker on {socket.gethostname()} has stiction {__version__}, but the study was submitted with "
@@ -383,7 +391,7 @@ NUM_PREVIEW_MEMBERS = 4
 def preview_result(study: Study) -> Result:
     """Return the result of the first members of a study. Raises a `ValueError` if they cannot be pressed.
 
-    With the asperity model this takes less than a second: a preview while the half-space is being solved.
+    With the asperity model this takes less than a second, so that it serves as a preview of a half-space result.
     """
     members = range(min(NUM_PREVIEW_MEMBERS, study.ensemble.repetitions))
     arrays = stack_members(study, [member_sums(study, member) for member in members])

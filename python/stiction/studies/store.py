@@ -60,20 +60,20 @@ if TYPE_CHECKING:
 
 STUDY_FILE = "study.toml"
 BLOCKS_FOLDER = "blocks"
-STUDY_FILE_MARK = "# Written by stiction"  # first words of a study file that a command wrote
-MAX_RESULT_BYTES = 2**31  # of a result that is read into memory as a whole
-MAX_COMPANION_BYTES = 2**26  # of a file that is stored alongside a result
+STUDY_FILE_MARK = "# Written by stiction"  # first words of a study file that stiction itself wrote
+MAX_RESULT_BYTES = 2**31  # largest result that is read into memory as a whole
+MAX_COMPANION_BYTES = 2**26  # largest companion file that is read
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 MAX_RELOADS = 3
 
 
 class StoreError(ValueError):
-    """A result that cannot be written or read."""
+    """Error raised if a result cannot be written or read."""
 
 
 @dataclass(frozen=True)
 class Block:
-    """Name of a block file: range of its members, and checksum."""
+    """Block of members: the range of its members and the checksum of its file, which form the file name."""
 
     first: int
     last: int
@@ -81,7 +81,7 @@ class Block:
 
     @property
     def name(self) -> str:
-        """Return the name of the file."""
+        """Name of the block file."""
         return f"{self.first:07d}-{self.last:07d}-{self.checksum:08x}.nc"
 
 
@@ -90,14 +90,14 @@ class StoreInfo:
     """Content of a result folder: study, progress, size and version."""
 
     study: Study
-    finished: int  # number of finished repetitions, out of study.ensemble.repetitions
+    finished: int  # number of finished repetitions; study.ensemble.repetitions is the total
     size: int  # bytes on disk
     versions: dict[str, str]  # version of stiction that created the result
 
 
 @dataclass(frozen=True)
 class StoredResult:
-    """A result in its folder. Blocks are read on demand; a result that fits into one piece is read once."""
+    """Result in a folder. Blocks are read on demand, but a result that fits into one piece is read only once."""
 
     path: Path
     study: Study
@@ -105,7 +105,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[Block, int, int]]:
-        """Blocks with the first and the past-the-end member to read from each."""
+        """Blocks, each with the range of members that is read from it."""
         ranges, covered = [], 0
         for block in sorted(self.blocks, key=lambda block: (block.first, -block.last, block.checksum)):
             first, last = max(block.first, covered), min(block.last + 1, self.study.ensemble.repetitions)
@@ -142,7 +142,7 @@ class StoredResult:
         return self.count * member_bytes(self.study)
 
     def reload(self) -> StoredResult:
-        """Return the same folder with the blocks that it contains now."""
+        """Return the same result with the blocks that its folder contains now."""
         return StoredResult(self.path, self.study, _list_blocks(self.path))
 
     @cached_property
@@ -186,7 +186,7 @@ class StoredResult:
 
     @cached_property
     def _single_piece(self) -> xarray.Dataset:
-        """The whole result with read-only arrays, shared by all tables and figures."""
+        """Whole result with read-only arrays, which all tables and figures share."""
         whole = self._read_range(0, self.count)
         for variable in whole.data_vars.values():
             variable.values.flags.writeable = False
@@ -286,7 +286,7 @@ def read(path: str | Path) -> xarray.Dataset:
 
 
 def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
-    """Read a small dataset with given variables that is stored alongside a result.
+    """Read a companion file of a result, which must contain the given variables.
 
     Returns None if the file does not exist. Raises a `StoreError` if it is damaged.
     """
@@ -391,7 +391,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
 
 
 def _check_resumable(stored: StoredResult) -> None:
-    """Raise a `StoreError` if a folder with blocks cannot be resumed with its study."""
+    """Raise a `StoreError` if the blocks in a folder prevent a run from resuming with this study."""
     path, content, total = stored.path, stored.first_content, stored.study.ensemble.repetitions
     if differ := find_member_differences(content.study, stored.study):
         raise OtherStudyError(path, content.study, differ)
@@ -440,7 +440,7 @@ def _has_study(path: Path, study: Study) -> bool:
 
 
 class OtherStudyError(StoreError):
-    """Error for a folder that contains the result of another study."""
+    """Error raised if a folder contains the result of another study."""
 
     def __init__(self, path: Path, stored: Study, differ: list[StudyDifference], advice: str = "") -> None:
         advice = advice or "give another directory, or replace the stored result"
@@ -448,18 +448,23 @@ class OtherStudyError(StoreError):
         self.path, self.stored, self.differ = path, stored, differ
 
     def with_advice(self, advice: str) -> OtherStudyError:
-        """Return the same error with another remedy."""
+        """Return a copy of the error whose message ends with another remedy."""
         return OtherStudyError(self.path, self.stored, self.differ, advice)
 
 
 def write_block(path: Path, first: int, written: bytes, count: int) -> None:
-    """Write the file of `count` members from `first` on. Raises a `StoreError` if it cannot be written."""
+    """Write the block file of `count` members, starting with member `first`.
+
+    Raises a `StoreError` if the file cannot be written.
+    """
     block = Block(first, first + count - 1, zlib.crc32(written))
     for attempt in range(1, MAX_RELOADS + 1):
         try:
             _files.write_atomically(path / BLOCKS_FOLDER / block.name, written)
             return
-        except FileNotFoundError:  # a process on another machine removed the partial file as stale
+        except (
+            FileNotFoundError
+        ):  # a process on another machine assumed that the partial file was stale, and removed it
             if attempt == MAX_RELOADS or not (path / BLOCKS_FOLDER).is_dir():
                 raise StoreError(
                     f"{printable_path(path)}: was removed or replaced while it was being written"
@@ -472,34 +477,39 @@ def write_block(path: Path, first: int, written: bytes, count: int) -> None:
 
 # A file with a valid checksum is trusted. Only its study and the shapes of its arrays are compared.
 
-RESULT_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")  # all other attributes describe the bodies
+RESULT_ATTRIBUTES = (
+    "title",
+    "study",
+    "stiction_version",
+    "_NCProperties",
+)  # the other attributes of a result describe the bodies
 
 CHECKSUM_SEAL = b"stiction crc32 "
 """Bytes at the end of an exported file, followed by the checksum of all preceding bytes. The checksum is verified
 first, because HDF5 may never return from a damaged file. HDF5 ignores bytes after its own end, and a program that
 modifies the file removes the seal."""
 
-_template_lock = threading.Lock()  # concurrent threads then create a single template
+_template_lock = threading.Lock()  # makes concurrent threads create a single template
 
 
 class DamageError(Exception):
-    """Error for a file that is not a valid result. The message is the reason."""
+    """Error raised if a file is not a valid result. The message is the reason."""
 
 
 @dataclass(frozen=True)
 class BlockContent:
-    """Members of a result that are stored in one file."""
+    """Content of a block file: members of a result."""
 
     study: Study
     version: str  # version of stiction that computed the members
     numbers: NDArray[np.int64]
     arrays: Arrays
     bodies: BodyAttributes
-    is_exact: bool  # whether the coordinates equal those of the study to the last bit
+    is_exact: bool  # True if the coordinates are bitwise equal to the coordinates of the study
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Return the file content of members, from arrays of `stack_members`. Equal members give equal bytes."""
+    """Return the bytes of a block file from arrays of `stack_members`. Equal members give equal bytes."""
     import h5py
 
     with _template_lock:
@@ -514,7 +524,10 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 @functools.lru_cache(maxsize=4)
 def _template(study: Study, count: int) -> bytes:
-    """Return a file of `count` members filled with zeros. Writing the names and units takes most of the time."""
+    """Return the bytes of a block file of `count` members filled with zeros.
+
+    Copying such a template saves most of the time, because names and units take longer to write than values.
+    """
     numbers = range(count)
     arrays = {name: np.zeros(spec.shape, spec.dtype) for name, spec in list_variables(study, numbers).items()}
     if study.is_measured:
@@ -525,7 +538,10 @@ def _template(study: Study, count: int) -> bytes:
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
-    """Write a dataset to a netCDF file as xarray does, but without its locks, which require a scheduler under Dask."""
+    """Write a dataset to a netCDF file in the same way as xarray, but without locks.
+
+    The locks of xarray would require a Dask scheduler in Dask workers.
+    """
     import h5netcdf
     import h5py
     from xarray.conventions import cf_encoder, encode_dataset_coordinates
@@ -548,13 +564,16 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
 
 
 def append_seal(file: io.BytesIO) -> None:
-    """Append the checksum of a file to the file."""
+    """Append the seal to a file, which contains the checksum of the file."""
     file.seek(0, io.SEEK_END)
     file.write(CHECKSUM_SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
 
 
 def decode_members(content: bytes) -> BlockContent:
-    """Return the members in a file. Raises a `DamageError` if the file does not match the study that it contains."""
+    """Return the members in the bytes of a file.
+
+    Raises a `DamageError` if the file does not match the study that it contains.
+    """
     with _open_netcdf(content) as file:
         title, text, version = (file.attrs.get(name) for name in ("title", "study", "stiction_version"))
         if title != RESULT_TITLE or not isinstance(text, str):
@@ -588,7 +607,7 @@ def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
         with h5py.File(io.BytesIO(content), "r") as file:
             yield file
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
-        # Exceptions that h5py is known to raise for files that are not HDF5.
+        # Exceptions that h5py raises for files that are not HDF5.
         raise DamageError("is not a readable netCDF file") from None
 
 
@@ -601,13 +620,13 @@ def _parse_study(text: str) -> Study:
 
 
 def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
-    """Return the values of a variable that is stored in this file, not in a linked file."""
+    """Return the values of a variable, which must be stored in this file and not in a linked file."""
     import h5py
 
     variable = file.get(name) if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
     if not isinstance(variable, h5py.Dataset) or variable.external or variable.is_virtual:
         raise DamageError(f"has no variable {name}")
-    if variable.id.get_storage_size() < variable.nbytes:  # a small file may declare any size
+    if variable.id.get_storage_size() < variable.nbytes:  # the size that a small file declares may be huge
         raise DamageError(f"declares {name} but does not store it")
     if shape not in (None, variable.shape):
         raise DamageError(f"has {name} of shape {variable.shape} instead of {shape}")
@@ -618,7 +637,7 @@ def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) ->
 
 
 class ExportError(ValueError):
-    """Error for a file that cannot be written."""
+    """Error raised if a file cannot be written."""
 
 
 def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) -> None:
@@ -630,7 +649,7 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
     path : path
         File to create. It must not exist yet, and appears when it is complete.
     replace : bool
-        Whether to replace an existing file that this function wrote.
+        True to replace an existing file that this function wrote.
 
     Raises
     ------
@@ -639,7 +658,7 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
     """
     path = Path(path)
     with replaced_file(path, CHECKSUM_SEAL, ExportError) if replace else new_file(path, ExportError) as partial:
-        content = io.BytesIO()  # HDF5 may crash when it writes to a full disk
+        content = io.BytesIO()  # HDF5 may crash if the disk is full
         write_dataset(dataset, content)
         append_seal(content)
         partial.write_bytes(content.getbuffer())

@@ -1,4 +1,4 @@
-"""A study: the validated description of a computation, from a TOML file or the built-in library."""
+"""Studies: validated descriptions of a computation, from a TOML file or the built-in library."""
 
 from __future__ import annotations
 
@@ -52,11 +52,11 @@ from stiction.studies.values import (
 if TYPE_CHECKING:
     import xarray
 
-MAX_STUDY_BYTES = 1_000_000  # size of a study file
-MAX_COMBINATIONS = 1000  # loads times mu0 times tau0 of measured surfaces
+MAX_STUDY_BYTES = 1_000_000  # largest study file that is read
+MAX_COMBINATIONS = 1000  # product of the numbers of loads, mu0 and tau0 of measured surfaces
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
-"""Tables and their keys that select the case of a table."""
+"""Tables and keys whose values select the class of the table."""
 
 _LEADING_KEYS = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "law", "detection", "curvature",
@@ -67,10 +67,10 @@ _LEADING_KEYS = (
 _STUDY_LIBRARY = resources.files("stiction.studies") / "library"
 DEFAULT_SEED = 2016  # default seed of the random numbers
 StudyDifference = tuple[str, str, str]  # dotted key, and its value in the first and in the second study, as TOML
-MAX_LISTED_DIFFERENCES = 4  # in a message
+MAX_LISTED_DIFFERENCES = 4  # number of differences in a message
 
-Surfaces = GeneratedSurfaces | MeasuredSurfaces  # the table `[surfaces]` of a study
-SURFACE_CASES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # every case of the table
+Surfaces = GeneratedSurfaces | MeasuredSurfaces  # table `[surfaces]` of a study
+SURFACE_CASES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # all classes of the table
 
 
 def _list_cases(key: str, *cases: type[Surfaces]) -> tuple[str, dict[str, type[Surfaces]]]:
@@ -82,11 +82,13 @@ _SURFACE_CASES = {
     "surface": _list_cases("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
     "measured": _list_cases("press", *get_args(MeasuredSurfaces)),
 }
-"""For each value of the key `kind`: the key that selects the case, and the cases. The first case is the default."""
+"""Key that selects the class of a surfaces table, and the classes, by the value of the key `kind`.
+
+The first class is the default."""
 
 
 def select_surface_case(given: Mapping[str, Any]) -> type[Surfaces]:
-    """The case of a table, by its keys `kind`, `generator` and `press`."""
+    """Return the class of a surfaces table, selected by its keys `kind`, `generator` and `press`."""
     key, cases = _SURFACE_CASES[chosen("kind", given, _SURFACE_CASES)]
     return cases[chosen(key, given, cases)]
 
@@ -109,14 +111,14 @@ class GeneratedFriction(Case):
 
 
 class FrictionOfAsperities(GeneratedFriction):
-    """Interface strengths in figures of generated surfaces, asperity model."""
+    """Interface strengths in figures of generated surfaces, for the asperity model."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
 class FrictionOfHalfSpace(GeneratedFriction):
-    """Interface strengths and loads in figures of generated surfaces, half-space."""
+    """Interface strengths and loads in figures of generated surfaces, for the half-space."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -137,14 +139,14 @@ class FrictionOfMeasured(Case):
 
 
 Friction = FrictionOfAsperities | FrictionOfHalfSpace | FrictionOfMeasured
-"""The table `[friction]` of a study."""
+"""Table `[friction]` of a study."""
 FRICTION_CASES: tuple[type[Friction], ...] = get_args(Friction)
 SHARED_FRICTION_TABLES: tuple[type[Case], ...] = (FrictionOfMeasured, GeneratedFriction, FrictionOfHalfSpace)
-"""Base classes with keys that several cases share."""
+"""Base classes with keys that several friction tables share."""
 
 
 def select_friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Friction]:
-    """Return the case of the table `[friction]` by the surfaces and the contact model."""
+    """Return the class of the table `[friction]`, selected by the surfaces and the contact model."""
     if issubclass(surfaces, get_args(MeasuredSurfaces)):
         return FrictionOfMeasured
     return FrictionOfHalfSpace if mechanics == "half-space" else FrictionOfAsperities
@@ -184,10 +186,10 @@ class Figures(Table):
 def _add_bracketing_loads(
     surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the tables contact and friction with one load below and one load above the requested loads.
+    """Return the tables contact and friction with one more load below and above the requested loads.
 
-    Applies to generated surfaces and the half-space. Returns an empty dictionary if no loads are requested, if a load
-    curve is given as well, or if a table is invalid.
+    This applies to the half-space of generated surfaces. Returns an empty dictionary if no loads are requested, if the
+    study has its own load curve, or if a table is invalid.
     """
     requested = friction.get("load") or (
         contact.get("load") if isinstance(contact.get("load"), (list, tuple)) else None
@@ -205,7 +207,7 @@ def _add_bracketing_loads(
         upper = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _nominal_area(surfaces)
-            # Keep the upper load above the largest requested load. A load that is too large is reported later.
+            # The upper load must exceed the largest requested load. The validation reports it if it is too large.
             upper = min(upper, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):  # the validation of the key reports the error
         return {}
@@ -223,16 +225,16 @@ def _nominal_area(surfaces: Mapping[str, Any]) -> float:
 
 
 def _empty_table() -> Any:
-    """Return an empty table. Validation turns it into the case that matches the surfaces."""
+    """Return an empty table, which the validation replaces by the class that matches the surfaces."""
     return {}
 
 
 class Study(Table):
-    """Study: pairs of surfaces, contact model and parameters.
+    """Description of a computation: pairs of surfaces, contact model and parameters.
 
-    Missing tables and keys have the values of the paper's Fig. 6. Quantities are "number unit" in files, and plain
-    numbers in core units (µm, GPa, mN) in Python. A key belongs to a kind of surfaces or to a contact model; keys of
-    another kind are rejected.
+    Missing tables and keys have the values of the paper's Fig. 6. In files a quantity is a text with a unit, as in
+    "10 GPa". In Python it may also be a number in core units (µm, GPa, mN). Some keys exist only for a kind of surfaces
+    or a contact model; they are rejected in other studies.
 
     Examples
     --------
@@ -252,7 +254,7 @@ class Study(Table):
     @model_validator(mode="before")
     @classmethod
     def _add_curve_loads(cls, given: Any) -> Any:
-        """Add loads around the requested loads, so that each requested load lies within the load curve.
+        """Add loads below and above the requested loads, so that results at these loads can be interpolated.
 
         The requested loads are `friction.load`. For generated surfaces and the half-space, a list `contact.load` is
         used if `friction.load` is missing.
@@ -276,7 +278,7 @@ class Study(Table):
     @field_validator("surfaces", mode="before")
     @classmethod
     def _read_surfaces(cls, value: object) -> Surfaces:
-        """Validate the table as the case that its keys select."""
+        """Validate the table as the class that its keys select."""
         if isinstance(value, SURFACE_CASES):
             return value
         if not isinstance(value, Mapping):
@@ -288,7 +290,7 @@ class Study(Table):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _read_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
-        """Validate a table as the case that matches the surfaces. If the surfaces are invalid, use an empty table."""
+        """Validate a table as the class that matches the surfaces; use an empty table if these are invalid."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = GeneratedProfiles(), {}
@@ -298,7 +300,7 @@ class Study(Table):
             return read_contact(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaces):
             raise fault_at("load", "must have at least one load, got []")
-        contact = info.data.get("contact")  # None if it is invalid; only that error is reported
+        contact = info.data.get("contact")  # None if the table is invalid; only the error of this table is reported
         mechanics = "half-space" if contact is None else contact.mechanics
         case = select_friction_case(type(surfaces), mechanics)
         check_keys(value, case, SHARED_FRICTION_TABLES)
@@ -356,7 +358,7 @@ class Study(Table):
         return self.contact.step
 
     def sums(self) -> tuple[str, ...]:
-        """Return the names of the quantities that a result contains for each member and step."""
+        """Return the names of the contact sums that a result contains for each member and loading step."""
         if self.uses_half_space:
             return HALF_SPACE_SUMS + (ADHESION if self.contact.adheres else ())
         approach = ("approach",) if self.step == "load" else ()
@@ -364,7 +366,7 @@ class Study(Table):
         return SUMS + (AREAL_SUMS if self.is_areal else ()) + approach + onset
 
     def motions(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are given as lists, and become dimensions."""
+        """Return the sliding rules and directions (degrees) that are lists, and so form dimensions of a result."""
         return self.contact.motions()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
@@ -454,7 +456,7 @@ class Study(Table):
         return "\n".join(tables)
 
     def _base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return all keys before the changes. If the changes select another case of a table, adapt its keys."""
+        """Return the tables before the changes, converted to other classes if the changes select them."""
         data = self._to_tables()
         given = {key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS}
         given = {key: value for key, value in given.items() if value is not None}
@@ -471,7 +473,7 @@ class Study(Table):
         return data
 
     def _reset_loads(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
-        """Remove loads of generated surfaces that the changes make invalid, or that were derived from other loads."""
+        """Remove loads of generated surfaces that the changes invalidate, or that were derived from changed loads."""
         if "contact.load" in changes or not is_allowed:
             data["friction"].pop("load", None)
         elif len(requested := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(requested) + 2:
@@ -483,7 +485,7 @@ class Study(Table):
 
 
 def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
-    """Return a table converted to another case: keep values that differ from the defaults, add the other defaults."""
+    """Convert a table to another class: keep values that differ from the defaults, and use new defaults otherwise."""
     own = type(table)
     changed = {key for key, value in table if value != own.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
@@ -492,7 +494,7 @@ def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
 
 
 def list_written_keys(table: Table) -> dict[str, Any]:
-    """Return the keys of a table that have a value, in the order of a study file."""
+    """Return the entries of a table that have a value, in the order of a study file."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(table, MeasuredAreasContact):
@@ -522,7 +524,7 @@ def study_names() -> list[str]:
 
 
 def study_summary(name: str) -> str:
-    """Return the one-sentence description of a built-in study, the first line of its file."""
+    """Return the one-sentence description of a built-in study, which is the first line of its file."""
     return (_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 
@@ -540,11 +542,11 @@ def find_step_dimension(dataset: xarray.Dataset) -> str:
 
 
 def find_differences(first: Table, second: Table, prefix: str = "") -> list[StudyDifference]:
-    """Return all values that differ between two tables, in the order of a study file."""
+    """Return the differences between two tables, in the order of a study file."""
     texts, result = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
-        if not field.repr:  # a body in memory; its checksum is compared
+        if not field.repr:  # the checksum of a body in memory is compared, not the body
             continue
         values = getattr(first, name, None), getattr(second, name, None)
         if values[0] == values[1]:
@@ -557,7 +559,10 @@ def find_differences(first: Table, second: Table, prefix: str = "") -> list[Stud
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """Return the differences that change the members of a study. Friction, figures and file paths do not."""
+    """Return the differences that change the members of a study.
+
+    The members do not depend on the table friction, the figures, or file paths.
+    """
     return [
         difference
         for difference in find_differences(first, second)
@@ -567,7 +572,7 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
 
 
 def format_differences(differ: list[StudyDifference]) -> str:
-    """Return the first differences as lines of a message."""
+    """Format the first differences as lines of a message."""
     lines = [
         f"{key} = {short_repr(stored)} there, {short_repr(new)} here"
         for key, stored, new in differ[:MAX_LISTED_DIFFERENCES]

@@ -123,7 +123,7 @@ def yield_estimates(
     count = value_of(point, "contact_count")
     mu0, tau0 = float(point["mu0"]), float(point["tau0"])
     return [
-        (hardness, *scan.yields_at(hardness / pressure, count), mu0 + tau0 / hardness)
+        (hardness, *scan.find_plastic_wavelength(hardness / pressure, count), mu0 + tau0 / hardness)
         for hardness in TYPICAL_HARDNESSES
         if hardness < modulus / 2
     ]
@@ -209,7 +209,7 @@ def resolution_limits(at: xarray.Dataset, study: Study) -> dict[str, Any]:
     fraction = value_of(at.isel(cut_off=0), "contact_area_fraction")
     if scan is None or not fraction > 0 or not study.uses_half_space:
         return table
-    waves, gradients, fractions = scan.finer(fraction, value_of(at.isel(cut_off=0), "contact_count"))
+    waves, gradients, fractions = scan.extrapolate(fraction, value_of(at.isel(cut_off=0), "contact_count"))
     steepness = gradients[:, :1]
     friction = float(at["mu0"]) + float(at["tau0"]) * fractions / interface_stretch(steepness) * area / load
     friction *= friction_stretch(steepness, scan.roughness.dimensions)
