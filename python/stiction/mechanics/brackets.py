@@ -1,4 +1,4 @@
-"""Brackets of area and friction at finer resolution, and extrapolation of the elastic result below it."""
+"""Intervals of area and friction at finer resolution, and extrapolation of elastic results to shorter wavelengths."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-MIN_LOG_SPREAD = 0.1  # smallest spread of ln κ, κ = A E* h'/F, between two resolutions, for any number of contacts
-WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))  # extrapolated wavelengths over the shortest of the scan
+# Smallest spread of ln κ, with κ = A E* h'/F, between two resolutions. It holds for any number of contacts.
+MIN_LOG_SPREAD = 0.1
+# Extrapolated wavelengths as fractions of the shortest wavelength of the scan.
+WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_spread(contact_count: Floats) -> Floats:
-    """Return the factor within which κ of a finer scan agrees with this scan in 95 % of pairs, from the contact count.
+    """Return the factor within which κ of a finer scan agrees with κ of this scan in 95 % of pairs.
 
     Fitted to mean plus two standard deviations of ln κ: 0.6 with 2 contacts, 0.35 with 5, 0.2 with 16 and 0.1 with 40.
     The pairs had Hurst exponents of 0.4 and 0.8, and shortest wavelengths of 32 and of 4 points.
@@ -31,7 +33,7 @@ def kappa_spread(contact_count: Floats) -> Floats:
 
 
 def rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
-    """Return the root-mean-square gradient of a gap, with the slopes of the half-space model."""
+    """Return the root-mean-square gradient of a gap, from the slopes that the half-space model uses."""
     from stiction.mechanics.patches import slopes
 
     gap_slopes = slopes(gap.heights, gap.spacings, periodic=periodic)
@@ -39,7 +41,7 @@ def rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
 
 
 def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None:
-    """Estimate the Hurst exponent of a gap; return None if its spectrum has no self-affine band."""
+    """Estimate the Hurst exponent of a gap. Return None if the spectrum of the gap has no self-affine band."""
     try:
         return estimate_hurst_exponent(gap, periodic=periodic)
     except ValueError:
@@ -49,7 +51,10 @@ def gap_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Find the wavelength down to which the gap has a gradient known within a factor, with its interval, or NaN."""
+    """Find the shortest wavelength that limits the gradient of the gap to a value, and the interval of the wavelength.
+
+    The interval follows from the factor `spread` of the gradient. Return NaN if there is no such wavelength.
+    """
     if math.isnan(gradient):
         return math.nan, math.nan, math.nan
     middle, rougher, smoother = (None,) * 3 if estimate is None else interval_power_laws(estimate)
@@ -63,11 +68,14 @@ def plastic_wavelength(
 def extrapolated_gradients(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
 ) -> Floats:
-    """Extrapolate the gradients of finer scans (wavelength, statistic) from this scan; NaN without an exponent."""
+    """Extrapolate from this scan to the gradients of finer scans (wavelength, statistic).
+
+    Return NaN without an exponent.
+    """
     finer = np.array(WAVELENGTH_RATIOS) * shortest
     if estimate is None:
         return np.full((finer.size, 3), np.nan)
-    # Scaled to the slopes of this scan, so that the extrapolation is continuous.
+    # The scale matches the slopes of this scan, so that the extrapolation is continuous.
     scale = gradient / float(roughness.gradient_at(shortest))
     gradients = scale * np.stack([roughness.continued(finer, line) for line in interval_power_laws(estimate)], axis=1)
     gradients[:, 1:] = np.sort(gradients[:, 1:], axis=1)
@@ -75,18 +83,21 @@ def extrapolated_gradients(
 
 
 def elastic_area(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Return projected area fractions (wavelength, load, statistic) from those at a gradient of one."""
+    """Return projected area fractions (wavelength, load, statistic), from the area fractions at a gradient of 1."""
     within = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
     return area_of_slope[:, np.newaxis] * within / gradients[:, np.newaxis, [0, 2, 1]]
 
 
 def interface_stretch(gradient: Floats) -> Floats:
-    """Return interface area over projected area, 1 + h'²/8, if both surfaces share the slope of the gap equally."""
+    """Return interface area over projected area, 1 + h'²/8, if both surfaces have equal parts of the slope."""
     return np.asarray(1 + np.square(gradient) / 8)
 
 
 def friction_stretch(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor on mu_s for friction at all contacts: 1 + h'²/16 from slopes across the motion; 1 on lines."""
+    """Return the factor on mu_s due to slopes across the motion, with friction at all contacts.
+
+    The factor is 1 + h'²/16 on areas and 1 on lines.
+    """
     return np.asarray(1 + np.square(gradient) / 16 if dimensions == 2 else np.ones(np.shape(gradient)))
 
 
@@ -105,7 +116,7 @@ def max_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
 def friction_bracket(
     value: float, mu0: float, adhesion: float, contacts: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the bracket of mu_s of every finer scan of a yielding pair, with friction at all contacts.
+    """Return the interval of mu_s at every finer resolution of a yielding pair, with friction at all contacts.
 
     `value` is mu_s of this scan; `adhesion` is tau0/H. The upper end refers to the value, or to `upper` if given.
     """
@@ -116,7 +127,7 @@ def friction_bracket(
 
 
 def with_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
-    """Add plastic limit and brackets, with friction at all contacts, to a `resolution` dataset."""
+    """Add the plastic limit and the intervals, with friction at all contacts, to a `resolution` dataset."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness

@@ -1,4 +1,7 @@
-"""Contact candidates: places where two surfaces may touch, found once and used at many approaches."""
+"""Contact candidates, which are places where two surfaces may touch.
+
+They are found once and used at many approaches.
+"""
 
 from __future__ import annotations
 
@@ -24,12 +27,13 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-_GROOVE_TOLERANCE = 1e-9  # change of a grooved gap along its grooves, over its total range
+# Largest change of a grooved gap along its grooves, as a fraction of the range of the gap.
+_GROOVE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Candidates:
-    """Local minima of the splined gap between two surfaces, in grid order; all arrays are read-only.
+    """Local minima of the splined gap between two surfaces, in the order of the grid. All arrays are read-only.
 
     Returned by `candidates`; `contacts` and `press` accept it instead of two surfaces. Positions are in the frame of
     the lower surface.
@@ -70,7 +74,7 @@ class Candidates:
         return len(self.core)
 
     def __repr__(self) -> str:
-        """Return the number of candidates and the criteria of the search."""
+        """Return the number of candidates and the criteria of the search in one line."""
         return f"Candidates: {len(self)} up to an approach of {self.deepest:.4g} µm, {self.curvature} curvature"
 
     @property
@@ -101,7 +105,7 @@ class Candidates:
 def candidates(
     upper: Profile | Surface, lower: Profile | Surface, *, deepest: float, curvature: Curvature | None = None
 ) -> Candidates:
-    """Find the places where two surfaces may touch up to a largest approach.
+    """Find the places where two surfaces may touch at approaches up to a largest approach.
 
     Parameters
     ----------
@@ -166,7 +170,7 @@ def candidates(
 def candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the candidates, if given instead of two surfaces, and the contact model."""
+    """Return the candidates, if they are given instead of two surfaces, and the contact model."""
     if not isinstance(upper, Candidates):
         return None, model_for_pair(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:

@@ -1,4 +1,4 @@
-"""Exact solutions of single contacts and of sinusoidal surfaces, also used as references in the tests.
+"""Exact solutions for single contacts and sinusoidal surfaces. The tests use them as references, too.
 
 Plain NumPy, independent of the core. All arguments broadcast.
 """
@@ -17,9 +17,11 @@ from stiction.mechanics.friction import check_shear_strength, friction_parameter
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import Sliding
 
-_BISECTIONS = 64  # number of bisections: resolves the logarithm of an aspect ratio to the last bit
+# Number of bisections. It is sufficient to find the logarithm of an aspect ratio to the last bit.
+_BISECTIONS = 64
 _SLOPE_TOLERANCE = 1e-9  # tolerance by which a slope may exceed the gradient
-_SMALL_SLOPE = 1e-3  # deviation of slopes below which two terms of a series are exact to the last bit
+# Deviation of slopes below which two terms of a series are exact to the last bit.
+_SMALL_SLOPE = 1e-3
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -37,14 +39,14 @@ def positive(**arguments: ArrayLike) -> list[Floats]:
 
 
 def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Make a function raise ValueError where a result or an intermediate number exceeds double precision."""
+    """Wrap a function so that it raises ValueError if a result or an intermediate number exceeds double precision."""
 
     @functools.wraps(function)
     def checked(*args: _P.args, **kwargs: _P.kwargs) -> _R:
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
                 return function(*args, **kwargs)
-        except ArithmeticError:  # NumPy's FloatingPointError is one, too
+        except ArithmeticError:  # NumPy's FloatingPointError is also an ArithmeticError
             raise ValueError(
                 f"{function.__name__} exceeds the range of double precision; its arguments must be less extreme"
             ) from None
@@ -396,7 +398,7 @@ def maugis_dugdale(
             outer = least.x - 1
             while outer > -30 and _maugis(outer, strength)[1] < force / unit:
                 outer -= 1
-            if _maugis(outer, strength)[1] < force / unit:  # the difference of both radii is lost in round-off
+            if _maugis(outer, strength)[1] < force / unit:  # the difference of the two radii is lost in round-off
                 raise ArithmeticError
             result = brentq(lambda x, s=strength, f=force / unit: _maugis(x, s)[1] - f, outer, least.x)
             radii[place] = _maugis(result, strength)[0] * (unit * r1 / modulus) ** (1 / 3)
@@ -404,7 +406,10 @@ def maugis_dugdale(
 
 
 def _maugis(logarithm: float, strength: float) -> tuple[float, float]:
-    """Return radius and load in Maugis' units for the logarithm of m - 1, with m the ratio of both radii."""
+    """Return radius and load in Maugis' units.
+
+    The argument is the logarithm of m - 1, where m is the ratio of both radii.
+    """
     m = 1 + np.exp(logarithm)
     root = np.sqrt(np.exp(logarithm) * (m + 1))
     angle = np.arctan(root)
@@ -418,7 +423,7 @@ def _maugis(logarithm: float, strength: float) -> tuple[float, float]:
 def fuller_tabor(
     deviation: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, work_of_adhesion: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """Compute the effect of the summit height distribution on the pull-off force of a rough surface.
+    """Compute the pull-off force of a rough surface from the distribution of its summit heights.
 
     Parameters
     ----------
@@ -468,7 +473,7 @@ def fuller_tabor(
     left = np.empty(parameter.shape)
     for place in np.ndindex(left.shape):
         spread = float(parameter[place])
-        # Relative to the contact radius at zero load, to the load 3/2 π w R, and to the height δ.
+        # Quantities are relative to the contact radius at zero load, to the load 3/2 π w R, and to the height δ.
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * spread), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 
@@ -645,7 +650,7 @@ def hertz_ellipse(
     )
     larger, smaller = np.maximum(r1, r2), np.minimum(r1, r2)
     ratio = smaller / larger  # of the curvatures
-    # R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is below k.
+    # The ratio R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is below k.
     low, high = np.log(ratio), np.zeros(ratio.shape)
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
@@ -718,7 +723,7 @@ def slope_friction(
 
 @reject_overflow
 def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Compute the largest pressure H' of a plastic contact that slides, after junction growth.
+    """Compute the largest pressure H' of a sliding plastic contact after junction growth.
 
     Parameters
     ----------
@@ -770,7 +775,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
 
 @reject_overflow
 def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Compute the friction coefficient of contacts that all yield, after junction growth.
+    """Compute the friction coefficient of contacts all of which yield, after junction growth.
 
     Parameters
     ----------
@@ -917,7 +922,7 @@ def gentle_friction(
 
 
 def _stretch(deviation: Floats) -> tuple[Floats, Floats]:
-    """Return the means of (1 + s²)^(1/2) and (1 + s²)^(-1/2) over a normally distributed s."""
+    """Return the means of (1 + s²)^(1/2) and (1 + s²)^(-1/2) for a normally distributed slope s."""
     from scipy import special
 
     gentle = deviation < _SMALL_SLOPE
@@ -1083,7 +1088,7 @@ def westergaard_gap(
 def _sinusoid(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return sine and cosine of πx/λ, mean pressure, pressure of full contact, and amplitude."""
+    """Return the sine and cosine of πx/λ, the mean pressure, the pressure of full contact, and the amplitude."""
     p, d, wave, e = positive(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )

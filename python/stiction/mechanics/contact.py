@@ -1,4 +1,4 @@
-"""Asperities of profiles, and contacts of two surfaces at one approach.
+"""Asperities of profiles, and the contacts of two surfaces at one approach.
 
 Hanaor, Gan & Einav (2016), Eqs. 2 to 5.
 """
@@ -23,7 +23,7 @@ from stiction.surfaces.surface import Surface, as_body
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contacts(TextRepr):
-    """All contacts of a pair at one approach, one per row, in grid order; all arrays are read-only.
+    """All contacts of a pair at one approach, one per row, in the order of the grid. All arrays are read-only.
 
     Vectors are (x, y, z) with z as height; y is 0 on profiles. Positions are in the frame of the lower surface.
 
@@ -172,7 +172,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Asperities(TextRepr):
-    """Osculating spheres of a profile, one per point; all arrays are read-only.
+    """Osculating spheres of a profile, one for each point. All arrays are read-only.
 
     Attributes
     ----------

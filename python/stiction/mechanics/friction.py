@@ -1,4 +1,4 @@
-"""Friction from contact sums: F = elastic + mu0 frictional + tau0 adhesive, for normal and tangential load.
+"""Normal and tangential load from contact sums: F = elastic + mu0 frictional + tau0 adhesive.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5.
 """
@@ -22,9 +22,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved", "seizure"]
-"""Status of a point: "ok" if it has a friction coefficient, or the reason why it has none."""
+"""Status of a point. It is "ok" if the point has a friction coefficient; otherwise it is the reason why there is
+none."""
 
-STATUSES: tuple[Status, ...] = get_args(Status)  # the order defines their numbers in files
+STATUSES: tuple[Status, ...] = get_args(Status)  # the order of the statuses defines their numbers in files
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"
 STATUS_NO_CONTACT: Status = "no-contact"
@@ -32,18 +33,19 @@ STATUS_NOT_REACHED: Status = "not-reached"
 STATUS_BELOW_RANGE: Status = "below-range"
 STATUS_NOT_SOLVED: Status = "not-solved"
 STATUS_SEIZURE: Status = "seizure"
-STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")  # dtype of arrays of statuses
+STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")  # data type of arrays of statuses
 _CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
 
 SIX_SUMS = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _CONTRIBUTIONS)
-"""Contact sums that determine normal and tangential load for every mu0 and tau0."""
+"""Names of the contact sums that determine the normal and the tangential load for every mu0 and tau0."""
 
-SHEAR_STRENGTH_LIMIT = 0.1  # tau0/E* above which tau0 was probably given in MPa instead of GPa
+# Ratio tau0/E* above which tau0 was probably given in MPa instead of GPa.
+SHEAR_STRENGTH_LIMIT = 0.1
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sums:
-    """Sums over contacts that determine both loads for every mu0 and tau0, arrays of equal shape; see `LoadCurve`."""
+    """Sums over contacts that determine both loads for every mu0 and tau0, as arrays of equal shape."""
 
     contact_count: NDArray[Any]
     contact_area: Floats = field(metadata={"unit": "µm²"})
@@ -60,17 +62,17 @@ class Sums:
 
     @classmethod
     def from_columns(cls, columns: Mapping[str, Any]) -> Sums:
-        """Create from a mapping with all sums by name, such as the variables of a dataset."""
+        """Create the sums from a mapping that has all sums by name, such as the variables of a dataset."""
         return Sums(**{name: columns[name] for name in SUMS})
 
     def apply(self, function: Callable[[NDArray[Any]], Any]) -> Sums:
-        """Apply a function, such as an index or a mean, to every sum."""
+        """Apply a function, such as an index or a mean, to every sum, and return the new sums."""
         return Sums(**{name: function(getattr(self, name)) for name in SUMS})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextRepr):
-    """Indicators of the model's validity, as fractions of the normal load Σ F n_z; NaN without contact.
+    """Indicators of the validity of the model, as fractions of the normal load Σ F n_z. Values are NaN without contact.
 
     Attributes
     ----------
@@ -99,13 +101,13 @@ class Validity(TextRepr):
 
     @classmethod
     def from_sums(cls, sums: Any) -> Self:
-        """Compute the indicators from contact sums."""
+        """Compute the validity indicators from contact sums."""
         return cls(**{item.name: validity_ratio(item.name, sums) for item in fields(cls)})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Indicators of the model's validity on surfaces: those of `Validity` and three others.
+    """Indicators of the validity of the model on surfaces, which extend `Validity` by three indicators.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -138,11 +140,11 @@ RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
     for name, quantity in QUANTITIES.items()
     if quantity.kind == "validity"
 }
-"""Numerator and denominator sums of each validity indicator."""
+"""Numerator and denominator of each validity indicator, as names of sums."""
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Compute a validity indicator from sums, by name or by attribute; NaN without contact."""
+    """Compute a validity indicator from sums, given by name or as attributes. The indicator is NaN without contact."""
     numerator, denominator = RATIOS[name]
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(_column(sums, numerator) / sum(_column(sums, item) for item in denominator))
@@ -153,20 +155,20 @@ def _column(sums: Any, name: str) -> Any:
 
 
 def compute_load(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Floats:
-    """Compute the "normal", "tangential" or "lateral" load (mN) from sums by name or by attribute."""
+    """Compute the "normal", "tangential" or "lateral" load (mN) from sums, given by name or as attributes."""
     elastic, frictional, adhesive = (_column(sums, f"{load}_{part}") for part in _CONTRIBUTIONS)
     return np.asarray(elastic + mu0 * frictional + tau0 * adhesive)
 
 
 def compute_loads(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Compute normal and tangential load (mN) from sums (...), over (..., mu0, tau0)."""
+    """Compute the normal and the tangential load (mN) from sums (...). The shape of the loads is (..., mu0, tau0)."""
     columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in SIX_SUMS}
     mu0 = mu0[:, np.newaxis]
     return compute_load("normal", columns, mu0, tau0), compute_load("tangential", columns, mu0, tau0)
 
 
 class FrictionCurve(PlotRepr):
-    """Loads and friction of a pair at each step, an approach or a load, computed from stored contact sums."""
+    """Loads and friction of a pair at each step, computed from stored contact sums. A step is an approach or a load."""
 
     contact_count: NDArray[Any]
     contact_area: Floats
@@ -182,11 +184,11 @@ class FrictionCurve(PlotRepr):
         return compute_load("normal", self, *self._parameters(mu0, tau0))
 
     def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the F_T (mN) at which sliding starts; shape and arguments as for `normal_load`."""
+        """Return the tangential load F_T (mN) that starts sliding, with shape and arguments as for `normal_load`."""
         return compute_load("tangential", self, *self._parameters(mu0, tau0))
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return F_T / F_N, or NaN unless the status is "ok"; shape and arguments as for `normal_load`."""
+        """Return F_T / F_N, or NaN unless the status is "ok", with shape and arguments as for `normal_load`."""
         parameters = self._parameters(mu0, tau0)
         normal, tangential = (compute_load(load, self, *parameters) for load in ("normal", "tangential"))
         ok = status_at(self.contact_count, normal) == STATUS_OK
@@ -194,12 +196,12 @@ class FrictionCurve(PlotRepr):
         return coefficient
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
-        """Return "ok", "self-locked" (F_N <= 0) or "no-contact"; shape and arguments as for `normal_load`."""
+        """Return "ok", "self-locked" (F_N <= 0) or "no-contact", with shape and arguments as for `normal_load`."""
         normal = compute_load("normal", self, *self._parameters(mu0, tau0))
         return status_at(self.contact_count, normal)
 
     def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
-        """Draw the real contact area over the load, or with a mu0 the friction coefficients, one line each.
+        """Draw the real contact area or, with a mu0, the friction coefficients as functions of the load.
 
         mu0 and tau0 (GPa) are as for `normal_load`. Draws into given axes or new ones, and returns them.
         """
@@ -213,7 +215,7 @@ class FrictionCurve(PlotRepr):
         strengths = friction_parameter("tau0", tau0)
         check_shear_strength(strengths, self.effective_modulus)
         materials = np.broadcast_arrays(friction_parameter("mu0", mu0), strengths)
-        # Inserted before the axes of the sums: steps, or directions and steps.
+        # The new axes come before the axes of the sums, which are steps, or directions and steps.
         axes = (..., *([np.newaxis] * self.tangential_elastic.ndim))
         return materials[0][axes], materials[1][axes]
 
@@ -221,7 +223,7 @@ class FrictionCurve(PlotRepr):
 def combine_status(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Combine boolean conditions, which are broadcast, to the status of curves, ensembles and members.
+    """Combine boolean conditions, which are broadcast, to the status of curves, ensembles or members.
 
     `locked` refers to the last step, `below` to a first step that already supports more than the load.
     """
@@ -238,7 +240,7 @@ def combine_status(
 
 
 def status_at(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return the status at an approach, where every load above 0 is reached."""
+    """Return the status at an approach. Unlike a load, an approach is always reached."""
     return combine_status(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
@@ -262,7 +264,7 @@ def check_shear_strength(tau0: Floats, effective_modulus: float) -> None:
 
 
 def check_strengths(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
-    """Check and return a single mu0 and a single tau0 (GPa)."""
+    """Check a single mu0 and a single tau0 (GPa), and return them."""
     values = [
         float(friction_parameter(name, number(name, value, unit=unit)))
         for name, value, unit in (("mu0", mu0, ""), ("tau0", tau0, "GPa"))

@@ -1,4 +1,4 @@
-"""Two rough surfaces as one elastic half-space: the boundary-element solution, and friction from it.
+"""Contact of two rough surfaces as one elastic half-space: the boundary-element solution, and friction from it.
 
 For small slopes, two elastic bodies in frictionless contact are equivalent to one gap over a half-space of modulus E*.
 Friction from half-space pressures and local slopes: Karpenko & Akay, Tribology International 34 (2001) 531.
@@ -31,15 +31,16 @@ if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution, Problem, StepKind
     from stiction.mechanics.patches import PatchSums
 
-# The solver imports SciPy, which takes longer than all other imports, so it is imported where it is used.
+# The solver is imported where it is used, because it imports SciPy, which takes longer than all other imports.
 
 Boundary = Literal["free", "periodic"]
 Tilt = Literal["fixed", "free"]
 
 ADHESION_RANGE = 5e-4
-"""Default decay length (µm) of the attraction between solids: one to two atomic distances."""
+"""Default decay length (µm) of the attraction between solids, which is one to two atomic distances."""
 
-PROCESS_ZONE = 2.0  # points in the process zone E* ρ²/w at an edge; with fewer points the result depends on the grid
+# Minimum number of points in the process zone E* ρ²/w at an edge. With fewer points the result depends on the grid.
+PROCESS_ZONE = 2.0
 
 
 def resolved_range(work: float, spacing: float, effective_modulus: float) -> float:
@@ -49,7 +50,7 @@ def resolved_range(work: float, spacing: float, effective_modulus: float) -> flo
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceContact(PlotRepr):
-    """Contact of two surfaces at one load, over the grid; all arrays are read-only.
+    """Contact of two surfaces at one load, given on the grid. All arrays are read-only.
 
     Attributes
     ----------
@@ -90,7 +91,7 @@ class HalfSpaceContact(PlotRepr):
     spacing: tuple[float, ...] = field(metadata={"unit": "µm"})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the pressure over the heights of the lower surface, as a map or over x.
+        """Draw the pressure above the heights of the lower surface, as a map or as a function of x.
 
         Draws into given axes or new ones, and returns them.
         """
@@ -101,7 +102,7 @@ class HalfSpaceContact(PlotRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceCurve(FrictionCurve):
-    """Half-space contact of two surfaces at each load, for every mu0 and tau0; all arrays are read-only.
+    """Half-space contact of two surfaces at each load, for every mu0 and tau0. All arrays are read-only.
 
     The sums are over points under pressure, analogous to those of `LoadCurve` over asperities: n is the normal of the
     deformed interface at a point, t the tangent, s the direction. A patch opposes if its force on the upper surface
@@ -177,7 +178,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off(self) -> float:
-        """Largest tension (mN) that the surfaces support, from the contact of the smallest load; 0 without adhesion.
+        """Largest tension (mN) that the surfaces support, starting from the contact at the smallest load.
 
         Computed on first use. The surfaces separate at a tension 1 % above it. If that is not certain, a warning
         contains "at least", and `pull_off_is_bound` is True.
@@ -194,14 +195,14 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Return `pull_off` (mN) and `pull_off_is_bound`, without a warning."""
+        """Return `pull_off` (mN) and `pull_off_is_bound` without a warning."""
         if self.work_of_adhesion == 0:
             return 0.0, False
         return -self._apart[0][-1].load, bool(self._apart[1])
 
     @property
     def parting(self) -> HalfSpaceCurve:
-        """Contacts during separation, from the smallest load to the pull-off force.
+        """Contacts during separation, from the smallest load down to the pull-off force.
 
         Raises a `ValueError` without adhesion.
         """
@@ -223,12 +224,15 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def adhesion_range(self) -> float:
-        """Decay length (µm) of the attraction: the given range, or the smallest that the grid resolves."""
+        """Decay length (µm) of the attraction.
+
+        It is the given range or, if larger, the smallest range that the grid resolves.
+        """
         return self._problem.adhesion_range
 
     @cached_property
     def stiffness(self) -> Floats:
-        """(k,) dF/dδ (mN/µm) at constant contact points; infinite at full contact of periodic surfaces.
+        """(k,) dF/dδ (mN/µm) at constant contact points. Infinite at full contact of periodic surfaces.
 
         NaN on a free half-plane, and if all pressure is at the hardness. Computed on first use.
         """
@@ -236,7 +240,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """(k,) dp/dc (GPa/µm), nominal pressure over closure, in first loading. Computed on first use.
+        """(k,) dp/dc (GPa/µm), the derivative of the nominal pressure with respect to the closure, in first loading.
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
@@ -244,14 +248,19 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def tilt(self) -> Floats:
-        """(k, 2) or (k, 1) slopes of the upper surface's rotation along y and x, or x; 0 if it is fixed."""
+        """(k, 2) slopes along y and x of the rotation of the upper surface, (k, 1) for lines.
+
+        The slopes are 0 if it is fixed.
+        """
         return read_only(
             np.array([np.zeros(self._problem.gap.ndim) + solution.problem.tilt for solution in self._pressed])
         )
 
     @cached_property
     def unloading_stiffness(self) -> Floats:
-        """(k,) unloading (ultrasonic) stiffness dF/dδ, mN/µm: yielded points respond elastically as well.
+        """(k,) stiffness dF/dδ during unloading (ultrasonic stiffness), mN/µm.
+
+        Yielded points respond elastically as well.
 
         The loading stiffness, `stiffness`, is smaller if there is a hardness, because yielded points support no more
         load.
@@ -278,7 +287,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def direction(self) -> Floats:
-        """Direction in which the upper surface is about to move, degrees from +x towards +y, () or (d,)."""
+        """Direction of the motion of the upper surface, in degrees from +x towards +y, with shape () or (d,)."""
         return self._model.angles()
 
     @property
@@ -288,15 +297,15 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def hardness(self) -> float | None:
-        """Largest possible pressure, GPa; None without yielding."""
+        """Largest possible pressure, GPa. None if the bodies do not yield."""
         return self._problem.hardness
 
     def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
-        """Return the same contacts with another sliding rule, "opposing" or "all", without solving again."""
+        """Return the same contacts with another sliding rule, "opposing" or "all". They are not solved again."""
         return self._by(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
-        """Return the same contacts for another direction of motion, without solving again.
+        """Return the same contacts for another direction of motion. They are not solved again.
 
         Parameters
         ----------
@@ -376,7 +385,7 @@ def half_space(
     tolerance: float = 1e-6,
     progress: Callable[[int, int, float], object] | None = None,
 ) -> HalfSpaceCurve:
-    """Compute pressure, real contact area and friction of two rough surfaces as an elastic half-space.
+    """Compute pressure, real contact area and friction of two rough surfaces on an elastic half-space.
 
     Parameters
     ----------
@@ -530,7 +539,7 @@ def _solve(
 
 
 def _with_adhesion(problem: Problem, work: float, length: float, effective_modulus: float) -> Problem:
-    """Add adhesion (mN/µm) with a range (µm) to a problem; warn if the grid requires a longer range."""
+    """Add adhesion (mN/µm) with a range (µm) to a problem. Warn if the grid requires a longer range."""
     smallest = resolved_range(work, max(problem.spacing), effective_modulus)
     if smallest > length:
         warnings.warn(
@@ -566,7 +575,7 @@ def _totals(
 
 
 def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
-    """Stack rows to (k,) arrays, or (d, k) if they depend on several directions."""
+    """Stack rows to arrays of shape (k,), or (d, k) if they depend on several directions."""
     columns = {}
     for name in rows[0]:
         column = np.array([row[name] for row in rows])
@@ -579,7 +588,10 @@ def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str,
 def solve_separately(
     solve: Callable[[Floats], HalfSpaceCurve], loads: Floats
 ) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
-    """Solve all loads, or each separately if that fails; return curves and load indices without failed loads."""
+    """Solve all loads together or, if that fails, each load separately.
+
+    Return the curves and the indices of the solved loads.
+    """
     try:
         return [(np.arange(loads.size), solve(loads))]
     except RuntimeError:
@@ -593,7 +605,7 @@ def solve_separately(
 
 
 def solve_at_no_load(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCurve | None:
-    """Return the contact of adhering surfaces at zero load, or None if there is no solution."""
+    """Return the contact of adhering surfaces at zero load. Return None if there is no solution."""
     try:
         return solve(np.zeros(1))
     except RuntimeError:

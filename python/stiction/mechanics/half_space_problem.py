@@ -1,4 +1,4 @@
-"""Half-space contact of two surfaces: the checked problem, its solver, and the solution at one load."""
+"""Half-space contact of two surfaces, with the checked problem, its solver, and the solution at one load."""
 
 from __future__ import annotations
 
@@ -23,11 +23,14 @@ from stiction.surfaces.profile import Profile, combine_missing
 from stiction.surfaces.surface import Surface
 
 MAX_CACHED_POINTS = 2**20
-"""Largest grid whose kernels stay cached without users: 35 MB. Computing them takes a quarter of a free solution."""
+"""Largest grid (points) whose kernels stay cached without users, which takes 35 MB. Computing them takes a quarter of a
+free solution."""
 
-TILT_FRACTION = 0.01  # edge displacement by the tilt of a linear response, over the displacement under the load
+# Displacement of an edge by the tilt of a linear response, as a fraction of the displacement under the load.
+TILT_FRACTION = 0.01
 RESPONSE_TOLERANCE = 1e-7  # tolerance of linear responses
-RESPONSE_BOUND = 1e9  # pressure bound of linear responses to a mean pressure of 1; large enough for coarse grids
+# Bound of the pressure in linear responses to a mean pressure of 1. It is large enough for coarse grids.
+RESPONSE_BOUND = 1e9
 MAX_CELL_RATIO = 1e6  # largest ratio of the sides of a grid cell
 
 
@@ -40,7 +43,7 @@ _uniform: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.Weak
 def get_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
 ) -> _core.HalfSpaceGrids:
-    """Return the grids of a problem with their kernels, shared as long as they are in use."""
+    """Return the grids of a problem with their kernels. They are shared as long as a problem uses them."""
     key = shape, spacing, effective_modulus, periodic
     grids = _grids_by_key.get(key)
     if grids is None:
@@ -57,7 +60,7 @@ def _unpickle_grids(
     return get_grids(shape, spacing, effective_modulus, periodic=periodic)
 
 
-# Copies, and curves from another process, recompute the kernels if the process does not have them.
+# Copies of grids, and grids of curves from another process, recompute the kernels if this process does not have them.
 copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_grids[grids]))
 
 
@@ -69,7 +72,7 @@ def threads() -> int:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Heights and gap (µm, minimum 0) of two surfaces, and the conditions of their contact, in core units."""
+    """Heights and gap (µm, minimum 0) of two surfaces and the conditions of their contact, in the units of the core."""
 
     upper: Floats
     lower: Floats
@@ -80,9 +83,9 @@ class Problem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    missing: NDArray[np.bool_] | None = None  # points without a height in one surface, which make no contact
-    tilt: Floats | float = 0.0  # slopes along y and x, or x, of the rotation of the upper surface about its centre
-    turns: bool = False  # whether the upper surface rotates until the resultant force is at the centre
+    missing: NDArray[np.bool_] | None = None  # points without a height in one surface; these points make no contact
+    tilt: Floats | float = 0.0  # rotation of the upper surface about its centre, as slopes along y and x, or along x
+    turns: bool = False  # whether the upper surface rotates until the resultant force acts at the centre
 
     @property
     def periodic(self) -> bool:
@@ -101,17 +104,20 @@ class Problem:
 
     @property
     def has_approach(self) -> bool:
-        """True if far points have a finite displacement; False on a free half-plane."""
+        """True if points far away have a finite displacement. False on a free half-plane."""
         return self.periodic or len(self.spacing) == 2
 
     @property
     def measured(self) -> Floats:
-        """1 where both surfaces were measured, else 0."""
+        """Array that is 1 where both surfaces were measured, and 0 elsewhere."""
         return np.ones_like(self.gap) if self.missing is None else np.where(self.missing, 0.0, 1.0)
 
     @cached_property
     def even(self) -> Floats:
-        """Displacement under a uniform pressure of 1 GPa on measured points, µm; 0 for complete periodic surfaces."""
+        """Displacement under a uniform pressure of 1 GPa on the measured points, µm.
+
+        It is 0 for complete periodic surfaces.
+        """
         if self.missing is not None:
             return np.asarray(self.grids.displacement(self.measured, threads=threads()))
         if (cached := _uniform.get(self.grids)) is None:
@@ -120,7 +126,7 @@ class Problem:
 
     @cached_property
     def slope(self) -> list[Floats]:
-        """Slopes of the deformed interface along y and x, or x, at every point."""
+        """Slopes of the deformed interface at every point, along y and x, or along x."""
         fraction = self.compliance_share
         interface = (1 - fraction) * self.lower + fraction * self.upper
         return [along.ravel() for along in slopes(interface, self.spacing, periodic=self.periodic)]
@@ -128,7 +134,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """Contact at one load (mN): pressure (GPa), contact fraction of the cell and patch number of its points."""
+    """Contact at one load (mN): the pressure (GPa), contact fraction of the cell and patch number of each point."""
 
     problem: Problem
     load: float
@@ -143,7 +149,7 @@ class ContactSolution:
 
     @property
     def adhering(self) -> float:
-        """Total attraction, mN."""
+        """Total force of the attraction, mN."""
         return float(np.sum(self.attraction)) * self.problem.cell
 
     @property
@@ -160,13 +166,13 @@ class ContactSolution:
         return grid.reshape(self.problem.gap.shape)
 
     def sums(self, directions: Floats) -> PatchSums:
-        """Compute the sums over each patch, for directions as (m, 2) horizontal unit vectors."""
+        """Compute the sums over each patch. `directions` are (m, 2) horizontal unit vectors."""
         problem = self.problem
         slope = [along[self.points] for along in problem.slope]
         return patch_sums(self.values * problem.cell, self.share * problem.cell, slope, self.patch, directions)
 
     def row(self) -> dict[str, Any]:
-        """Return the results that do not depend on friction."""
+        """Return the results that do not depend on friction, as one row of a curve."""
         capped = self.values == self.problem.hardness
         return {
             "load": self.load,
@@ -187,17 +193,26 @@ class ContactSolution:
 
     @cached_property
     def stiffness(self) -> float:
-        """dF/dδ (mN/µm) at constant contact points; infinite at full periodic contact, NaN without an approach."""
+        """Stiffness dF/dδ (mN/µm) at constant contact points.
+
+        Infinite at full periodic contact, and NaN without an approach.
+        """
         return self._compute_stiffness(self.free)
 
     @cached_property
     def unloading_stiffness(self) -> float:
-        """As `stiffness` for all points, because yielded points unload elastically."""
+        """Stiffness dF/dδ (mN/µm) of all contact points.
+
+        Unlike in `stiffness`, yielded points respond, because they unload elastically.
+        """
         return self.stiffness if self.free.all() else self._compute_stiffness(np.ones_like(self.free))
 
     @cached_property
     def closure_stiffness(self) -> float:
-        """dp/dc (GPa/µm), nominal pressure over closure, at constant contact points; infinite at full contact."""
+        """Stiffness dp/dc (GPa/µm) at constant contact points, from nominal pressure and closure.
+
+        Infinite at full contact.
+        """
         problem = self.problem
         if not self.free.any():
             return np.nan
@@ -212,7 +227,7 @@ class ContactSolution:
         return self._compute_response(self.free)
 
     def _compute_response(self, free: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures (GPa) of sum 1 on the free points under a rigid displacement, and that displacement (µm)."""
+        """Return pressures (GPa) with a sum of 1 under a rigid displacement of free points, and the displacement."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free), threads=threads())
         return TiltResponse.solve(self.problem, self.on_grid(free)).to_load()
@@ -225,14 +240,14 @@ class ContactSolution:
         return problem.cell / compliance if compliance > 0 else np.inf
 
 
-MAX_GAP_RATIO = 1e6  # largest gap over the length; the half-space model assumes slopes far below 1
+MAX_GAP_RATIO = 1e6  # Largest gap as a multiple of the length. The half-space model assumes slopes far below 1.
 
 
 def make_problem(
     upper: Profile | Surface, lower: Profile | Surface, effective_modulus: float, *, periodic: bool,
     compliance_share: float, hardness: float | None,
 ) -> Problem:  # fmt: skip
-    """Create the problem of two surfaces on the same grid; the other arguments have been checked."""
+    """Create the problem of two surfaces on the same grid. The other arguments must have been checked."""
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(
             f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"
@@ -258,7 +273,7 @@ StepKind = Literal["loads", "approaches"]
 
 
 def check_steps(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike | None) -> tuple[StepKind, Floats]:
-    """Check loads or approaches, and return which of them is given, with the values."""
+    """Check loads or approaches. Return which of them is given, and the values."""
     name: StepKind = "loads" if approaches is None else "approaches"
     given = loads if approaches is None else approaches
     if given is None or (loads is not None and approaches is not None):
@@ -288,7 +303,10 @@ def check_steps(problem: Problem, loads: ArrayLike | None, approaches: ArrayLike
 
 
 def lever_arms(problem: Problem) -> list[Floats]:
-    """Return the distances (µm) of the points from the measured centre along each axis, to broadcast."""
+    """Return the distances (µm) of the points from the centre of the measured points along each axis.
+
+    Each array has a shape for broadcasting over the grid.
+    """
     arms = []
     for axis, (count, spacing) in enumerate(zip(problem.gap.shape, problem.spacing, strict=True)):
         other_axes = tuple(index for index in range(problem.gap.ndim) if index != axis)
@@ -300,13 +318,13 @@ def lever_arms(problem: Problem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Linear response of constant contact points to a mean load of 1 GPa, and to slopes of the upper surface."""
+    """Linear responses of constant contact points to a mean load of 1 GPa, and to slopes of the upper surface."""
 
     pressure: Floats  # GPa, under the load
     approach: float  # µm
-    moments: Floats  # (n,), GPa µm, due to the load
-    turned: list[Floats]  # GPa, pressure per unit slope at constant load
-    turning: Floats  # (n, n), moments by slope and axis: negative definite except for single points
+    moments: Floats  # moments due to the load (n,), GPa µm
+    turned: list[Floats]  # pressure per unit slope at constant load, GPa
+    turning: Floats  # moments by slope and axis (n, n), which are negative definite except for single points
 
     @classmethod
     def solve(cls, problem: Problem, free: NDArray[np.bool_]) -> TiltResponse:
@@ -332,7 +350,7 @@ class TiltResponse:
         return cls(level, approach, moments, turned, (turning + turning.T) / 2)
 
     def to_load(self) -> tuple[Floats, float]:
-        """Return pressures of sum 1, and the approach, for a load through the centre."""
+        """Return pressures with a sum of 1 for a load through the centre, and the approach."""
         slopes = -np.linalg.lstsq(self.turning, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * turned_gradient for slope, turned_gradient in zip(slopes, self.turned, strict=True)
@@ -346,7 +364,7 @@ def mean_moments(pressure: Floats, arms: list[Floats]) -> Floats:
 
 
 class Solver:
-    """Solver of a problem at loads (mN) or approaches (µm) up to a largest one; missing points cannot touch."""
+    """Solver of a problem at loads (mN) or approaches (µm) up to a largest one. Missing points cannot touch."""
 
     def __init__(
         self, problem: Problem, name: StepKind, limit: float, *, tolerance: float,
@@ -356,8 +374,8 @@ class Solver:
         bound = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Missing points get a gap that is never closed. The tolerance is scaled, because it refers to the gap's
-            # deviation.
+            # Missing points get a gap that never closes. The tolerance is scaled, because it refers to the deviation of
+            # the gap.
             measured_gap = gap[~missing]
             moved = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (moved if name == "loads" else limit), gap)
@@ -367,7 +385,7 @@ class Solver:
         )
 
     def at(self, step: float, near: Floats | None) -> _core.HalfSpaceSolution:
-        """Solve the contact at a load or approach. Raises RuntimeError if the error exceeds the tolerance."""
+        """Solve the contact at a load or an approach. Raises RuntimeError if the error exceeds the tolerance."""
         problem, loads = self.problem, self.name == "loads"
         value = step / (problem.cell * problem.gap.size) if loads else step
         solve = self._core.at if loads else self._core.at_approach
@@ -385,7 +403,10 @@ class Solver:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Contact in equilibrium with its attraction; grid means in GPa, other fields as in `HalfSpaceSolution`."""
+    """Contact in equilibrium with its attraction.
+
+    Means over the grid are in GPa; other fields are as in `HalfSpaceSolution`.
+    """
 
     pressure: Floats
     attraction: Floats
@@ -397,7 +418,7 @@ class State:
 
     @property
     def held(self) -> float:
-        """Mean attraction, GPa."""
+        """Mean attraction in the points of the grid, GPa."""
         return self.contact - self.load
 
 
@@ -405,7 +426,7 @@ def to_contact_solution(
     problem: Problem, solution: _core.HalfSpaceSolution | State, load: float | None,
     attraction: Floats | float = 0.0, *, scale: float = 1.0,
 ) -> ContactSolution:  # fmt: skip
-    """Convert a solution to the contact at a load (mN), by default the load of its pressure."""
+    """Convert a solution to the contact at a load (mN). The default is the load of its pressure."""
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
     patches: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)

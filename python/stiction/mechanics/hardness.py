@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats, float_array
 
 MIXING_EXPONENT, MIXING_POWER = 3.2, 0.28
-"""m if the hardness equals the elastic pressure, and the power of their ratio in m."""
+"""Exponent m if the hardness equals the elastic pressure, and the power of the ratio of hardness and pressure in m."""
 
 
 def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, elastic: ArrayLike) -> Floats:

@@ -1,4 +1,4 @@
-"""Contact laws: force and area of a single asperity contact.
+"""Contact laws, which give force and area of a single asperity contact.
 
 A law is a frozen dataclass whose fields are its parameters with their units. Its name and its table in a study file
 follow from the class. The core has a law of the same name and parameters. The effective modulus is common to all laws
@@ -16,7 +16,7 @@ from stiction._checks import check_choice, number
 
 
 def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
-    """Return the field of a law parameter with its unit ("µm", "GPa" or none) and its inclusive limits.
+    """Return the field of a parameter of a law, with its unit ("µm", "GPa" or none) and its inclusive limits.
 
     Parameters without limits must be above 0.
     """
@@ -25,7 +25,7 @@ def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, 
 
 @dataclass(frozen=True)
 class Law:
-    """Force and area of one contact. Each law is a subclass, listed in `LAWS`."""
+    """Force and area of one contact. Each law is a subclass, and is listed in `LAWS`."""
 
     name: ClassVar[str]
 
@@ -34,14 +34,14 @@ class Law:
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__).lower()
 
     def parameters(self, effective_modulus: float) -> dict[str, float]:
-        """Return the parameters of the core's law, with E* in GPa."""
+        """Return the parameters of the law in the core, with E* in GPa."""
         parameters = {item.name: number(item.name, getattr(self, item.name)) for item in fields(self)}
         return {"effective_modulus": number("effective_modulus", effective_modulus, unit="GPa", above=0), **parameters}
 
 
 @dataclass(frozen=True)
 class HertzSphere(Law):
-    """Elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Exact within a << R.
+    """Elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Exact for a << R.
 
     Notes
     -----
@@ -57,7 +57,7 @@ class HertzSphere(Law):
 
 @dataclass(frozen=True)
 class HertzCylinder(Law):
-    """Elastic parallel cylinders: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). Exact within a << R.
+    """Elastic parallel cylinders: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). Exact for a << R.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class HertzCylinder(Law):
 
 @dataclass(frozen=True)
 class JacksonGreen(Law):
-    """Elastic, perfectly plastic spheres, fitted to finite element results.
+    """Elastic, perfectly plastic spheres, described by a fit to finite element results.
 
     Hertz up to 1.9 critical overlaps, ω_c = (π C S_y / 2 E*)² R with C = 1.295 exp(0.736 ν). Above, the contact grows
     faster, and the mean pressure tends to a hardness that decreases from 2.84 S_y as the contact radius a grows.
@@ -112,14 +112,14 @@ class JacksonGreen(Law):
 
 
 LAWS: tuple[type[Law], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # all laws
-LawName = Literal["hertz-sphere", "hertz-cylinder"]  # laws without required parameters can be given by name
+LawName = Literal["hertz-sphere", "hertz-cylinder"]  # laws without required parameters, which can be given by name
 LAWS_BY_NAME: dict[str, Law] = {
     law.name: law() for law in LAWS if all(item.default is not MISSING for item in fields(law))
 }
 
 
 def as_law(law: Law | LawName) -> Law:
-    """Return a law, or the law with a given name. Raises ValueError for anything else."""
+    """Return a law unchanged, or the law with a given name. Raises ValueError for anything else."""
     if isinstance(law, str):
         check_choice("law", law, LawName)
         return LAWS_BY_NAME[law]

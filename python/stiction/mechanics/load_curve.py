@@ -1,4 +1,4 @@
-"""Load curves: sums over the asperity contacts at each approach, from which loads and friction follow.
+"""Load curves, which are sums over the asperity contacts at each approach. Loads and friction follow from them.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7.
 """
@@ -33,11 +33,11 @@ class CurveInputs:
     model: ContactModel
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the picklable state, without candidates, which are objects of the core."""
+        """Return the state for pickling. It lacks candidates, which are objects of the core."""
         return {"bodies": () if len(self.bodies) == 1 else self.bodies, "model": self.model}
 
     def at(self, approach: float) -> Contacts:
-        """Return all contacts at an approach, independently of the direction."""
+        """Return all contacts at an approach. They do not depend on the direction."""
         if not self.bodies:
             raise ValueError("a curve of candidates from another process has no onset: press the candidates again")
         all_contacts: Contacts = contacts(*self.bodies, approach, model=replace(self.model, shear="+x", direction=None))  # type: ignore[call-overload]
@@ -46,7 +46,7 @@ class CurveInputs:
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class LoadCurve(FrictionCurve, Sums):
-    """Loads and area of a pair at each approach, for every mu0 and tau0; all arrays are read-only.
+    """Loads and area of a pair at each approach, for every mu0 and tau0. All arrays are read-only.
 
     Normal and tangential load are linear in the molecular friction coefficient mu0 and the adhesive shear strength
     tau0, so six sums over the contacts determine both. n is the contact normal, t the tangent, s the direction in which
@@ -96,7 +96,7 @@ class LoadCurve(FrictionCurve, Sums):
         steps: int | Sequence[float] = 20, displacements: ArrayLike | None = None,
         poisson: float | Sequence[float] = 0.3, compliance_share: float = 0.5,
     ) -> Onset:  # fmt: skip
-        """Compute the onset of sliding at `approach[index]`, see `Onset`, with Mindlin's solution for each contact.
+        """Compute the onset of sliding at `approach[index]` with Mindlin's solution for each contact, see `Onset`.
 
         Parameters
         ----------
@@ -128,7 +128,7 @@ class LoadCurve(FrictionCurve, Sums):
 
     @property
     def validity(self) -> Validity:
-        """Validity indicators of the model at each approach, arrays of shape (k,)."""
+        """Indicators of the validity of the model at each approach, as arrays of shape (k,)."""
         return Validity.from_sums(self)
 
 
@@ -175,11 +175,11 @@ class SurfaceLoadCurve(LoadCurve):
 
     @property
     def validity(self) -> SurfaceValidity:
-        """Validity indicators of the model at each approach, arrays of shape (k,)."""
+        """Indicators of the validity of the model at each approach, as arrays of shape (k,)."""
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the horizontal force (mN), to the left of the motion, that keeps the upper surface on its path.
+        """Return the force (mN), positive to the left of the motion, that keeps the upper surface on its path.
 
         Shape and arguments are as for `normal_load`; negative values point to the right.
         """
@@ -202,7 +202,7 @@ def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[Contact
 
 @shows_model
 def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any) -> LoadCurve:
-    """Compute the loads and the contact area of two surfaces at given approaches, with the asperity model.
+    """Compute the loads and the contact area of two surfaces at given approaches with the asperity model.
 
     The call is ``press(upper, lower, approaches)`` or ``press(candidates, approaches)``.
 

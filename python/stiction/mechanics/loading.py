@@ -1,4 +1,4 @@
-"""Load-controlled contact: the approach of two surfaces under a given normal load."""
+"""Load-controlled contact, in which the approach of two surfaces follows from a given normal load."""
 
 from __future__ import annotations
 
@@ -18,10 +18,15 @@ from stiction.mechanics.model import ContactKeywords, ContactModel, check_pair, 
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-_MIN_APPROACH_RATIO = 1e-6  # smallest sampled approach over the range of the gap; below, only one contact has load
-_APPROACH_RATIO = 1.1  # ratio of successive sampled approaches; a load crossed twice within one step may be missed
-_CHUNK_STEPS = 16  # approaches sampled before the next check whether all loads are reached; deeper ones cost more
-_DEPTH_MARGIN = 5.0  # depth of the candidate search over the requested depth
+# Smallest sampled approach as a fraction of the range of the gap. At smaller approaches, only one contact bears load.
+_MIN_APPROACH_RATIO = 1e-6
+# Ratio of successive sampled approaches. A load that is crossed twice within one step may be missed.
+_APPROACH_RATIO = 1.1
+# Number of approaches in a chunk. After each chunk, sampling ends if all loads are reached, because larger approaches
+# cost more.
+_CHUNK_STEPS = 16
+# Depth of the candidate search as a multiple of the requested depth.
+_DEPTH_MARGIN = 5.0
 
 
 @shows_model
@@ -94,7 +99,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces for repeated evaluation; gap minima are cached."""
+    """Pair of surfaces for repeated evaluation. Its gap minima are cached."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
@@ -102,7 +107,7 @@ class SurfacePair:
         self._found: Candidates | None = None
 
     def press(self, approaches: Floats, model: ContactModel) -> Sums:
-        """Return the sums of `press`; the result does not depend on the cache."""
+        """Return the sums of `press`. The result does not depend on the cache."""
         arguments: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
             arguments["directions"] = model.directions()
@@ -111,7 +116,7 @@ class SurfacePair:
     def approaches_between(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
-        """Find approaches between `left`, where F_N is below the loads, and `right`, where it is not."""
+        """Find approaches at given loads. At `left` F_N is below the loads, and at `right` it is not."""
         arguments = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
         return np.asarray(self._by(stiction._core.approaches_at, float(right.max()), model, arguments))
 
@@ -123,7 +128,7 @@ class SurfacePair:
             return function(self.upper.heights, self.lower.heights, spacing=self.upper.spacing, **arguments)
         cached = self._found
         if cached is None or cached.deepest < deepest or cached.curvature != model.curvature:
-            # Searched deeper than requested, because the next request is often deeper.
+            # The search goes deeper than requested, because the next request often is.
             cached = candidates(self.upper, self.lower, deepest=_DEPTH_MARGIN * deepest, curvature=model.curvature)
             self._found = cached
         return function(cached.core, **arguments)
@@ -132,7 +137,7 @@ class SurfacePair:
 def find_crossings(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the approaches (l,) that first support loads (l,), and their status: "ok", or the reason for NaN."""
+    """Return the approaches (l,) that first support loads (l,), and their status. It is "ok" or the reason for NaN."""
 
     def normal_load(sums: Sums) -> Floats:
         return friction.compute_load("normal", sums, mu0, tau0)
@@ -144,7 +149,7 @@ def find_crossings(
     todo = ~exceeded
     left, right = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     touched = bool(curve.contact_count.any())
-    # In equal ratios until all points touch; parallel surfaces have no steps.
+    # Approaches increase in equal ratios until all points touch. Between parallel surfaces there are no steps.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
     sampled = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)

@@ -1,4 +1,4 @@
-"""Onset of sliding: partial slip of parallel asperity contacts, and of a half-space.
+"""Onset of sliding: partial slip of parallel asperity contacts and of a half-space.
 
 A traction that decreases from the centre of an ellipse outwards is a sum of flat-punch tractions on smaller ellipses
 with the same aspect ratio, t from 0 to 1. Each gives a uniform displacement. A contact therefore behaves as springs
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
     from stiction.mechanics.half_space_problem import ContactSolution
 
-NUM_NODES = 24  # nodes of the Gauss-Legendre quadrature, for a smooth function of an angle
+NUM_NODES = 24  # number of nodes of the Gauss-Legendre quadrature, for a smooth function of an angle
 
 
 def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, across: Floats | float = 0.5) -> Floats:
-    """Return E*/E*_t: the compliance of two bodies for tractions along the motion over that for pressures.
+    """Return E*/E*_t, the ratio of the compliances of two bodies for tractions along the motion and for pressures.
 
     The mean of (1 - ν sin²)/(1 - ν) over the angle between the motion and the line to a force (Cerruti; Johnson,
     Contact Mechanics, 1985, eq. 3.75). `across` is the mean of sin²: 1/2 on circles (Mindlin), 1 for line loads across
@@ -43,18 +43,24 @@ def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, 
 
 
 def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
-    """Return π E* a/K(1 - b²/a²), mN/µm, of elliptic punches with (c, 2) semi-axes (Johnson 1985, section 3.8)."""
+    """Return the stiffness π E* a/K(1 - b²/a²), mN/µm, of elliptic punches with (c, 2) semi-axes.
+
+    The formula is in Johnson (1985), section 3.8.
+    """
     from scipy.special import ellipkm1
 
     return np.asarray(np.pi * effective_modulus * axes[:, 0] / ellipkm1((axes[:, 1] / axes[:, 0]) ** 2))
 
 
 def load_across(axes: Floats, angle: Floats) -> Floats:
-    """Return `across` of `compliance_ratio` for ellipses, at angles (rad) between the motion and the larger axis."""
+    """Return the argument `across` of `compliance_ratio` for ellipses.
+
+    The angles (rad) are between the motion and the larger axis.
+    """
     from scipy.special import ellipkm1, elliprd
 
     square = (axes[:, 1] / axes[:, 0]) ** 2
-    # Mean of cos² about the larger axis: (K - E)/(m K) with m = 1 - b²/a².
+    # The mean of cos² about the larger axis is (K - E)/(m K) with m = 1 - b²/a².
     along = elliprd(0, square, 1) / 3 / ellipkm1(square)
     return np.asarray(along * np.sin(angle) ** 2 + (1 - along) * np.cos(angle) ** 2)
 
@@ -91,18 +97,18 @@ class SlidingAsperities:
         self.normal_load = float(load.sum())
         self.sliding_load = float(mu0 * load.sum() + tau0 * area.sum())
         self.stiffness = float(self.spring.sum())
-        # Displacement at which each contact slides completely.
+        # At this displacement each contact slides completely.
         self.farthest = 2 * self._strength(np.ones((load.size, 1)))[:, 0] / self.spring
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the state at which all contacts together support a load."""
+        """Return the state at which all contacts together support a tangential load."""
         from scipy.optimize import brentq
 
-        del near  # not useful here: the solution does not iterate over states
+        del near  # not used, because this solution does not iterate from a state
         end = float(self.farthest.max())
         displacement = end
         if load < self.sliding_load:
-            # The curve is concave, so the initial tangent gives a lower bound.
+            # The load is a concave function of the displacement, so the initial tangent gives a lower bound.
             start = min(load / self.stiffness, end)
             displacement = brentq(
                 lambda value: self._tangential_loads(self._depth(value)).sum() - load, 0.5 * start, end, xtol=1e-300
@@ -117,10 +123,10 @@ class SlidingAsperities:
         )  # fmt: skip
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return Σ Q (δ - 2 Q/k) over the slipping springs."""
+        """Return the dissipated energy, which is Σ Q (δ - 2 Q/k) over the slipping springs."""
         depth = self._depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_NODES)
-        # t = cos φ, from the edge, φ = 0, to the end of the slip zone.
+        # The integration variable is t = cos φ, from the edge, φ = 0, to the end of the slip zone.
         end = np.arcsin(depth)[:, np.newaxis]
         sine = np.sin(0.5 * end * (nodes + 1))
         strength = self._strength(sine)
@@ -128,13 +134,13 @@ class SlidingAsperities:
         return float(((strength * slipped * sine) @ weights * end[:, 0]).sum())
 
     def _strength(self, sine: Floats) -> Floats:
-        """Return Q at t = sqrt(1 - sine²), (c, n): 3/4 mu0 F (1 - t²) plus 2/π tau0 A (1 - t²)^(1/2)."""
+        """Return the strength Q at t = sqrt(1 - sine²), (c, n): 3/4 mu0 F (1 - t²) plus 2/π tau0 A (1 - t²)^(1/2)."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
 
     def _depth(self, displacement: float) -> Floats:
-        """Return the relative slip depth of each contact: 0 without slip, 1 for complete sliding."""
+        """Return the relative depth of slip of each contact. It is 0 without slip and 1 for complete sliding."""
         square, linear = 1.5 * self.frictional / self.spring, 4 / np.pi * self.adhesive / self.spring
         depth = 2 * displacement / (linear + np.sqrt(linear**2 + 4 * square * displacement))
         return np.asarray(np.where(displacement >= self.farthest, 1.0, np.minimum(depth, 1.0)))
@@ -157,7 +163,7 @@ class SlidingHalfSpace:
         problem = pressed.problem
         self.grids, self.cell, self.moves = problem.grids, problem.cell, problem.has_approach
         self.shape, self.size = problem.gap.shape, problem.gap.size
-        # On a line, all forces are across the motion.
+        # A profile stands for line loads across the motion.
         across = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, across))
         self.points: NDArray[Any] = pressed.points
@@ -176,7 +182,7 @@ class SlidingHalfSpace:
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
-        """Solver for tractions. Copies of the problem create their own solver."""
+        """Solver for the tractions. Each copy of the problem creates its own solver."""
         return _core.HalfSpaceSolver(
             np.zeros(self.shape), self.grids, bound=self.everywhere, tolerance=self.tolerance, threads=threads()
         )
@@ -185,7 +191,7 @@ class SlidingHalfSpace:
         return {name: value for name, value in vars(self).items() if name != "_solver"}
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the tractions of least energy that support a load."""
+        """Return the tractions of least energy that support a tangential load."""
         if load >= self.sliding_load:
             return self._slip(self.sliding_load, self.bound, float(self._displacements(self.bound).max()))
         load_fraction = load / self.sliding_load
@@ -199,7 +205,7 @@ class SlidingHalfSpace:
         return self._slip(load, solution.pressure[self.points], solution.approach * self.ratio)
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the sum of bound times slip, which does not depend on far points."""
+        """Return the dissipated energy, which is the sum of bound times slip. It does not depend on far points."""
         moved = self._displacements(slip.traction)
         slips = slip.traction >= self.bound
         sticks = (slip.traction > 0) & ~slips
@@ -215,7 +221,7 @@ class SlidingHalfSpace:
         )  # fmt: skip
 
     def _displacements(self, traction: Floats) -> Floats:
-        """Return the displacements of the points in contact, µm."""
+        """Return the displacements of the points in contact due to tractions, µm."""
         moved = self.grids.displacement(self._over_grid(traction), threads=threads()) * self.ratio
         return np.asarray(moved.ravel()[self.points])
 

@@ -1,4 +1,4 @@
-"""Contact model: the parameters of a contact calculation, from the study file to the core."""
+"""Contact model with the parameters of a contact calculation, as they pass from the study file to the core."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ Curvature = Literal["convex", "signed"]
 Shear = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 Sliding = Literal["opposing", "all"]
-EFFECTIVE_MODULUS = 10.0  # GPa, the value of the paper
-THICKNESS = 1.0  # µm, thickness of a profile
+EFFECTIVE_MODULUS = 10.0  # effective modulus in the paper, GPa
+THICKNESS = 1.0  # default thickness of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-FLIPPED_STEP = "turned over"  # history step of `flipped`
-_SAME_HEIGHT_TOLERANCE = 1e-9  # largest difference of equal heights, over their range
+FLIPPED_STEP = "turned over"  # step that `flipped` adds to a history
+_SAME_HEIGHT_TOLERANCE = 1e-9  # largest difference of equal heights as a fraction of their range
 
 
 @dataclass(frozen=True, kw_only=True)
 class ContactModel:
-    """Parameters of a contact calculation: the argument `model` of `contacts`, `press` and `approach_at_load`.
+    """Parameters of a contact calculation, as passed to `contacts`, `press` and `approach_at_load` in `model`.
 
     Keyword arguments of these functions take precedence over the model.
 
@@ -93,7 +93,10 @@ class ContactModel:
         self.core()
 
     def angles(self) -> Floats:
-        """Return the directions in degrees from +x towards +y: () for one, (m,) for a sequence."""
+        """Return the directions in degrees from +x towards +y.
+
+        The shape is () for one direction and (m,) for a sequence.
+        """
         angles = np.array(self._angles)
         return angles if self._has_many_directions() else angles.reshape(())
 
@@ -110,7 +113,7 @@ class ContactModel:
         return [_angle(value) for value in given] if self._has_many_directions() else [_angle(given)]
 
     def for_profiles(self) -> ContactModel:
-        """Return the model with the defaults for profiles, and along x."""
+        """Return the model with the defaults for profiles and a direction along x."""
         if self._has_many_directions() or self._angles[0] not in (0.0, 180.0):
             raise ValueError(f'direction on profiles must be "+x" or "-x", got {self.direction!r}')
         return self._with(self.detection or "cell", self.curvature or "convex")
@@ -131,7 +134,7 @@ class ContactModel:
         return replace(self, detection=detection, curvature=curvature)
 
     def core(self) -> stiction._core.ContactModel:
-        """Return the core's model, with the first direction."""
+        """Return the model as an object of the core, with the first direction."""
         return self._core
 
     @cached_property
@@ -143,12 +146,12 @@ class ContactModel:
         )  # fmt: skip
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the picklable state, without cached values such as the core's model."""
+        """Return the state for pickling, without cached values such as the object of the core."""
         return {name: value for name, value in vars(self).items() if not name.startswith("_")}
 
 
 def _angle(direction: Any) -> float:
-    """Return a direction in degrees from +x towards +y, from 0 to below 360."""
+    """Return a direction in degrees from +x towards +y, at least 0 and below 360."""
     if isinstance(direction, str):
         if direction not in ("+x", "-x"):
             raise ValueError(f'direction must be "+x", "-x" or an angle in degrees, got {direction!r}')
@@ -157,7 +160,7 @@ def _angle(direction: Any) -> float:
 
 
 def _unit_vector(angle: float) -> tuple[float, float]:
-    """Return the unit vector of an angle, exact along the axes."""
+    """Return the unit vector at an angle. It is exact along the axes."""
     quarter, rest = divmod(angle, 90.0)
     x, y = math.cos(math.radians(rest)), math.sin(math.radians(rest))
     return [(x, y), (-y, x), (-x, -y), (y, -x)][int(quarter) % 4]
@@ -169,7 +172,7 @@ _SURFACE_DEFAULT = _DEFAULT_MODEL.for_surfaces()
 
 
 class ContactKeywords(TypedDict, total=False):
-    """A contact model as keyword arguments: the model, and parameters that differ from it."""
+    """Contact model as keyword arguments: the model, and the parameters that replace those of the model."""
 
     model: ContactModel
     effective_modulus: float
@@ -182,7 +185,7 @@ class ContactKeywords(TypedDict, total=False):
 
 
 def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
-    """Create the contact model from keyword arguments; missing parameters are those of the default."""
+    """Create the contact model from keyword arguments. Missing parameters are taken from the default model."""
     changes: dict[str, Any] = dict(keywords)
     model: ContactModel = changes.pop("model", default or _DEFAULT_MODEL)
     check_instance("model", model, ContactModel, "a ContactModel")
@@ -190,7 +193,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
         return model
     if unknown := changes.keys() - ContactKeywords.__annotations__.keys():
         raise TypeError(f"unexpected keyword argument {min(unknown)!r}")
-    # `shear` and `direction` exclude each other: the given one replaces the other one of the model.
+    # `shear` and `direction` exclude each other, so the given argument also resets the other one in the model.
     if "shear" in changes and changes.get("direction") is None:
         changes["direction"] = None
     elif changes.get("direction") is not None and "shear" not in changes:
@@ -208,7 +211,10 @@ def model_for_pair(upper: Any, lower: Any, keywords: Mapping[str, object]) -> Co
 
 
 def modulus_for(effective_modulus: Any, *bodies: Profile | Surface) -> float:
-    """Return the given modulus (GPa), or that of the paper for generated surfaces; measured surfaces require one."""
+    """Return the given modulus (GPa).
+
+    For generated surfaces the default is that of the paper; measured surfaces need one.
+    """
     if effective_modulus is None:
         check_modulus({}, *bodies)
         return EFFECTIVE_MODULUS
@@ -216,7 +222,7 @@ def modulus_for(effective_modulus: Any, *bodies: Profile | Surface) -> float:
 
 
 def check_modulus(keywords: Mapping[str, object], *bodies: Profile | Surface) -> None:
-    """Raise ValueError if a surface was measured and no modulus or model is given."""
+    """Raise ValueError if a surface was measured and neither a modulus nor a model is given."""
     if "effective_modulus" not in keywords and "model" not in keywords:
         reject_missing_modulus(*map(measured_source, bodies))
 
@@ -231,12 +237,12 @@ def reject_missing_modulus(*sources: str) -> None:
 
 
 def measured_source(body: Profile | Surface) -> str:
-    """Return the history step of the file that a surface was read from, or an empty string for generated surfaces."""
+    """Return the history step that names the file of a surface. Return an empty string for generated surfaces."""
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
 def shows_model(function: _Function) -> _Function:
-    """Add the contact model's keyword arguments to the signature of a function, for tooltips."""
+    """Add the keyword arguments of the contact model to the signature of a function, for tooltips."""
     signature = inspect.signature(function)
     parameters = [
         parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD
@@ -251,7 +257,7 @@ def shows_model(function: _Function) -> _Function:
 
 
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
-    """Check that both are profiles or both surfaces on one grid, without missing points if `whole`."""
+    """Check that both bodies are profiles or both are surfaces on one grid. With `whole`, no point may be missing."""
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:
@@ -294,12 +300,12 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
 
 
 def _source(body: Profile | Surface) -> tuple[str, ...]:
-    """Return the origin of a surface, independently of its orientation."""
+    """Return the origin of a surface, without the steps that only change its orientation."""
     return tuple(step for step in body.history if step != FLIPPED_STEP)
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
-    """Return whether two arrays differ by a constant only; the first row is compared first."""
+    """Return whether two arrays differ only by a constant. The first row is compared first."""
     allowed = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
     first = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
     return float(np.ptp(first)) <= allowed and float(np.ptp(a - b)) <= allowed

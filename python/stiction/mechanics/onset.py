@@ -25,13 +25,15 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-LOAD_TOLERANCE = 1e-9  # relative to the sliding load: loads closer than this share one solution
-DISPLACEMENT_TOLERANCE = 1e-7  # tolerance of a requested displacement, relative to the displacement at sliding
+# Relative difference of loads that share one solution, as a fraction of the sliding load.
+LOAD_TOLERANCE = 1e-9
+# Tolerance of a requested displacement, as a fraction of the displacement at sliding.
+DISPLACEMENT_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True)
 class SlipState:
-    """State under one tangential load in first loading: mN, µm, fractions, and GPa at the points in contact."""
+    """Slip at one tangential load in first loading. Units are mN, µm and, at the points in contact, GPa."""
 
     load: float
     displacement: float
@@ -41,7 +43,7 @@ class SlipState:
 
 
 class TangentialProblem(Protocol):
-    """Surfaces under a normal load before tangential loading; `bound` (GPa) is the largest traction per point."""
+    """Surfaces under a normal load before tangential loading. `bound` (GPa) is the largest traction at each point."""
 
     normal_load: float
     sliding_load: float
@@ -51,15 +53,15 @@ class TangentialProblem(Protocol):
     size: int
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the state at a load above 0 and up to the sliding load; `near` is an initial guess."""
+        """Return the state at a load above 0 and up to the sliding load. `near` is an initial guess."""
 
     def dissipated(self, slip: SlipState) -> float:
-        """Return the energy dissipated by friction in first loading, mN µm: the sum of bound times slip."""
+        """Return the energy dissipated by friction in first loading, mN µm. It is the sum of bound times slip."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Onset(PlotRepr):
-    """Onset of sliding of two surfaces under a normal load, as a tangential load grows from 0; arrays are read-only.
+    """Onset of sliding of two surfaces under a normal load, as a tangential load grows from 0. Arrays are read-only.
 
     Returned by ``curve.onset(index, mu0=..., tau0=...)`` of a `HalfSpaceCurve`, a `LoadCurve` or a `SurfaceLoadCurve`.
 
@@ -143,7 +145,7 @@ class Onset(PlotRepr):
     _slips: tuple[SlipState, ...] = field(repr=False)
 
     def traction(self, index: int) -> Floats:
-        """Return the traction (GPa) at `tangential_load[index]`: (points,) row by row, 0 out of contact.
+        """Return the traction (GPa) at `tangential_load[index]`, (points,) row by row. It is 0 out of contact.
 
         For asperities, return the mean over each contact, (contacts,), in the order of `contacts`.
 
@@ -155,7 +157,7 @@ class Onset(PlotRepr):
         return read_only(self._spread(self._slips[self._place(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
-        """Return the first `tangential_load` (mN) at which each point slips, (points,); NaN where none does.
+        """Return the first `tangential_load` (mN) at which each point slips, (points,). It is NaN where no slip occurs.
 
         For asperities, return the load at which the whole contact slides, (contacts,).
         """
@@ -165,7 +167,7 @@ class Onset(PlotRepr):
         return read_only(self._spread(first, np.nan))
 
     def energy_lost(self, amplitude: ArrayLike) -> Floats:
-        """Return the energy loss per cycle (mN µm) between plus and minus a tangential load, of the amplitudes' shape.
+        """Return the energy loss (mN µm) per cycle between plus and minus each tangential load in an array.
 
         Parameters
         ----------
@@ -182,9 +184,10 @@ class Onset(PlotRepr):
         return np.array(lost).reshape(loads.shape)
 
     def loop(self, amplitude: float) -> tuple[Floats, Floats]:
-        """Return a cycle between plus and minus a tangential load: displacements (µm) and loads (mN), from the maximum.
+        """Return a cycle between plus and minus a tangential load as displacements (µm) and loads (mN).
 
-        The cycle has the points of the curve below the amplitude, by Masing's rule; more steps give a smoother cycle.
+        The cycle starts at the maximum. It has the points of the curve below the amplitude, by Masing's rule; more
+        steps give a smoother cycle.
 
         Raises
         ------
@@ -199,7 +202,7 @@ class Onset(PlotRepr):
         return np.concatenate([down[0], -down[0]]), np.concatenate([down[1], -down[1]])
 
     def frame(self) -> pandas.DataFrame:
-        """Return the curve from rest as a table, with one load per row and units in the column names.
+        """Return the curve of first loading as a table, with one load per row and units in the column names.
 
         `energy_lost` is the loss of a cycle with this amplitude. The table is the backbone of a Masing model.
         """
@@ -213,7 +216,7 @@ class Onset(PlotRepr):
         return pandas.DataFrame({name: np.concatenate([[0.0], column]) for name, column in columns.items()})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the tangential load over the displacement, or over the slipped area if there is no displacement.
+        """Draw the tangential load as a function of the displacement or, if there is none, of the slipped area.
 
         Draws into given axes or new ones, and returns them.
         """
@@ -264,7 +267,7 @@ class Onset(PlotRepr):
         return np.minimum(loads, self.sliding_load)
 
     def _at(self, load: float) -> SlipState:
-        """Return the state at a load, starting from the nearest known state."""
+        """Return the state at a load. The solution starts from the nearest known state."""
         near = min(self._slips, key=lambda slip: abs(slip.load - load))
         return near if abs(near.load - load) <= LOAD_TOLERANCE * self.sliding_load else self._held.at(load, near)
 
@@ -301,11 +304,11 @@ def compute_onset(
 
 
 MIN_STRENGTH = 1e-9
-"""Smallest mu0, or tau0 over the modulus, for an onset; smaller strengths are lost in round-off."""
+"""Smallest mu0, or tau0 over the modulus, for an onset. Smaller strengths are lost in round-off."""
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Convert an index from the front or the back to an index from the front."""
+    """Convert an index that counts from the front or from the back to an index that counts from the front."""
     try:
         place = whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
@@ -325,7 +328,7 @@ def check_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tu
 
 
 def parse_direction(direction: Direction, *, line: bool) -> float:
-    """Return a single direction in degrees from +x towards +y, on profiles along x."""
+    """Return a single direction in degrees from +x towards +y, which is along x on profiles."""
     model = ContactModel(direction=direction)
     if model.angles().ndim > 0:
         raise ValueError(f"direction must be a single one, got {direction!r}")
@@ -347,7 +350,7 @@ def poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
 
 
 def load_fractions(steps: int | Sequence[float]) -> Floats:
-    """Fractions of the sliding load: as many equal steps up to 1, or what is given."""
+    """Return fractions of the sliding load: a number of equal steps up to 1, or the given fractions."""
     if np.ndim(steps) == 0:
         count = whole_number("steps", steps, minimum=1, maximum=100_000)
         return np.arange(1, count + 1) / count

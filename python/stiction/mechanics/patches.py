@@ -1,4 +1,4 @@
-"""Friction sums from pressures on a grid: connected patches, real areas, slopes, and sums over patches."""
+"""Friction sums from pressures on a grid, with connected patches, real areas, slopes, and sums over patches."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from stiction._checks import Floats
 from stiction.mechanics.model import Sliding
 
 MAX_LEVEL_SLOPE = 1e-6
-"""Largest mean slope of a level patch, which does not oppose the motion, over the root-mean-square slope in contact.
-For a sphere on a flat, solver errors give 1e-9 at a tolerance of 1e-6."""
+"""Mean slope of a patch over the root-mean-square slope in contact, below which the patch is level and does not oppose
+the motion. For a sphere on a flat, solver errors give 1e-9 at a tolerance of 1e-6."""
 
 
 def slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
-    """Compute the slopes along each axis: spectrally if periodic, otherwise with natural cubic splines."""
+    """Compute the slopes along each axis, spectrally for periodic heights and otherwise with natural cubic splines."""
     if periodic:
         return [_wave_slope(heights, axis, step) for axis, step in enumerate(spacing)]
     rows = np.atleast_2d(heights)
@@ -40,16 +40,19 @@ def _wave_slope(heights: Floats, axis: int, step: float) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class PatchSums:
-    """Sums that determine F_N and F_T for every mu0 and tau0, per patch: (patches,), or (directions, patches)."""
+    """Sums over each patch that determine F_N and F_T for every mu0 and tau0.
+
+    Shapes are (patches,) or (directions, patches).
+    """
 
     force: Floats  # mN, Σ F n_z
-    area: Floats  # µm², along the deformed interface
+    area: Floats  # area along the deformed interface, µm²
     leaning: Floats  # mN, -Σ F s·n
-    upward: Floats  # mN, Σ F t_z, for friction
-    forward: Floats  # mN, -Σ F s·t, for friction
-    upward_area: Floats  # µm², Σ A t_z, for adhesion
-    forward_area: Floats  # µm², -Σ A s·t, for adhesion
-    steepness: float  # root-mean-square slope in contact, weighted with the force
+    upward: Floats  # Σ F t_z of the friction, mN
+    forward: Floats  # -Σ F s·t of the friction, mN
+    upward_area: Floats  # Σ A t_z of the adhesion, µm²
+    forward_area: Floats  # -Σ A s·t of the adhesion, µm²
+    steepness: float  # root-mean-square slope in contact, weighted by the force
 
     @property
     def opposing(self) -> NDArray[np.bool_]:
@@ -57,7 +60,10 @@ class PatchSums:
         return np.asarray(self.leaning > MAX_LEVEL_SLOPE * self.steepness * self.force)
 
     def total(self, sliding: Sliding) -> dict[str, Any]:
-        """Return the sums of a `HalfSpaceCurve` for a sliding rule; (directions,) if they depend on the direction."""
+        """Return the sums of a `HalfSpaceCurve` for a sliding rule.
+
+        Sums that depend on the direction have the shape (directions,).
+        """
         selected = True if sliding == "all" else self.opposing
         coordinates = {
             "tangential_elastic": self.leaning, "normal_frictional": self.upward, "tangential_frictional": self.forward,
@@ -73,6 +79,6 @@ class PatchSums:
 def patch_sums(
     force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.int32], directions: Floats
 ) -> PatchSums:
-    """Compute the sums over each patch from forces (mN), areas (µm²) and slopes, for (m, 2) unit vectors."""
+    """Compute the sums over each patch from forces (mN), areas (µm²), slopes and (m, 2) unit vectors of directions."""
     along_y = slope[0] if len(slope) == 2 else None
     return PatchSums(**_core.patch_sums(force, area, along_y, slope[-1], patch, list(directions)))

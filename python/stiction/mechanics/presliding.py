@@ -1,4 +1,4 @@
-"""Presliding models fitted to an onset curve: the four-parameter Iwan model and the LuGre model."""
+"""Presliding models that are fitted to an onset curve: the four-parameter Iwan model and the LuGre model."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats, float_array, read_only
 from stiction._repr import TextRepr
 
-MIN_FIT_POINTS = 3  # smallest number of points for a fit of two parameters
-ROUND_OFF_RATIO = 1e-12  # first displacement over the last, below which it is round-off
+MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
+# A first displacement below this fraction of the last displacement is round-off.
+ROUND_OFF_RATIO = 1e-12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,14 +73,14 @@ class FourParameterIwan(TextRepr):
         distance, limit = _check_displacement(displacement), self.displacement_at_sliding
         ratio = np.minimum(distance / limit, 1.0)
         softer = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
-        # By Masing's rule: 8 times the area under the loading curve, minus 4 times load times displacement.
+        # By Masing's rule, the loss is 8 times the area under the loading curve minus 4 times load times displacement.
         rising = 4 * self.stiffness * softer * (self.chi + 1) / (self.chi + 3) * np.minimum(distance, limit) ** 2
         return np.asarray(rising + 4 * self.sliding_load * np.maximum(distance - limit, 0.0))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LuGre(TextRepr):
-    """LuGre model in presliding: bristles that deflect and yield at the sliding load.
+    """LuGre model in presliding: bristles that deflect, and that yield at the sliding load.
 
     Attributes
     ----------

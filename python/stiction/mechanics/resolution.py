@@ -1,4 +1,4 @@
-"""Dependence of area and friction on the shortest resolved wavelength, and the limit set by a hardness."""
+"""Dependence of area and friction on the shortest resolved wavelength, and the limit that a hardness sets."""
 
 from __future__ import annotations
 
@@ -27,17 +27,19 @@ if TYPE_CHECKING:
     import xarray as xr
 
 TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
-"""Hardnesses from polymers and soft metals to ceramics, GPa, for which the plastic wavelength is given by default."""
+"""Default hardnesses (GPa), from polymers and soft metals to ceramics, for which the plastic wavelength is given."""
 
-_MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff over the shortest side
-_SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")  # all contacts first: the rule of most measurements of mu0
+_MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength as a fraction of the shortest side
+# friction at all contacts comes first, as in most measurements of mu0
+_SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_TEXT = "wavelength at which the elastic mean pressure reaches the hardness"
-KAPPA = 2.2  # A E* h'/F at small loads: 2.1 to 2.4 on Gaussian surfaces
-_CURVE_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")  # per load, without direction
+KAPPA = 2.2  # value of A E* h'/F at small loads, which is 2.1 to 2.4 on Gaussian surfaces
+# fields with one value for each load, without direction
+_CURVE_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 _RENAMED_VARIABLES = {
     "load_share_at_hardness": "load_fraction_at_hardness"
-}  # names of variables in the result that differ from those of the curve
+}  # variables of the result whose names differ from the fields of the curve
 
 
 def resolution(
@@ -57,7 +59,7 @@ def resolution(
     tolerance: float = 1e-6,
     progress: Callable[[int, int], object] | None = None,
 ) -> xr.Dataset:
-    r"""Compute area, pressure and friction of a pair over cutoff wavelengths, and the plastic limit of finer scans.
+    r"""Compute area, pressure and friction of a pair as functions of a cutoff wavelength, and the limit of finer scans.
 
     Parameters
     ----------
@@ -247,12 +249,12 @@ class _SolvedPair:
 
     @property
     def nominal_area(self) -> float:
-        """Nominal area, µm²; a profile is 1 µm thick."""
+        """Nominal area of the pair, µm². A profile is 1 µm thick."""
         return math.prod(self.upper.spacings) * self.upper.heights.size
 
     @property
     def shortest(self) -> float:
-        """Two points of the coarser spacing, µm."""
+        """Shortest possible cutoff wavelength, which is two points of the coarser spacing, µm."""
         return 2 * max(self.upper.spacings)
 
     def gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
@@ -282,7 +284,10 @@ class _SolvedPair:
 
 
 def _solve(upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], **options: Any) -> dict[str, Floats]:
-    """Solve all loads; return numbers (load,) and sums (rule, load), averaged over directions; NaN if unsolved."""
+    """Solve all loads.
+
+    Return numbers (load,) and sums (rule, load), averaged over directions, and NaN without a solution.
+    """
     results = {name: np.full(loads.size, np.nan) for name in _CURVE_FIELDS}
     results |= {name: np.full((len(_SLIDING_RULES), loads.size), np.nan) for name in SIX_SUMS}
     for indices, curve in solve_separately(functools.partial(half_space, upper, lower, **options), loads):
@@ -306,7 +311,7 @@ def _cutoff_dataset(
     pair: _SolvedPair, lengths: list[float], loads: Floats, answers: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return areas, pressures and sums over cutoffs, NaN without a solution."""
+    """Return areas, pressures and sums as functions of the cutoff, with NaN without a solution."""
     import xarray as xr
 
     gaps = [pair.gap(*pair.cut_off_at(length)) for length in lengths]
@@ -357,7 +362,7 @@ def _with_limits(
     result: xr.Dataset, pair: _SolvedPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
     hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Add the plastic limit, its wavelength, and the elastic extrapolation down to it."""
+    """Add the plastic limit, its wavelength, and the elastic extrapolation to that wavelength."""
     gap = pair.gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
     estimate = brackets.gap_exponent(gap, pair.periodic)
@@ -376,7 +381,7 @@ def _with_limits(
     gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest, gradient)
     area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_stretch(np.array(gradient)))
     projected = brackets.elastic_area(gradients, area_of_slope, spread)
-    middle = gradients[:, :1, np.newaxis]  # the interval has almost no effect on the slope correction
+    middle = gradients[:, :1, np.newaxis]  # the interval of the gradient has almost no effect on the slope correction
     grid = ("finer_wavelength", "normal_load", "statistic")
     tables: dict[str, tuple[Any, Floats, str, str]] = {
         "elastic_kappa": (grid[1], kappa, "1", "A E* h'/F of the elastic solution of the scan"),
@@ -428,7 +433,7 @@ def spectral_resolution(
     kappa: float = KAPPA,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
-    r"""Compute the real contact area and friction of two surfaces over the shortest wavelength, in closed form.
+    r"""Compute real contact area and friction of two surfaces as functions of the shortest wavelength, in closed form.
 
     Parameters
     ----------

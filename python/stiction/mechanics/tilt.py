@@ -1,4 +1,4 @@
-"""Contact with a free tilt: the upper surface rotates until the resultant of the pressures is at the centre.
+"""Contact with a free tilt, in which the upper surface rotates until the resultant force acts at the centre.
 
 The solution minimises the energy at the given load. The slopes of the rotation are Lagrange multipliers of the moments,
 so the moments decrease as the slopes increase: a concave problem with two unknowns, solved by Newton steps with the
@@ -23,14 +23,15 @@ from stiction.mechanics.half_space_problem import (
     to_contact_solution,
 )
 
-MAX_OFF_CENTRE = 1e-4  # largest distance of the resultant from the centre over the length, along each axis
+MAX_OFF_CENTRE = 1e-4  # largest distance of the resultant from the centre along each axis, as a fraction of the length
 MAX_TILT_SOLUTIONS = 60  # solutions per load
-MAX_EDGE_STEP = 0.5  # largest displacement of an edge in a step, in standard deviations of the gap
-MIN_RESPONSE = 1e-6  # smallest response of a moment, in loads times length² over the deviation of the gap
+MAX_EDGE_STEP = 0.5  # largest displacement of an edge in one step, in standard deviations of the gap
+# Smallest response of a moment, in units of loads times length² over the deviation of the gap.
+MIN_RESPONSE = 1e-6
 
 
 def tilt_problem(problem: Problem, slopes: Floats) -> Problem:
-    """Rotate the upper surface about its centre by slopes along y and x, or x."""
+    """Return the problem after a rotation of the upper surface about its centre by slopes along y and x, or along x."""
     plane = sum(slope * arm for slope, arm in zip(slopes, lever_arms(problem), strict=True))
     return replace(problem, upper=problem.upper + plane, gap=problem.gap + plane, tilt=problem.tilt + slopes)
 
@@ -38,7 +39,7 @@ def tilt_problem(problem: Problem, slopes: Floats) -> Problem:
 def solve_balanced(
     problem: Problem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
-    """Solve the contact at each load (mN) with the resultant at the centre, starting from the previous tilt."""
+    """Solve the contact at each load (mN) with the resultant force at the centre, starting from the previous tilt."""
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     arms, shape = lever_arms(problem), problem.gap.shape
@@ -61,7 +62,8 @@ def solve_balanced(
             turning = TiltResponse.solve(problem, pressed.on_grid(pressed.free)).turning
             step = np.linalg.solve(np.diag(MIN_RESPONSE * mean * lengths**2 / height) - turning, moments)
             step *= min(1.0, MAX_EDGE_STEP * height / float(np.abs(step * lengths / 2).max()))
-            # The energy is concave in the slopes: beyond its maximum along the step, the moments change sign.
+            # The energy is a concave function of the slopes. Beyond its maximum along the step, the moments change
+            # sign.
             while num_tried < MAX_TILT_SOLUTIONS:
                 num_tried += 1
                 candidate = solve_at(tilt_problem(pressed.problem, np.asarray(step, np.float64)), load, near)

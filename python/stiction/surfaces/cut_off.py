@@ -8,11 +8,12 @@ from stiction.surfaces.surface import AnyBody, as_body
 
 MAX_CUTOFF_FRACTION = (
     1 / 3
-)  # longest cutoff wavelength over the shortest side: a longer one leaves fewer than three periods
+    # Longest cutoff wavelength as a fraction of the shortest side. With a longer cutoff, too few periods remain.
+)
 
 
 def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyBody:
-    r"""Low-pass filter a profile or a surface, as an instrument of lower resolution does.
+    r"""Apply a low-pass filter to a profile or a surface, which simulates an instrument of lower resolution.
 
     Parameters
     ----------

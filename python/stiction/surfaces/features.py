@@ -1,4 +1,7 @@
-"""Hills and dales of a surface: watershed segmentation with Wolf pruning, and the feature parameters of ISO 25178-2."""
+"""Hills and dales of a surface.
+
+They are found by watershed segmentation with Wolf pruning and described by the feature parameters of ISO 25178-2.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +13,9 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-PRUNING_FRACTION = 0.05  # fraction of the maximum height below which a hill or a dale is merged with its neighbour
-NUM_FEATURES = 5  # peaks or pits in the five-point parameters
+# A hill or dale smaller than this fraction of the maximum height is merged with its neighbour.
+PRUNING_FRACTION = 0.05
+NUM_FEATURES = 5  # number of peaks or pits in the five-point parameters
 
 _Indices = NDArray[np.intp]
 
@@ -34,7 +38,7 @@ def significant_peaks(heights: Floats, threshold: float) -> _Indices:
     saddles.
     """
     order = np.argsort(heights, axis=None, kind="stable")
-    rank = np.empty(heights.size, np.int64)  # ties are ordered by flat index
+    rank = np.empty(heights.size, np.int64)  # points of equal height are ordered by their flat index
     rank[order] = np.arange(heights.size)
     hill = _hills(rank.reshape(heights.shape), order)
     peaks, hill = np.unique(hill, return_inverse=True)
@@ -75,7 +79,7 @@ def _hills(rank: NDArray[np.int64], order: _Indices) -> _Indices:
 
 
 def _saddles(hill: _Indices, rank: NDArray[np.int64], count: int) -> tuple[_Indices, _Indices, _Indices]:
-    """Return the saddles of the maximum spanning tree: pairs of hills and ranks, in descending order."""
+    """Return the saddles of the maximum spanning tree as pairs of hills and ranks, in descending order."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 
@@ -101,7 +105,7 @@ def _saddles(hill: _Indices, rank: NDArray[np.int64], count: int) -> tuple[_Indi
 
 
 class FeatureParameters(NamedTuple):
-    """Feature parameters; NaN where a map has too few peaks or pits."""
+    """Feature parameters of a surface. Values are NaN where a map has too few peaks or pits."""
 
     density: float
     curvature: float

@@ -1,4 +1,4 @@
-"""Gaussian filters of ISO 16610 for profiles and surfaces: linear and robust, with end-effect correction."""
+"""Gaussian filters of ISO 16610 for profiles and surfaces, linear and robust, with a correction near the ends."""
 
 from __future__ import annotations
 
@@ -17,12 +17,18 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 Powers = tuple[int, ...]
-_REACH = 1.6  # half width of the weight function, in cutoff wavelengths: weights beyond are below 1e-15 of the largest
-_MIN_WEIGHTS = 64  # weights on each side: for cutoffs of two or three points they decay slowly, to 1e-5 here
-_MIN_COVERAGE = 1e-6  # fraction of the weights at measured points, below which no mean line is estimated
-_MIN_PIVOT = 1e-9  # smallest pivot of the normalised local equations; below it they are singular
-_BIWEIGHT = 4.4478  # times the median absolute deviation: three standard deviations of normally distributed heights
-_ROBUST_TOLERANCE = 1e-4  # convergence: largest change of the mean line over the biweight scale
+# Half width of the weight function, in cutoff wavelengths. Farther away, weights are below 1e-15 of the largest weight.
+_REACH = 1.6
+# Minimum number of weights on each side. For a cutoff of two or three points, weights decay slowly, to 1e-5 at this
+# distance.
+_MIN_WEIGHTS = 64
+# Minimum fraction of the weights that must lie on measured points to estimate a mean line.
+_MIN_COVERAGE = 1e-6
+_MIN_PIVOT = 1e-9  # smallest pivot of the normalised local equations; with a smaller pivot the equations are singular
+# Biweight scale in median absolute deviations. It is three standard deviations of normally distributed heights.
+_BIWEIGHT = 4.4478
+# Largest change of the mean line, in biweight scales, at which the iteration has converged.
+_ROBUST_TOLERANCE = 1e-4
 _MAX_ITERATIONS = 200
 
 
@@ -169,7 +175,7 @@ def _transmitted(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _covered(sums: Floats, weights: Floats, heights: Floats) -> Floats:
-    """Divide weighted sums by their weights; where the weight is too small, return the heights."""
+    """Divide weighted sums by their weights. Where the weight is too small, return the heights."""
     enough = weights > _MIN_COVERAGE
     return np.where(enough, sums / np.where(enough, weights, 1), heights)
 
@@ -180,12 +186,12 @@ def _along(values: Any, axis: int, ndim: int) -> Any:
 
 
 def _linear(ndim: int) -> list[Powers]:
-    """Return the exponents of (y and) x of a function that is linear along each axis."""
+    """Return the exponents of the terms of a function that is linear in x, or linear in y and linear in x."""
     return list(product(range(2), repeat=ndim))
 
 
 def _quadratic(ndim: int) -> list[Powers]:
-    """Return the exponents of (y and) x of a polynomial of second degree."""
+    """Return the exponents of the terms of a polynomial of second degree in x, or in y and x."""
     return [powers for powers in product(range(3), repeat=ndim) if sum(powers) <= 2]
 
 
@@ -198,7 +204,7 @@ class _Kernel:
         reach = min(points - 1, max(math.ceil(_REACH * length), _MIN_WEIGHTS))
         self.points = points
         self.padded: int = next_fast_len(points + reach, real=True)
-        # Weights with exactly the analytic transmission up to the Nyquist wave number.
+        # These weights have exactly the analytic transmission up to the Nyquist wave number.
         fine = next_fast_len(max(self.padded, 4 * reach + 2), real=True)
         self._weights = irfft(transmission(2 * math.pi * rfftfreq(fine), length), fine)[: reach + 1]
         self._offset = np.arange(reach + 1) / length
@@ -214,7 +220,7 @@ class _Kernel:
 
 
 def _regression_along(heights: Floats, axis: int, length: float) -> Floats:
-    """Compute the value at each point of the local straight line, fitted along an axis with Gaussian weights."""
+    """Compute the value at each point of a local straight line that is fitted along an axis with Gaussian weights."""
     from scipy.fft import irfft, rfft
 
     kernel = _Kernel(heights.shape[axis], length)
@@ -228,13 +234,14 @@ def _regression_along(heights: Floats, axis: int, length: float) -> Floats:
 
 
 def _regression(heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[Powers]) -> Floats:
-    """Compute the value at each point of the local polynomial, fitted with Gaussian weights times `weights`."""
+    """Compute the value at each point of a local polynomial that is fitted with Gaussian weights times `weights`."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_Kernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]
     padded = [kernel.padded for kernel in kernels]
     inside = tuple(slice(points) for points in heights.shape)
-    # As in rfftn: a full complex transform along all axes except the last, and a half transform along the last.
+    # The sums are transformed as in rfftn: by a half transform along the last axis and full complex transforms along
+    # the other axes.
     lines = [
         [
             _along((np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.line(power)), axis, heights.ndim)
@@ -267,7 +274,8 @@ def _constants(basis: Sequence[Powers], moments: dict[Powers, Floats], right: li
     """
     terms = range(len(basis))
     total = np.where(moments[basis[0]] > _MIN_COVERAGE, moments[basis[0]], 1)
-    # Lower triangle of the normal equations, row k for term k. The Schur complements remain symmetric.
+    # The dictionary contains the lower triangle of the normal equations, with row k for term k. The Schur complements
+    # remain symmetric.
     rows = {(k, m): moments[_product(basis[k], basis[m])] / total for k in terms for m in range(k + 1)}
     values = [side / total for side in right]
     constant = values[0]

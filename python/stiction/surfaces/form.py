@@ -1,4 +1,4 @@
-"""Least-squares circles, spheres and cylinders: the nominal form of round parts."""
+"""Least-squares fit of circles, spheres and cylinders, which are the nominal form of round parts."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from stiction._checks import Floats
 from stiction._repr import with_unit
 
 RoundForm = Literal["circle", "sphere", "cylinder"]
-Points = tuple[Floats, Floats]  # coordinates (x, y) from the middle, µm
+Points = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
 _Model = Callable[[Floats, Points], Floats]
-_MIN_COSINE_SQUARED = 1e-6  # squared cosine of the slope at which the form is cut off, just before the equator
+# Squared cosine of the largest slope of the form. Beyond this slope, just before the equator, the form is cut off.
+_MIN_COSINE_SQUARED = 1e-6
 _FIT_TOLERANCE = 1e-12  # relative change at which the fit has converged
 
 
@@ -57,7 +58,7 @@ def round_form(
 
 
 def _arc(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
-    """Return the heights of an arc, from squared distances from the middle and the slope there times the distance."""
+    """Return the heights of an arc from squared distances from the middle and from products of slope and distance."""
     rise = curvature * square + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
@@ -87,7 +88,7 @@ _MODELS: dict[str, _Model] = {"circle": _circle, "sphere": _sphere, "cylinder": 
 
 
 def _start(form: RoundForm, points: Points, heights: Floats) -> Floats:
-    """Estimate initial parameters from the least-squares paraboloid."""
+    """Estimate initial parameters of a form from the least-squares paraboloid."""
     x, y = points
     if form == "circle":
         square, slope, height = np.polynomial.polynomial.polyfit(x, heights, 2)[::-1]
@@ -105,7 +106,7 @@ def _start(form: RoundForm, points: Points, heights: Floats) -> Floats:
 
 
 def _scales(form: RoundForm, points: Points, heights: Floats) -> Floats:
-    """Return typical magnitudes of the parameters, which scale the least-squares problem."""
+    """Return typical magnitudes of the parameters, by which the least-squares problem is scaled."""
     size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
     height = float(np.ptp(heights))
     slopes = {"circle": [height / size], "sphere": [height / size] * 2, "cylinder": [height / size] * 2 + [1.0]}

@@ -71,7 +71,10 @@ def random_phases(
 
 
 def hurst_exponent(fractal_dimension: float, *, convention: Convention = "paper") -> float:
-    """Return H of Eq. 1 for a fractal dimension D: 4 - 2D in the paper's convention, 2 - D in the classical one."""
+    """Return the Hurst exponent H of Eq. 1 for a fractal dimension D.
+
+    It is 4 - 2D in the paper's convention and 2 - D in the classical convention.
+    """
     check_choice("convention", convention, Convention)
     dimension = number("fractal_dimension", fractal_dimension)
     if not 1 <= dimension < 2:
@@ -147,7 +150,10 @@ def fill_profiles(
     family: Floats, phases: ArrayLike, fractal_dimensions: ArrayLike, *, length_scale: float, gamma: float,
     extent: float, convention: Convention, band_limit: BandLimit | None,
 ) -> Floats:  # fmt: skip
-    """Write `weierstrass_mandelbrot_family` to `family`; return mean, minimum and maximum of the profiles (k, 3)."""
+    """Write the profiles of `weierstrass_mandelbrot_family` to `family`.
+
+    Return the mean, minimum and maximum of each (k, 3).
+    """
     phase_array = float_array("phases", phases, ndim=2)
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
     extent = number("extent", extent, unit="µm", above=0)
@@ -167,7 +173,7 @@ def _scale_and_ratio(length_scale: Any, gamma: Any, band_limit: Any) -> tuple[fl
 
 
 def _weights(dimension: Any, frequencies: int, scale: float, gamma: float, convention: Convention) -> Floats:
-    """Return the amplitude of every frequency, µm."""
+    """Return the amplitude of every frequency of Eq. 1, µm."""
     hurst = hurst_exponent(dimension, convention=convention)
     return np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, scale))
 

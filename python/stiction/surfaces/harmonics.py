@@ -8,19 +8,27 @@ import numpy as np
 
 from stiction._checks import Floats
 
-MIN_HARMONIC_DISTANCE = 10  # bins between harmonics that are needed to assess the spectrum between them
-_MIN_PERIODS = 2.5  # smallest bin of a first harmonic: a Hann window spreads a line over two bins on each side
+# Minimum number of bins between harmonics. With fewer bins, the spectrum between the harmonics cannot be assessed.
+MIN_HARMONIC_DISTANCE = 10
+# Smallest bin of a first harmonic. It is above 2 because a Hann window spreads a line over two bins on each side.
+_MIN_PERIODS = 2.5
 _MAX_COMPARED_HARMONICS = 8  # largest number of harmonics that are compared with the spectrum between them
-_MIN_SIGNIFICANT_HARMONICS = 2  # above the first; also at least a third of those compared
+# Minimum number of significant harmonics above the first. At least a third of the compared harmonics must be
+# significant, too.
+_MIN_SIGNIFICANT_HARMONICS = 2
 _MAX_CANDIDATES = 6  # largest number of peaks that are tried as the first harmonic
-_MIN_LINE_RATIO = 10.0  # density of a harmonic over the density between harmonics: about one bin in 1000 by chance
-_LOBE = 2.5  # half width of a windowed harmonic, in bins
-_STEPS_PER_BIN = 16  # steps per bin in the refinement of the first harmonic
-_QUANTILE = 0.3  # quantile of the density over one period that harmonics, including aliased ones, do not affect
+# Minimum density of a harmonic relative to the density between harmonics. About one bin in 1000 exceeds it by chance.
+_MIN_LINE_RATIO = 10.0
+_LOBE = 2.5  # half width of the peak of a harmonic after a Hann window, in bins
+_STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
+# quantile of the density over one period that is not affected by harmonics, including aliased harmonics
+_QUANTILE = 0.3
 
 
 def find_period(density: Floats) -> tuple[float, float]:
-    """Find the first harmonic of a periodic texture and the distance between harmonics, in bins; NaN if there is none.
+    """Find the first harmonic of a periodic texture and the distance between harmonics, in bins.
+
+    Return NaN if there is none.
 
     A symmetric texture has odd harmonics only; the distance between them is then twice the first harmonic.
 
@@ -34,7 +42,8 @@ def find_period(density: Floats) -> tuple[float, float]:
     rising, falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, rising] & np.r_[falling, True])
     peaks = peaks[(peaks > _MIN_PERIODS) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= size)]
-    # Sort by slope variance: the first harmonics of a texture have most of it.
+    # Peaks are sorted by their contribution to the slope variance, because the first harmonics of a texture contribute
+    # most.
     order = np.argsort(-padded[peaks] * np.square(peaks))[:_MAX_CANDIDATES]
     best_score, result = 0.0, (math.nan, math.nan)
     for peak in peaks[order].tolist():
@@ -74,7 +83,7 @@ def between_harmonics(density: Floats, count: Floats, distance: float) -> Floats
 
 
 def _between(padded: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median density around every harmonic, up to halfway to its neighbours."""
+    """Return the median density around every harmonic, in a range that extends halfway to its neighbours."""
     bins = np.arange(padded.size)
     levels = []
     for place in harmonics.tolist():

@@ -1,4 +1,4 @@
-"""Hurst exponent of a profile or a surface, estimated from its spectrum over a band of wavelengths."""
+"""Hurst exponent of a profile or a surface, estimated from its spectrum in a band of wavelengths."""
 
 from __future__ import annotations
 
@@ -17,28 +17,39 @@ from stiction.surfaces.spectrum import areal_spectrum, in_band, profile_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 _NEWTON_STEPS, _HALVINGS = 50, 30
-MAX_INTERVAL_WIDTH = 0.5  # largest width of the 95 % interval of H that is still informative
-MIN_BAND_HARMONICS = 8  # harmonics in a band
+MAX_INTERVAL_WIDTH = 0.5  # largest width of the 95 % interval of H at which the estimate is still informative
+MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
 _NO_BAND = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
-_TREND_ROUND_OFF = 1e-13  # residual of a subtracted straight line, over the largest height
-_NUM_WINDOWED_OUT = 2  # lowest harmonics after a Hann window, which contain the mean and longer wavelengths
+_TREND_ROUND_OFF = 1e-13  # residual of a subtracted straight line relative to the largest height
+# Number of lowest harmonics that are excluded after a Hann window. They contain the mean and longer wavelengths.
+_NUM_WINDOWED_OUT = 2
 
 _HANN_CORRELATION = 35 / 18
-"""Variance factor of sums over harmonics after a Hann window w: mean of w⁴ over the squared mean of w²."""
+"""Factor by which a Hann window w increases the variance of sums over harmonics: the mean of w⁴ divided by the squared
+mean of w²."""
 
-_CHI_SQUARED_95 = 3.841  # one degree of freedom
+_CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
 _BINS_PER_DECADE = 12
-_MIN_PIECE_BINS = 4  # smallest number of bins in a piece of the spectrum with its own power law
-_BEND = 0.1  # relative model error of a bin: no measured spectrum follows a power law more closely
-_PIECE_PENALTY = 10.0  # log-likelihood that another piece (three parameters, one break among about 50 bins) must gain
-_MAX_DEVIANCE = 10.0  # deviance per bin (about 1 by chance) above which a spectrum consists of separate lines
-_MIN_BAND_WIDTH = math.log(3)  # narrowest accepted band, in ln q: half a decade
-_NOISES = tuple(np.geomspace(0.01, 10, 13).tolist())  # trial noise levels over the power law at the shortest wavelength
-_PARAMETER_PENALTY = 2.0  # log-likelihood that one more parameter (a roll-off or noise) must gain
+_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum with its own power law
+# Relative error of the model in a bin. No measured spectrum follows a power law more closely.
+_BEND = 0.1
+# Minimum gain in log-likelihood for another piece. A piece has three parameters and one break among about 50 bins.
+_PIECE_PENALTY = 10.0
+# Largest accepted deviance per bin. It is about 1 by chance; with a larger deviance the spectrum consists of separate
+# lines.
+_MAX_DEVIANCE = 10.0
+_MIN_BAND_WIDTH = math.log(3)  # narrowest accepted band in ln q, which is half a decade
+# Trial noise levels relative to the power law at the shortest wavelength.
+_NOISES = tuple(np.geomspace(0.01, 10, 13).tolist())
+# Minimum gain in log-likelihood for one more parameter, which is a roll-off or noise.
+_PARAMETER_PENALTY = 2.0
 
 
 class PowerLaw:
-    """Maximum-likelihood power law P ∝ q^-s through gamma-distributed powers with the weights as shape parameters."""
+    """Maximum-likelihood fit of a power law P ∝ q^-s to gamma-distributed powers.
+
+    The weights are the shape parameters of the gamma distribution.
+    """
 
     def __init__(self, log_q: Floats, power: Floats, weight: Floats) -> None:
         self._total = float(weight.sum())
@@ -48,7 +59,7 @@ class PowerLaw:
         self._largest = float(power.max())
         self._power = fraction * power / self._largest
         self.exponent = 0.0
-        for _ in range(_NEWTON_STEPS):  # Newton steps; the loss is a convex log-sum-exp function
+        for _ in range(_NEWTON_STEPS):  # Newton's method is used, because the loss is a convex log-sum-exp function
             scaled = self._power * np.exp(self.exponent * self._log_q)
             scaled /= scaled.sum()
             gradient = float(scaled @ self._log_q)
@@ -62,7 +73,7 @@ class PowerLaw:
         return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._largest)
 
     def loss(self, exponent: float) -> float:
-        """Return the negative log-likelihood, up to a constant, with the optimal prefactor."""
+        """Return the negative log-likelihood with the optimal prefactor, up to a constant."""
         return self._total * self._log_level(exponent)
 
     @property
@@ -71,7 +82,7 @@ class PowerLaw:
         return self._log_level(self.exponent) + self.exponent * self._middle
 
     def interval(self, max_loss: float) -> tuple[float, float]:
-        """Return the range of exponents with a loss of at most `max_loss`."""
+        """Return the range of exponents whose loss is at most `max_loss`."""
         ends = []
         for side in (-1.0, 1.0):
             near, far = 0.0, 0.1
@@ -126,12 +137,12 @@ class HurstEstimate(TableRepr):
 
     @property
     def fractal_dimension_classical(self) -> float:
-        """Classical fractal dimension of a profile, or of sections of a surface: D = 2 - H."""
+        """Classical fractal dimension of a profile, or of sections of a surface, which is D = 2 - H."""
         return 2 - self.value
 
     @property
     def fractal_dimension_paper(self) -> float:
-        """Fractal dimension by Hanaor, Gan & Einav (2016) and `weierstrass_mandelbrot`: D = (4 - H) / 2."""
+        """Fractal dimension D = (4 - H) / 2 as defined by Hanaor, Gan & Einav (2016) and `weierstrass_mandelbrot`."""
         return (4 - self.value) / 2
 
     @property
@@ -146,7 +157,7 @@ class HurstEstimate(TableRepr):
 
     @property
     def caution(self) -> str | None:
-        """Sentence that explains why the exponent is unreliable, or None."""
+        """Sentence that explains why the exponent is unreliable. None if it is reliable."""
         interval = f"the 95 % interval of H, [{self.lower:.2f}, {self.upper:.2f}],"
         if self.upper - self.lower > MAX_INTERVAL_WIDTH:
             decades = math.log10(self.longest_wavelength / self.shortest_wavelength)
@@ -263,7 +274,7 @@ def estimate_hurst_exponent(
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     law = PowerLaw(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     lower, upper = law.interval(law.min_loss + _CHI_SQUARED_95 / 2)
-    if piece is not None:  # include the uncertainty of the end of the roll-off
+    if piece is not None:  # the interval includes the uncertainty of the end of the roll-off
         laws = _rolled_off(piece, piece.count / (variance_factor * dispersion))
         max_loss = min(other.min_loss for other in laws) + _CHI_SQUARED_95 / 2
         intervals = [other.interval(max_loss) for other in laws if other.min_loss < max_loss]
@@ -278,7 +289,7 @@ def estimate_hurst_exponent(
 
 
 def _harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the wave numbers and powers of a profile for the fit, and the height unit of the powers."""
+    """Return the wave numbers and powers of a profile that are fitted, and the height unit of the powers."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         place = np.arange(heights.size) - (heights.size - 1) / 2
@@ -291,13 +302,13 @@ def _harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]
     used = spectrum.count == 1
     if not periodic:
         used[:_NUM_WINDOWED_OUT] = False
-    # A profile without short wavelengths has only round-off there.
+    # A profile without short wavelengths contains only round-off there.
     power = np.maximum(spectrum.density[used], np.finfo(float).eps ** 2 * spectrum.density.max())
     return spectrum.wave_number[used], power, scale
 
 
 def _waves(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the wave numbers of a surface for the fit, the powers times wave number, and the height unit."""
+    """Return the wave numbers of a surface that are fitted, the powers times the wave number, and the height unit."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -340,24 +351,27 @@ class _Bins:
 
 
 def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _Bins]:
-    """Find the harmonics of the widest self-affine piece of the spectrum; return also its bins with the roll-off."""
+    """Find the harmonics of the widest self-affine piece of the spectrum.
+
+    Return also the bins of this piece and its roll-off.
+    """
     if q.size >= MIN_BAND_HARMONICS:
         bins = _Bins.of(q, power)
         weight = 1 / (variance_factor / bins.count + _BEND**2)
         starts, ends, exponents, losses = _pieces(bins, weight)
         pieces = _best_cut(bins.log_q.size, starts, ends, losses)
-        for steepest in (3.0, 5.0):  # H = 1, 2
+        for steepest in (3.0, 5.0):  # exponents of the power for H = 1 and H = 2
             widest = _MIN_BAND_WIDTH
             best: tuple[slice, _Bins] | None = None
             for piece in pieces:
                 if not 1 < exponents[piece] < steepest:
                     continue
-                start, end = int(starts[piece]), int(ends[piece])  # exclusive end
+                start, end = int(starts[piece]), int(ends[piece])  # index after the last harmonic
                 if bins.part(start, end).deviance(exponents[piece], weight[start:end]) > _MAX_DEVIANCE:
                     continue
                 end -= end < bins.log_q.size
                 whole = start + (start > 0)
-                if start == 0:  # remove a roll-off that is too short for a separate piece
+                if start == 0:  # remove a roll-off that is too short to be a separate piece
                     rolled = [law.min_loss for law in _rolled_off(bins.part(0, end), weight[:end])]
                     start = int(np.argmin(rolled)) if min(rolled) < rolled[0] - _PARAMETER_PENALTY else 0
                 else:
@@ -373,14 +387,17 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
 
 
 def _above_noise(q: Floats, power: Floats, variance_factor: float, chosen: slice, piece: _Bins) -> tuple[slice, _Bins]:
-    """Remove the shortest wavelengths from a band where white noise bends the spectrum."""
+    """Remove the shortest wavelengths from a band if white noise bends the spectrum there."""
     from scipy.optimize import minimize_scalar
 
     bins = _Bins.of(q[chosen], power[chosen])
     place, weight = bins.log_q - bins.log_q[-1], bins.count / variance_factor
 
     def loss(exponent: float, noise: float) -> float:
-        """Return the negative log-likelihood of a power law plus noise (relative to it at the shortest wavelength)."""
+        """Return the negative log-likelihood of a power law plus noise.
+
+        The noise is relative to the power law at the shortest wavelength.
+        """
         shape = np.exp(-exponent * place) + noise
         return float(weight @ np.log(shape) + weight.sum() * math.log(weight @ (bins.power / shape)))
 
@@ -391,7 +408,7 @@ def _above_noise(q: Floats, power: Floats, variance_factor: float, chosen: slice
     least, exponent, noise = min(best(noise) for noise in _NOISES)
     if least > best(0.0)[0] - _PARAMETER_PENALTY:
         return chosen, piece
-    # End the band where the noise reaches the accepted deviation from the power law.
+    # The band ends where the noise reaches the accepted deviation from the power law.
     last = math.log(q[chosen][-1]) + min(0.0, math.log(_BEND / noise) / exponent)
     end = int(np.searchsorted(np.log(q), last, side="right"))
     if end - chosen.start < MIN_BAND_HARMONICS or last - math.log(q[chosen.start]) < _MIN_BAND_WIDTH:
@@ -400,7 +417,7 @@ def _above_noise(q: Floats, power: Floats, variance_factor: float, chosen: slice
 
 
 def _rolled_off(bins: _Bins, weight: Floats) -> list[PowerLaw]:
-    """Fit power laws with a flat roll-off up to bin 0, 1, 2, ...; the first has no roll-off."""
+    """Fit power laws whose flat roll-off ends at bin 0, 1, 2 and so on; the first fit has no roll-off."""
     breaks = range(max(1, bins.log_q.size - _MIN_PIECE_BINS))
     return [PowerLaw(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
 
@@ -416,7 +433,7 @@ def _pieces(bins: _Bins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.i
 
 
 def _best_cut(size: int, starts: NDArray[np.intp], ends: NDArray[np.intp], losses: Floats) -> list[int]:
-    """Return consecutive pieces that cover all bins with the smallest sum of losses and penalties."""
+    """Return consecutive pieces that cover all bins and minimise the sum of losses and penalties."""
     best, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
     best[0] = 0.0
     for piece in np.argsort(ends, kind="stable"):

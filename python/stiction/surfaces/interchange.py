@@ -1,4 +1,4 @@
-"""Conversion of profiles and surfaces of other libraries: heights, spacing and unit."""
+"""Conversion of profiles and surfaces from and to other libraries, with heights, spacing and unit."""
 
 from __future__ import annotations
 
@@ -14,20 +14,21 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-STEP_TOLERANCE = 1e-6  # of a step: coordinates whose steps differ by more are not on a uniform grid
+# Largest relative difference between the steps of coordinates on a uniform grid.
+STEP_TOLERANCE = 1e-6
 
 
 class ForeignHeights(NamedTuple):
     """Heights, spacing and history of a profile or a surface."""
 
-    heights: Floats  # (n,) or (rows, columns), µm
+    heights: Floats  # heights of shape (n,) or (rows, columns), µm
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm
     history: tuple[str, ...]
     missing: Any = None  # mask of missing points of a Profile or a Surface
 
 
 def extract_heights(name: str, other: Any, *, unit: str | None = None) -> ForeignHeights:
-    """Extract heights and spacing from a body, or from an object of SurfaceTopography, surfalize or xarray.
+    """Extract heights and spacing from a body of this package, or of SurfaceTopography, surfalize or xarray.
 
     `unit` applies to all lengths if the object has no unit. Messages refer to the argument as `name`.
     """
@@ -49,7 +50,7 @@ def extract_heights(name: str, other: Any, *, unit: str | None = None) -> Foreig
 
 
 def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats) -> xarray.DataArray:
-    """Return heights over positions (µm) with units as a DataArray; inverse of `extract_heights`."""
+    """Convert heights and positions (µm) with units to a DataArray. This is the inverse of `extract_heights`."""
     import xarray
 
     along = {"units": "um", "long_name": "position"}
@@ -59,7 +60,7 @@ def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats
 
 
 def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> str:
-    """Describe size, spacing, roughness and history of a body in one line."""
+    """Describe the size, spacing, roughness and history of a body in one line."""
     size = " × ".join(map(str, heights.shape))
     steps = np.unique(spacing).tolist()
     apart = f"{with_unit(steps[0], 'µm')} apart"
@@ -86,7 +87,7 @@ def _from_topography(name: str, other: Any, kind: str, unit: str | None) -> Fore
 
 
 def _from_data_array(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
-    """Extract heights over (y and) x from a DataArray with units in ``attrs["units"]``."""
+    """Extract heights as a function of (y and) x from a DataArray with units in ``attrs["units"]``."""
     targets = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
     if targets is None or set(other.dims) != set(targets):
         raise ValueError(f"{name} must have the dimensions y and x, or x alone, got {', '.join(map(str, other.dims))}")

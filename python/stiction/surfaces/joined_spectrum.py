@@ -18,12 +18,17 @@ from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_sha
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 MIN_POINTS_PER_WAVELENGTH = (
-    8  # points per shortest wavelength of a scan: averaging over a pixel transmits 95 % of the power
+    # Minimum number of points per wavelength that is used of a scan. Averaging over a pixel then transmits 95 % of the
+    # power.
+    8
 )
 MAX_WAVELENGTH_FRACTION = (
     1 / 3
-)  # longest wavelength used over the shortest side of a scan: longer ones depend on the window
-_WAVES_PER_VALUE = 4.0  # wave vectors per independent value: opposite ones are equal, the window correlates others
+    # Longest wavelength that is used, as a fraction of the shortest side of a scan. Longer wavelengths depend on the
+    # window.
+)
+# Number of wave vectors per independent value. Opposite wave vectors are equal, and the window correlates neighbours.
+_WAVES_PER_VALUE = 4.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,7 +75,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def shortest(self) -> float:
-        """Shortest wavelength of the spectrum, µm: the edge of its last bin."""
+        """Shortest wavelength of the spectrum, µm. It is the edge of the last bin."""
         return float(2 * math.pi / (self.wave_number[-1] * self._half_width))
 
     @property
@@ -85,7 +90,7 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def history(self) -> tuple[str, ...]:
-        """Description of the scans and their bands."""
+        """Description of the scans and of their bands of wavelengths."""
         scans = (
             f"{name} ({shortest:.4g} to {longest:.4g} µm)"
             for name, (shortest, longest) in zip(self.names, self.bands, strict=True)
@@ -95,14 +100,17 @@ class JoinedSpectrum(TextRepr):
 
     @property
     def disagreement(self) -> Floats:
-        """(scans,) mean ratio of a scan to the other scans where they overlap; NaN without overlap."""
+        """(scans,) mean density of a scan over the density of the other scans where they overlap.
+
+        NaN without overlap.
+        """
         shared = (self.contribution > 0).sum(axis=0) > 1
         ratios = np.full(len(self.bands), np.nan)
         for scan, ratio in enumerate(self.ratio):
             occupied = shared & np.isfinite(ratio)
             weight = self.contribution[scan, occupied]
             if occupied.any() and (weight < 1).any():
-                # The combined density contains the scan itself: remove it for the comparison.
+                # The combined density contains the scan itself, which must be removed for the comparison.
                 others = (1 - weight * ratio[occupied]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     logs = np.log(ratio[occupied] / others)
@@ -126,12 +134,12 @@ class JoinedSpectrum(TextRepr):
         return read_only(result)
 
     def roughness(self) -> ScaleDependentRoughness:
-        """Return rms slope and curvature of all wavelengths of the spectrum down to a wavelength."""
+        """Return the rms slope and curvature of all wavelengths of the spectrum down to a shortest wavelength."""
         step = math.log(self.wave_number[1] / self.wave_number[0])
         result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             part = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
-            # Integrate up to the centre of a bin: exclude half of it.
+            # The integral ends at the centre of a bin, so half of the bin is excluded.
             result.append(np.sqrt(part.cumsum() - part / 2))
         return ScaleDependentRoughness(
             wavelength=read_only(2 * math.pi / self.wave_number), gradient=read_only(result[0]),
@@ -142,7 +150,7 @@ class JoinedSpectrum(TextRepr):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian surface with this spectrum, and no wavelengths beyond it.
+        """Generate a periodic Gaussian surface with this spectrum, without wavelengths outside the spectrum.
 
         Parameters
         ----------
@@ -249,7 +257,7 @@ def joined_spectrum(
     occupied = all_waves > 0
     density = np.exp(
         np.interp(np.log(q), np.log(q[occupied]), np.log(total.sum(axis=0)[occupied] / all_waves[occupied]))
-    )  # interpolates over gaps
+    )  # this interpolates across gaps
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
             wave_number=read_only(q), density=read_only(density), count=read_only(all_waves),
@@ -287,7 +295,7 @@ def _band(body: Profile | Surface, limit: float | None, tip: float | None) -> tu
 
 
 def _binned(body: Profile | Surface, band: tuple[float, float], per_decade: int) -> dict[int, tuple[float, float]]:
-    """Return number of wave vectors and mean density, for every bin of a band."""
+    """Return the number of wave vectors and the mean density for every bin of a band."""
     shortest, longest = (2 * math.pi / length for length in reversed(band))
     if isinstance(body, Profile):
         ring = isotropic_spectrum(levelled(body, "line"))
@@ -302,7 +310,7 @@ def _binned(body: Profile | Surface, band: tuple[float, float], per_decade: int)
     for bin_ in np.unique(index).tolist():
         selected = index == bin_
         middle = 10 ** ((bin_ + 0.5) / per_decade)
-        # A spectrum decreases within a bin; q³ C is nearly constant.
+        # The spectrum decreases within a bin, but q³ C is nearly constant.
         level = float(np.average(density[selected] * (q[selected] / middle) ** 3, weights=waves[selected]))
         if level > 0:
             result[int(bin_)] = float(waves[selected].sum()), level

@@ -1,4 +1,4 @@
-"""Roughness of a measured surface along its rows or columns, as a stylus measures it."""
+"""Roughness of a measured surface along its rows or columns, as in a measurement with a stylus."""
 
 from __future__ import annotations
 
@@ -16,17 +16,19 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, in_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat
 
-MAX_FITTED_LINES = 64  # lines to fit a Hurst exponent to: neighbouring lines are correlated, so more add little
+# Maximum number of lines whose Hurst exponents are fitted. Neighbouring lines are correlated, so more lines add little.
+MAX_FITTED_LINES = 64
 _BOTH: tuple[Along, Along] = ("x", "y")
-MAX_MISFIT = 1.5  # largest rms factor between a spectrum and its power law
-_MAX_EQUAL_BAND_RATIO = 1.5  # largest ratio between the ends of two bands that count as equal
-_MODEL_VARIANCE = 0.04  # model variance of the logarithm of a bin, which is added to its statistical variance
-_MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formula
+MAX_MISFIT = 1.5  # largest rms factor between a spectrum and its power law at which the fit is accepted
+# Two bands are equal if neither end differs by more than this ratio.
+_MAX_EQUAL_BAND_RATIO = 1.5
+_MODEL_VARIANCE = 0.04  # variance of the logarithm of a bin due to the model, added to its statistical variance
+_MIN_LINE_POINTS = 7  # minimum number of points that the seven-point slope formula needs
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRoughness(TextRepr):
-    """Roughness of the parallel lines of a surface, each levelled by its least-squares line.
+    """Roughness of the parallel lines of a surface. Each line is levelled by its least-squares line.
 
     Attributes
     ----------
@@ -72,7 +74,7 @@ class LineRoughness(TextRepr):
 
     @property
     def is_straight(self) -> bool:
-        """True if the mean spectrum follows a power law."""
+        """True if the mean spectrum of the lines follows a power law."""
         return self.misfit <= MAX_MISFIT
 
 
@@ -136,7 +138,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
             fitted.append(measured)
     result = [fit for line in fitted if (fit := _fit(line, band)) is not None]
     if band is not None and not result and (rough := [line for line in fitted if not line.is_flat]):
-        estimate_hurst_exponent(rough[0], band=band)  # raises the error
+        estimate_hurst_exponent(rough[0], band=band)  # this call raises the error
     estimates = result
     if band is None and 2 * len(result) >= len(fitted):
         ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in result], axis=0)
@@ -214,7 +216,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor between a binned spectrum and a power law in a band, minus the variance `chance`."""
+    """Return the rms factor between a binned spectrum and a power law in a band, without the variance `chance`."""
     inside = in_band(bins.wave_number, *band) & (bins.density > 0)
     if not inside.any():
         return math.nan

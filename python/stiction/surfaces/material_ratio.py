@@ -1,4 +1,4 @@
-"""Material ratio curve (bearing curve) of a profile or a surface: ratios, heights, volumes and core parameters."""
+"""Material ratio curve (bearing curve) of a profile or a surface, and its heights, volumes and core parameters."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from stiction._checks import Floats, float_array
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, as_body
 
-CORE_FRACTION = 0.4  # width of the core in material ratio
-PEAKS, VALLEYS = 0.1, 0.8  # material ratios that separate peaks, core and valleys: defaults of ISO 25178-3
-EXTREME_PEAK_RATIOS = 0.025, 0.5  # material ratios for the extreme peak height: defaults of ISO 25178-3
+CORE_FRACTION = 0.4  # width of the core as a range of material ratios
+PEAKS, VALLEYS = 0.1, 0.8  # material ratios that separate peaks, core and valleys, with the defaults of ISO 25178-3
+EXTREME_PEAK_RATIOS = 0.025, 0.5  # material ratios of the extreme peak height, with the defaults of ISO 25178-3
 
 
 def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
-    """Return the heights at given material ratios: the bearing curve of Abbott and Firestone.
+    """Return the heights at given material ratios, which form the bearing curve of Abbott and Firestone.
 
     Parameters
     ----------
@@ -136,7 +136,10 @@ def core_parameters(heights: Floats) -> CoreParameters:
 
 
 def _core_line(deviation: Floats) -> tuple[float, float, float]:
-    """Fit the straight line through the core; return its drop, and its heights at material ratios 0 and 100 %."""
+    """Fit the straight line through the core.
+
+    Return its height difference over the core, and its heights at material ratios of 0 and 100 %.
+    """
     heights = np.sort(deviation, axis=None)[::-1]
     points = heights.size
     core_points = max(2, round(CORE_FRACTION * points))

@@ -1,4 +1,4 @@
-"""Missing data and outliers of a scan: interpolation, size of the gaps, and detection of outliers."""
+"""Missing data and outliers of a scan. The module interpolates gaps, measures their size, and detects outliers."""
 
 from __future__ import annotations
 
@@ -9,19 +9,24 @@ from stiction._checks import Floats
 from stiction._repr import with_unit
 
 MIN_OUTLIER_DEVIATIONS = 6.0
-"""Smallest deviation of an outlier from its neighbours, in robust standard deviations (1.4826 times the median
-absolute deviation)."""
-MAX_OUTLIER_GROUP = 4  # largest number of adjacent outliers: a larger group is a feature of the surface
+"""Smallest deviation of an outlier from its neighbours, in robust standard deviations. A robust standard deviation is
+1.4826 times the median absolute deviation."""
+MAX_OUTLIER_GROUP = 4  # largest number of adjacent outliers; a larger group is a feature of the surface
 
 _NEIGHBOURHOOD = {1: 31, 2: 7}  # width of the local window in points, for profiles and for maps
-_MIN_ESTIMATES = 3  # estimates from neighbours: with three, one of them may contain another outlier
-_MAX_LINES = 2  # of five or more lines through neighbours, an outlier may lie on two by chance
+# Minimum number of estimates of a height from neighbours. With three estimates, one may contain another outlier.
+_MIN_ESTIMATES = 3
+# An outlier may lie on this many of the five or more lines through neighbours by chance.
+_MAX_LINES = 2
 _MAX_PASSES = 8
-_MIN_EDGE_POINTS = 20  # points at edges needed to estimate their scatter separately
+_MIN_EDGE_POINTS = 20  # minimum number of points at edges that is needed to estimate their scatter separately
 
 
 def interpolate_missing(heights: Floats, *, extrapolate: bool) -> Floats:
-    """Interpolate gaps (NaN) linearly along x, then y; `extrapolate` fills gaps at an edge with the nearest height."""
+    """Interpolate gaps (NaN) linearly along x, then along y.
+
+    With `extrapolate`, gaps at an edge get the nearest height.
+    """
     full = heights.copy()
     for to_edge in (False, True)[: 1 + extrapolate]:
         for lines in (full, full.T) if full.ndim == 2 else (full[np.newaxis],):
@@ -55,7 +60,7 @@ def describe_missing(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> 
 
 
 def find_outliers(heights: Floats) -> NDArray[np.bool_]:
-    """Find outliers: single points, or groups of up to four, that deviate from their neighbours.
+    """Find outliers, which are single points or groups of up to four points that deviate from their neighbours.
 
     Parameters
     ----------
@@ -94,7 +99,10 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
 
 
 def _usual_distance(distances: Floats, known: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:
-    """Return the median deviation of all points, or of the neighbourhood if larger, with edge points separate."""
+    """Return the median deviation of all points or, if larger, of the neighbourhood.
+
+    Edge points are treated separately.
+    """
     from scipy.ndimage import median_filter
 
     usual = np.zeros(distances.shape)
@@ -104,12 +112,13 @@ def _usual_distance(distances: Floats, known: NDArray[np.bool_], at_edge: NDArra
             usual[part | (usual == 0)] = np.median(values)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(known & np.isfinite(distances) & (usual > 0), distances / usual, 1.0)
-    # A worn surface is smoother on plateaus than in valleys, so compare with the neighbourhood as well.
+    # A worn surface is smoother on plateaus than in valleys. Therefore points are also compared with their
+    # neighbourhood.
     return np.asarray(usual * np.maximum(median_filter(ratio, size=_NEIGHBOURHOOD[distances.ndim]), 1.0))
 
 
 def _off_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return deviations from means of opposite neighbours and from lines through two neighbours, and edge points.
+    """Return deviations from means of opposite neighbours, deviations from lines through neighbours, and edge points.
 
     Deviations are NaN where too few neighbours are measured.
     """
@@ -126,7 +135,7 @@ def _off_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDAr
     means = np.stack([(shifted(step, 1) + shifted(step, -1)) / 2 for step in steps])
     off_means = np.abs(heights - _median(means, _MIN_ESTIMATES))
     sides = [np.stack([2 * shifted(step, sign) - shifted(step, 2 * sign) for step in steps]) for sign in (1, -1)]
-    # Extrapolations: one from each of two sides for profiles, one from each of eight directions for maps.
+    # Heights are extrapolated from each of two sides for profiles, and from each of eight directions for maps.
     lines = np.stack([_median(side[:3], 1) for side in sides]) if heights.ndim == 1 else np.concatenate(sides)
     off_lines = np.sort(np.abs(heights - lines), axis=0)  # NaN last
     count = np.isfinite(off_lines).sum(axis=0)

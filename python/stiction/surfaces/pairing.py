@@ -1,4 +1,4 @@
-"""Pairs of surfaces from two scans: pairs of lines, pairs of map pieces, and pairs of surrogates.
+"""Pairs of surfaces from two scans: pairs of lines, pairs of pieces of maps, and pairs of surrogates.
 
 Pair number `index` depends only on the scans, the options and the index. It is independent of the number of pairs and
 of the process that computes it.
@@ -29,20 +29,25 @@ from stiction.surfaces.profile import Along, Profile, Side, index_mask
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-DEFAULT_LINES = 128  # default number of pairs of lines: takes a second or two, and suffices for an interval
-SHIFT_DIVISOR = 4  # maps are shifted by at most a quarter of their length, so that three quarters overlap
-MIN_PIECE_POINTS = 16  # smallest number of rows and columns of a piece
-MAX_SURROGATE_POINTS = 512  # largest number of rows and columns of an areal surrogate
+# Default number of pairs of lines. They take a second or two, and suffice for an interval.
+DEFAULT_LINES = 128
+# Divisor of the length of a map that limits its shift. At a quarter of the length, three quarters of the maps overlap.
+SHIFT_DIVISOR = 4
+MIN_PIECE_POINTS = 16  # minimum number of rows and of columns of a piece
+MAX_SURROGATE_POINTS = 512  # maximum number of rows and of columns of an areal surrogate
 Surrogates = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN = (5**0.5 - 1) / 2
 _PLASTIC = 1.324717957244746  # real root of x^3 = x + 1
 _QUINTIC_ROOT = 1.1673039782614187  # real root of x^5 = x + 1
-GRID_POINTS_PER_WAVELENGTH = 4  # grid points per shortest wavelength of generated surfaces
+GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength of generated surfaces
 
 
 def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
-    """Return point `index` of a low-discrepancy sequence in the unit cube (additive recurrence, golden ratio)."""
+    """Return point `index` of a low-discrepancy sequence in the unit cube.
+
+    The sequence is an additive recurrence with the golden ratio.
+    """
     if dimensions == 1:
         return ((index * _GOLDEN) % 1,)
     base = _PLASTIC if dimensions == 2 else _QUINTIC_ROOT
@@ -54,7 +59,7 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LinePairs:
-    """Pairs of lines of two scans, or of surrogates of the lines; see `paired_lines`."""
+    """Pairs of lines of two scans, or of surrogates of the lines, as returned by `paired_lines`."""
 
     upper: Profile | Surface
     lower: Profile | Surface
@@ -64,17 +69,17 @@ class LinePairs:
     surrogates: Surrogates = "none"
     seed: int = 2016
     several: bool = False
-    count: int | None = None  # number of equally spaced pairs; None for a sequence of any length
+    count: int | None = None  # number of equally spaced pairs, or None for a sequence of any length
 
     def max_count(self) -> int | None:
-        """Return the number of different pairs, or None if it is unlimited."""
+        """Return the number of different pairs. None if it is unlimited."""
         if self.surrogates != "none":
             return None
         widths = [self._width(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
         return min(widths, default=1)
 
     def place(self, index: int) -> float:
-        """Return the position of the upper line of a pair across its surface, µm; 0 for profiles."""
+        """Return the position (µm) of the upper line of a pair perpendicular to the lines, which is 0 for profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
         across = self.upper.spacing[0 if self.along == "x" else 1]
@@ -113,19 +118,19 @@ class LinePairs:
         return short if self.level is None else levelled(short, self.level)
 
     def _line(self, body: Profile | Surface, index: int, *, apart: bool = False) -> Profile:
-        """Return line `index` of a surface; `apart` shifts it by a third of the width, with wrap-around."""
+        """Return line `index` of a surface. `apart` shifts the line by a third of the width, with wrap-around."""
         if isinstance(body, Profile):
             return body
         line = body.row if self.along == "x" else body.column
         return line(self._row(body, index, apart=apart))
 
     def _row(self, surface: Surface, index: int, *, apart: bool = False) -> int:
-        """Return the row or column number of line `index`; no line repeats before all have been used."""
+        """Return the row or column number of line `index`. No line is repeated before all lines have been used."""
         width = self._width(surface)
         start = max(width // 3, 1) if apart else 0
         if self.count is not None:
             return (start + index * width // self.count) % width
-        # A step near the golden ratio times the width, and coprime to the width.
+        # The step is near the golden ratio times the width, and coprime to the width.
         step = max(1, round(width * _GOLDEN))
         while math.gcd(step, width) > 1:
             step += 1
@@ -150,7 +155,7 @@ def paired_lines(
     surrogates: Surrogates = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Convert two scans to pairs of profiles for `press`: flipped sliders and their counterfaces.
+    """Convert two scans to pairs of profiles for `press`. The pairs consist of flipped sliders and their counterfaces.
 
     Parameters
     ----------
@@ -213,7 +218,10 @@ def paired_lines(
 def _crop_to_equal_length(
     upper: Profile, lower: Profile, index: int, level: ProfileTrend | None
 ) -> tuple[Profile, Profile]:
-    """Crop the longer profile of a pair to the shorter, at a position that depends on `index`, and level it again."""
+    """Crop the longer profile of a pair to the length of the shorter one, and level it again.
+
+    The position depends on `index`.
+    """
     length = min(len(upper), len(lower))
 
     def cut(profile: Profile) -> Profile:
@@ -238,28 +246,31 @@ def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profil
 
 @dataclass(frozen=True, eq=False)
 class MapPairs:
-    """Pairs of pieces of two maps at varying relative shifts, or of surrogates of the pieces, all of equal size.
+    """Pairs of pieces of two maps at varying relative shifts, or of surrogates of the pieces.
+
+    All pieces have the same size.
 
     A piece has three quarters of the shorter length along each axis, on the finer spacing. The positions of the pieces
     are spread over both maps. For maps of equal size, the shifts avoid contact of a map with itself or its mirror
     image.
     """
 
-    upper: Surface  # flipped: heights of the upper body are upwards
+    upper: Surface  # flipped map, so that heights of the upper body point upwards
     lower: Surface
-    level: SurfaceTrend = "plane"  # trend to subtract from every piece
+    level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016  # of surrogates
-    shifts: tuple[tuple[float, float], ...] | None = None  # (x, y) of the upper map, µm, instead of a sequence
+    # shifts (x, y) of the upper map, µm, which replace the sequence of shifts
+    shifts: tuple[tuple[float, float], ...] | None = None
 
     @cached_property
     def spacing(self) -> tuple[float, float]:
-        """Spacings of rows and columns, µm: the finer of both maps."""
+        """Spacings of rows and of columns, µm, which are the finer spacings of both maps."""
         (uy, ux), (ly, lx) = self.upper.spacing, self.lower.spacing
         return min(uy, ly), min(ux, lx)
 
     @cached_property
     def _points(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Points along y and x of both maps on the finer spacing."""
+        """Numbers of points along y and x of both maps on the finer spacing."""
         return tuple(  # type: ignore[return-value]
             tuple(
                 points if actual == step else math.floor((points - 1) * actual / step + 1e-9) + 1
@@ -270,19 +281,19 @@ class MapPairs:
 
     @cached_property
     def _steps(self) -> tuple[tuple[int, int], ...]:
-        """Shifts of the upper map along y and x in whole rows and columns."""
+        """Largest shifts of the upper map along y and x, in whole rows and columns."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
     def _overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column of the overlap on the lower map, and its numbers of rows and columns."""
+        """Return the first row and column of the overlap on the lower map, and the shape of the overlap."""
         first = tuple(max(0, step) for step in steps)
         ends = (min(lower, step + upper) for upper, lower, step in zip(*self._points, steps, strict=True))
         return first, tuple(end - start for end, start in zip(ends, first, strict=True))  # type: ignore[return-value]
 
     @cached_property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns of every piece. Raises ValueError if there are too few."""
+        """Numbers of rows and columns of every piece. Raises ValueError if there are too few."""
         if self.shifts is not None:
             sizes = [self._overlap(steps)[1] for steps in self._steps]
             rows, columns = (min(lengths) for lengths in zip(*sizes, strict=True))
@@ -309,7 +320,7 @@ class MapPairs:
 
     @property
     def used(self) -> tuple[float, float]:
-        """Fraction of the upper and of the lower map that a piece covers."""
+        """Fractions of the upper and of the lower map that a piece covers."""
         pieces = np.prod(self.shape)
         return tuple(float(pieces / np.prod(points)) for points in self._points)  # type: ignore[return-value]
 
@@ -322,7 +333,7 @@ class MapPairs:
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column of the upper and of the lower piece, on the finer spacing."""
+        """Return the first row and column of the upper piece and of the lower piece, on the finer spacing."""
         if self.shifts is not None:
             first, size = self._overlap(self._steps[index])
             below = tuple(start + (n - m) // 2 for start, n, m in zip(first, size, self.shape, strict=True))
@@ -366,19 +377,19 @@ class MapPairs:
 
 
 class SquarePairs:
-    """Pairs of square pieces of random surfaces with equal spacing along both axes."""
+    """Pairs of square pieces of random surfaces with the same spacing along both axes."""
 
     _num_side_points: int
     _step: float
 
     @property
     def spacing(self) -> tuple[float, float]:
-        """Spacings of rows and columns, µm."""
+        """Spacings of rows and of columns, µm."""
         return self._step, self._step
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns of every piece. Raises ValueError if there are too few."""
+        """Numbers of rows and columns of every piece. Raises ValueError if there are too few."""
         points = self._num_side_points - self._num_side_points // SHIFT_DIVISOR
         if points < MIN_PIECE_POINTS:
             raise ValueError(
@@ -395,11 +406,11 @@ class SquarePairs:
 
 @dataclass(frozen=True, eq=False)
 class IsotropicPairs(SquarePairs):
-    """Pairs of isotropic surfaces, generated from the spectra of two profiles."""
+    """Pairs of isotropic random surfaces that are generated from the spectra of two profiles."""
 
-    upper: Profile  # levelled; heights of the upper body are upwards
+    upper: Profile  # levelled profile, flipped so that heights of the upper body point upwards
     lower: Profile
-    level: SurfaceTrend = "plane"  # trend to subtract from every piece
+    level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016
 
     @cached_property
@@ -417,12 +428,12 @@ class IsotropicPairs(SquarePairs):
 
     @property
     def used(self) -> tuple[float, float]:
-        """Side of the surface over the length of the upper and of the lower profile."""
+        """Side of the surface divided by the length of the profile, for the upper and the lower body."""
         upper, lower = (self._num_side_points / len(item) for item in self._both)
         return upper, lower
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Return the levelled pieces of a pair."""
+        """Return the levelled pieces of a pair of generated surfaces."""
         shape = (self._num_side_points, self._num_side_points)
         upper, lower = (
             levelled(
@@ -438,24 +449,25 @@ class IsotropicPairs(SquarePairs):
 
 
 def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:
-    """Return the isotropic spectrum of a scan over its reliable band; a spectrum is returned unchanged."""
+    """Return the isotropic spectrum of a scan in its reliable band. A spectrum is returned unchanged."""
     return scan if isinstance(scan, JoinedSpectrum) else joined_spectrum([scan], names=["one scan"])
 
 
 @dataclass(frozen=True, eq=False)
 class SpectrumPairs(SquarePairs):
-    """Pairs of pieces of random, periodic, isotropic surfaces with two spectra.
+    """Pairs of pieces of random, periodic, isotropic surfaces that are generated from two spectra.
 
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
 
-    upper: JoinedSpectrum  # not flipped: flipping does not change the statistics of random phases
+    # Spectrum of the upper body. It needs no flipping, which does not change the statistics of random phases.
+    upper: JoinedSpectrum
     lower: JoinedSpectrum
-    level: SurfaceTrend = "plane"  # trend to subtract from every piece
+    level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016
-    cut_off: tuple[float, float] = (0.0, 0.0)  # µm, cutoff wavelengths of the upper and the lower body; 0 for none
+    cut_off: tuple[float, float] = (0.0, 0.0)  # cutoff wavelengths of the upper and the lower body, µm; 0 for no cutoff
     finest: float = (
-        0.0  # µm, shortest cutoff of a study: it determines the grid, so that members are equal at all cutoffs
+        0.0  # Shortest cutoff of a study, µm. It determines the grid, so that members are equal at all cutoffs.
     )
 
     @cached_property
@@ -469,17 +481,17 @@ class SpectrumPairs(SquarePairs):
 
     @property
     def side(self) -> float:
-        """Side of the complete surfaces, µm."""
+        """Side of the complete generated surfaces, µm."""
         return self._num_side_points * self._step
 
     @property
     def used(self) -> tuple[float, float]:
-        """Area of a piece over the area of the complete surface, for both bodies."""
+        """Area of a piece divided by the area of the complete surface, for both bodies."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Return the levelled pieces of a pair."""
+        """Return the levelled pieces of a pair of generated surfaces."""
         return self._piece(self.upper, index, "upper"), self._piece(self.lower, index, "lower")
 
     def _piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:
@@ -493,5 +505,5 @@ class SpectrumPairs(SquarePairs):
 
 
 def _middle(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
-    """Return the first row and column of a centred piece."""
+    """Return the first row and column of a piece in the middle of a surface."""
     return (points[0] - shape[0]) // 2, (points[1] - shape[1]) // 2

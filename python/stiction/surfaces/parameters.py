@@ -1,4 +1,4 @@
-"""Table of roughness parameters (name, standard, formula, unit, requirements), and sets of parameter values."""
+"""Roughness parameters with their name, standard, formula, unit and requirements, and sets of parameter values."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ _PROFILE = {
     "mrk1": ("material ratio at the upper end of the core", _RATIO, r"mr(\text{core line at 0})", ""),
     "mrk2": ("material ratio at the lower end of the core", _RATIO, r"mr(\text{core line at 100 \%})", ""),
 }  # fmt: skip
-"""Profile parameters without the letter of the profile: meaning, subject of the clause, formula, unit."""
+"""Meaning, subject of the clause, formula and unit of profile parameters. The keys lack the letter of the profile."""
 
 _OF_PROFILE = {
     "P": ("a", "q", "t", "sk", "ku", "dq"),
@@ -84,7 +84,7 @@ def _profile_parameters(letter: str) -> tuple[Parameter, ...]:
 
 
 PROFILE_PARAMETERS = {letter: _profile_parameters(letter) for letter in "PRW"}
-"""Parameters of the primary, roughness and waviness profile."""
+"""Parameters of the primary, the roughness and the waviness profile, by the letter of the profile."""
 
 _AREAL, _PEAKS = "ISO 25178-2", "five peaks"
 SURFACE_PARAMETERS = (
@@ -152,7 +152,7 @@ SURFACE_PARAMETERS = (
     ),
     Parameter("S10z", "ten-point height", f"{_AREAL}, 5.8 feature", "S5p + S5v", needs="five peaks and five pits"),
 )  # fmt: skip
-"""Parameters of a surface."""
+"""Parameters of a surface, in the order of their presentation."""
 
 PARAMETERS = {
     parameter.name: parameter
@@ -178,7 +178,8 @@ class ParameterSet(TextRepr):
 
     def __getattr__(self, name: str) -> float:
         """Return the value of a parameter by name."""
-        values: Mapping[str, float] = self.__dict__.get("values", {})  # not yet set while an object is copied
+        # `values` is not yet set while an object is copied
+        values: Mapping[str, float] = self.__dict__.get("values", {})
         if name in values:
             return values[name]
         raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")

@@ -17,9 +17,10 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-Align = Literal["start", "middle"]  # part of the larger body to keep
-GRID_TOLERANCE = 1e-9  # tolerance of positions on a grid, in spacings: 0.3 µm is point 3 at a spacing of 0.1 µm
-LINE_ROUND_OFF = 1e-14  # residual of a subtracted straight line, over the largest height
+Align = Literal["start", "middle"]  # part of the larger body that is kept
+# Tolerance of positions on a grid, in spacings. With it, 0.3 µm is point 3 at a spacing of 0.1 µm.
+GRID_TOLERANCE = 1e-9
+LINE_ROUND_OFF = 1e-14  # residual of a subtracted straight line relative to the largest height
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
@@ -30,7 +31,8 @@ _LEVELLED = {
     "plane": "levelled by a plane",
 }
 
-_SPLINE_MARGIN = 32  # points beyond which the end condition of a spline has no effect
+# Number of points beyond which the end condition of a spline has no effect.
+_SPLINE_MARGIN = 32
 _KEPT = {"start": "first", "middle": "middle"}
 _ROUNDINGS = (np.floor, np.ceil)
 
@@ -106,7 +108,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
 
 
 def _orthogonal(points: int, degree: int) -> list[Floats]:
-    """Return polynomials of degree 0 to `degree`, of magnitude about 1, that are orthogonal on a uniform grid."""
+    """Return polynomials of degree 0 to `degree` that are orthogonal on a uniform grid and of magnitude about 1."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):
@@ -116,7 +118,7 @@ def _orthogonal(points: int, degree: int) -> list[Floats]:
 
 
 def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
-    """Subtract the least-squares fit of orthogonal functions; return zero where only round-off remains."""
+    """Subtract the least-squares fit of orthogonal functions. Return zero where only round-off remains."""
     rest = heights
     if missing is not None:
         values = np.stack([np.broadcast_to(function, heights.shape)[~missing] for function in basis], axis=1)
@@ -130,7 +132,7 @@ def _without(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | 
 
 
 def flipped(body: AnyBody) -> AnyBody:
-    """Flip a profile or a surface for use as the upper body.
+    """Flip a profile or a surface, so that it can be used as the upper body.
 
     Parameters
     ----------
@@ -206,7 +208,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the first point, the exclusive end, and a description."""
+    """Return the first point and the exclusive end of a range, and a description of the range."""
     extent = points * spacing
     start = number("start", start, unit="µm")
     stop = extent if stop is None else number("stop", stop, unit="µm")
@@ -230,7 +232,7 @@ def on_common_grid(a: Profile, b: Profile, *, align: Align = ...) -> tuple[Profi
 @overload
 def on_common_grid(a: Surface, b: Surface, *, align: Align = ...) -> tuple[Surface, Surface]: ...
 def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Resample two profiles or two surfaces to the finer of their grids, over their common length.
+    """Resample two profiles or two surfaces to the finer of their grids, over the length that they have in common.
 
     Parameters
     ----------
@@ -281,12 +283,12 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
 
 
 def _points(length: float, spacing: float) -> int:
-    """Return the number of points from 0 to a length (µm), including the end despite round-off."""
+    """Return the number of points from 0 to a length (µm). The end is included despite round-off."""
     return math.floor(length / spacing + GRID_TOLERANCE) + 1
 
 
 def _on_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: Align) -> Any:
-    """Resample a body to spacings (µm) and a shape; return it unchanged if they are equal to its own."""
+    """Resample a body to spacings (µm) and a shape. Return it unchanged if it has these already."""
     old_spacings = body.spacings
     if (old_spacings, body.heights.shape) == (spacing, shape):
         return body
@@ -332,7 +334,7 @@ def resampled_piece(
 
 
 def _mask_between(missing: Any, places: Floats, axis: int) -> Any:
-    """Return a mask at positions between points: missing where one of the two adjacent points is missing."""
+    """Return a mask at positions between points. A position is missing if one of its two adjacent points is missing."""
     if missing is None:
         return None
     below, above = (np.take(missing, side(places).astype(np.intp), axis=axis) for side in _ROUNDINGS)
@@ -340,11 +342,14 @@ def _mask_between(missing: Any, places: Floats, axis: int) -> Any:
 
 
 def _splined(heights: Any, actual: float, spacing: float, points: int, axis: int, align: Align = "start") -> Any:
-    """Resample heights by natural cubic splines, or a mask, along an axis; equal spacing is only cropped."""
+    """Resample heights along an axis by natural cubic splines; masks are resampled, too.
+
+    With equal spacing, the axis is only cropped.
+    """
     if heights is None:
         return None
     last = heights.shape[axis] - 1
-    # Position of the first point, in points of the old grid.
+    # This is the position of the first point in points of the old grid.
     ratio = spacing / actual
     start = max(0.0, (last - (points - 1) * ratio) / 2) if align == "middle" else 0.0
     if actual == spacing:
@@ -352,7 +357,7 @@ def _splined(heights: Any, actual: float, spacing: float, points: int, axis: int
         return heights[selected] if axis == 0 else heights[:, selected]
     from scipy.interpolate import CubicSpline
 
-    # Round-off must not put a position beyond the last point.
+    # Round-off must not move a position beyond the last point.
     places = np.minimum(start + np.arange(points) * ratio, last)
     if heights.dtype == np.bool_:
         return _mask_between(heights, places, axis)
@@ -417,11 +422,12 @@ def rotated(surface: Surface, angle: float) -> Surface:
         )
     y = (np.arange(shape[0]) - (shape[0] - 1) / 2)[:, np.newaxis] * dy
     x = (np.arange(shape[1]) - (shape[1] - 1) / 2) * dx
-    # Position of a point before the rotation about the middle.
+    # This is the position of a point before the rotation about the middle.
     from_y = (actual[0] / 2 - x * math.sin(radians) + y * math.cos(radians)) / dy
     from_x = (actual[1] / 2 + x * math.cos(radians) + y * math.sin(radians)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
-    from_y, from_x = np.clip(from_y, 0, rows - 1), np.clip(from_x, 0, columns - 1)  # because of round-off at the sides
+    # round-off may move positions beyond the sides
+    from_y, from_x = np.clip(from_y, 0, rows - 1), np.clip(from_x, 0, columns - 1)
     heights, missing = spline.ev(from_y, from_x), None
     if surface.missing is not None:
         ways = [(up(from_y).astype(np.intp), over(from_x).astype(np.intp)) for up in _ROUNDINGS for over in _ROUNDINGS]
@@ -432,19 +438,22 @@ def rotated(surface: Surface, angle: float) -> Surface:
 
 
 def _inscribed(height: float, width: float, angle: float) -> tuple[float, float]:
-    """Return height and width of the largest axis-parallel rectangle within a rotated rectangle."""
+    """Return the height and width of the largest rectangle parallel to the axes within a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer, shorter = max(height, width), min(height, width)
-    if shorter <= 2 * sine * cosine * longer:  # two corners lie on the longer sides
+    if shorter <= 2 * sine * cosine * longer:  # two corners of the result lie on the longer sides
         half = shorter / 2
-        across, along = half / cosine, half / sine  # limited by the shorter side
+        across, along = half / cosine, half / sine  # the shorter side limits the result
         return (along, across) if height >= width else (across, along)
     span = cosine**2 - sine**2
     return (height * cosine - width * sine) / span, (width * cosine - height * sine) / span
 
 
 def resampled(profile: Profile, spacing: float) -> Profile:
-    """Resample a profile to a spacing (µm) by its natural cubic spline; an equal spacing leaves it unchanged."""
+    """Resample a profile to another spacing (µm) by its natural cubic spline.
+
+    The profile is unchanged if the spacing is equal.
+    """
     points = _points((len(profile) - 1) * profile.spacing, spacing)
     if points > MAX_POINTS:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Rough profiles: heights on a uniform grid, and the base class of profiles and surfaces."""
+"""Rough profiles as heights on a uniform grid, and the base class of profiles and surfaces."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]  # body of a pair
-Along = Literal["x", "y"]  # direction of the lines of a surface: rows ("x") or columns ("y")
-MAX_POINTS = 100_000_000  # largest number of points of a generated body: 0.8 GB of heights
-MIN_POINTS = 4  # a natural cubic spline with curvature needs two interior points
+Along = Literal["x", "y"]  # direction of the lines of a surface, which are rows ("x") or columns ("y")
+MAX_POINTS = 100_000_000  # maximum number of points of a generated body, which is 0.8 GB of heights
+MIN_POINTS = 4  # minimum number of points, because a natural cubic spline with curvature needs two interior points
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Body(PlotRepr):
-    """Base class of profiles and surfaces: heights on a uniform grid, and their history."""
+    """Base class of profiles and surfaces. A body consists of heights on a uniform grid and their history."""
 
     _ndim: ClassVar[int]
     x: ClassVar[property]
@@ -39,7 +39,7 @@ class Body(PlotRepr):
     missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def _keep(self, heights: Floats, spacing: Any) -> None:
-        """Store valid heights and spacing, and check the other fields."""
+        """Store valid heights and spacing, and check the history and the mask."""
         if heights.flags.writeable or not heights.flags.owndata:  # another object may still modify the array
             heights = read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
@@ -54,7 +54,7 @@ class Body(PlotRepr):
             object.__setattr__(self, "missing", read_only(mask) if mask.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # The constructor makes the heights read-only after unpickling.
+        # The constructor makes the heights of the copy read-only after unpickling.
         return partial(type(self), spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
 
     @property
@@ -76,7 +76,7 @@ class Body(PlotRepr):
         return describe_body(type(self).__name__, self.heights, self.spacings, self.history)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the heights over x, or a map of them.
+        """Draw the heights of a profile as a function of x, or the heights of a surface as a map.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -117,7 +117,10 @@ class Body(PlotRepr):
         return cls(taken.heights, spacing=spacing, history=taken.history, missing=taken.missing)
 
     def to_xarray(self) -> xarray.DataArray:
-        """Return the heights as an xarray.DataArray with coordinates, units and history. Inverse of `from_`."""
+        """Return the heights as an xarray.DataArray with coordinates, units and history.
+
+        This is the inverse of `from_`.
+        """
         positions = {axis: getattr(self, axis) for axis in "yx"[2 - self.heights.ndim :]}
         return to_data_array(self.heights, self.history, **positions)
 
@@ -162,16 +165,16 @@ class Profile(Body):
 
     @property
     def x(self) -> Floats:
-        """(n,) positions j Δx of the points, µm."""
+        """(n,) positions of the points, µm. Point j lies at j Δx."""
         return np.arange(self.heights.size, dtype=np.float64) * self.spacing
 
     @property
     def extent(self) -> float:
-        """Points times spacing, µm."""
+        """Number of points times the spacing, µm."""
         return self.heights.size * self.spacing
 
     def with_amplitude(self, amplitude: float, measure: AmplitudeMeasure = "height") -> Profile:
-        """Return the heights with zero mean, scaled to an amplitude.
+        """Return the profile with zero mean, scaled to an amplitude.
 
         Parameters
         ----------
@@ -187,12 +190,12 @@ class Profile(Body):
 
 
 def index_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Index a mask that may be None."""
+    """Apply an index to a mask that may be None."""
     return None if mask is None else mask[index]
 
 
 def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
-    """Return the mask of points that are missing in at least one of two bodies, or None if none is missing.
+    """Return the mask of points that are missing in at least one of two bodies. None if no point is missing.
 
     Raises ValueError if no point was measured in both.
     """
@@ -215,7 +218,7 @@ def reject_missing(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
-    """Return a profile scaled to an amplitude; its heights are stored in `scaled`, which avoids an allocation."""
+    """Return a profile scaled to an amplitude. Its heights are stored in `scaled`, which avoids an allocation."""
     check_choice("measure", measure, AmplitudeMeasure)
     amplitude = number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):

@@ -1,4 +1,4 @@
-"""Profile elements of ISO 21920: hills and dales between crossings of the mean line."""
+"""Profile elements of ISO 21920, which are hills and dales between crossings of the mean line."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-DISCRIMINATION_FRACTION = 0.1  # smallest height of a hill or depth of a dale, over Rp or Rv
+DISCRIMINATION_FRACTION = 0.1  # smallest height of a hill relative to Rp, and smallest depth of a dale relative to Rv
 
 
 def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
@@ -24,7 +24,8 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     side[heights < -DISCRIMINATION_FRACTION * pit] = -1
     counting = np.flatnonzero(side)
     turns = np.flatnonzero(np.diff(side[counting]))
-    last, following = counting[turns], counting[turns + 1]  # last point of a feature and first point of the next
+    # last point of a feature, and first point of the following feature
+    last, following = counting[turns], counting[turns + 1]
     above = heights > 0
     crossings = np.flatnonzero(above[:-1] != above[1:])
     if last.size < 3:
@@ -33,7 +34,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     first = places[np.searchsorted(crossings, last)]
     final = places[np.searchsorted(crossings, following) - 1]
     ends = (first + final) / 2
-    # Highest and lowest point between one end and the next.
+    # The highest and the lowest point are found between one end and the next.
     starts = np.ceil(ends).astype(np.intp)
     highest = np.maximum.reduceat(heights, starts)[:-1]
     lowest = np.minimum.reduceat(heights, starts)[:-1]
@@ -42,7 +43,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
 
 
 def mean_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
-    """Return the mean spacing (points) and height of the profile elements; NaN without an element."""
+    """Return the mean spacing (points) and the mean height of the profile elements. NaN if there is no element."""
     spacings, tall = profile_elements(heights, peak, pit)
     if not spacings.size:
         return math.nan, math.nan

@@ -1,4 +1,4 @@
-"""Noise of an instrument with any spectrum, from two scans of the same area."""
+"""Noise of an instrument, estimated from two scans of the same area. The noise may have any spectrum."""
 
 from __future__ import annotations
 
@@ -20,20 +20,23 @@ from stiction.surfaces.surface import Surface, as_body
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MAX_NOISE_FRACTION = 0.1  # largest noise fraction of the mean square slope: the error of h' is then below 5 %
-MIN_RANGE = 1e-70  # smallest height range of a scan, µm; powers of smaller ranges underflow
-MIN_CORRELATION = 0.5  # smallest correlation of two scans of the same area
-_SMOOTHED = (8.0, 4.0, 2.0, 1.0, 0.0)  # widths (points) of the Gaussian filters in successive alignment stages
-_NEWTON_STEPS = 4  # Gauss-Newton steps per stage
-_CORRELATED_POINTS = 2 * math.sqrt(math.pi)  # points per independent value of white noise after a filter of width 1
-_MARGIN = 3  # points beyond the overlap that spline interpolation needs
+# Largest fraction of the mean square slope that may be noise. The error of h' is then below 5 %.
+MAX_NOISE_FRACTION = 0.1
+MIN_RANGE = 1e-70  # smallest height range of a scan, µm; powers of smaller ranges would underflow
+MIN_CORRELATION = 0.5  # smallest correlation at which two scans are taken to show the same area
+# widths (points) of the Gaussian filters in the successive stages of the alignment
+_SMOOTHED = (8.0, 4.0, 2.0, 1.0, 0.0)
+_NEWTON_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
+# points per independent value of white noise that was filtered with a width of 1 point
+_CORRELATED_POINTS = 2 * math.sqrt(math.pi)
+_MARGIN = 3  # number of points beyond the overlap that spline interpolation needs
 _CANDIDATES = 400  # number of trial cutoffs
-_ON_POINT = 1e-4  # deviation from an integer shift, in points, that is attributed to round-off
+_ON_POINT = 1e-4  # largest deviation from an integer shift, in points, that is attributed to round-off
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RepeatedScans(PlotRepr):
-    """Comparison of two scans of the same area; arrays are over octaves of the wavelength.
+    """Comparison of two scans of the same area. Arrays have one value for each octave of the wavelength.
 
     Attributes
     ----------
@@ -74,7 +77,7 @@ class RepeatedScans(PlotRepr):
     limit: float = field(metadata={"unit": "µm"})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the noise and the common part over the wavelength.
+        """Draw the noise and the roughness that both scans have in common as functions of the wavelength.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -179,7 +182,7 @@ def _limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: 
 
 
 def _aligned(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the aligned heights of both scans in their overlap, and the shift of the second in points."""
+    """Return the heights of both scans in their overlap after alignment, and the shift of the second scan in points."""
     from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
 
     moved, best = _roughly(a, b), (math.inf, np.zeros(a.ndim))
@@ -194,7 +197,8 @@ def _aligned(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
             columns = np.stack([function.ravel() for function in basis], axis=1)
             step, off = np.linalg.lstsq(columns, (item[above] - occupied).ravel())[:2]
             moved = moved + np.clip(step[: occupied.ndim], -2 - width, 2 + width)
-        # Variance of the shift, from the residual (correlated by the filter) and the common slopes.
+        # The variance of the shift follows from the residual, which the filter correlates, and from the slopes of both
+        # scans.
         alike = [float((actual * slope).mean()) for actual, slope in zip(_slopes(item[above]), slopes, strict=True)]
         spread = sum(
             float(np.square(slope).mean()) / both**2 if both**2 > 0 else math.inf
@@ -217,14 +221,14 @@ def _slopes(heights: Floats) -> list[Floats]:
 
 
 def _roughly(a: Floats, b: Floats) -> Floats:
-    """Find the integer shift with the largest correlation among those with an overlap of more than half."""
+    """Find the integer shift with the largest correlation among the shifts with an overlap of more than half."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
     ones, others = ([rfftn(value, shape) for value in (np.ones(c.shape), c, c**2)] for c in (a, b))
 
     def over(of_a: int, of_b: int) -> Floats:
-        """Sum products of powers of both over the overlap, at every shift."""
+        """Sum the products of powers of the heights of both scans over the overlap, at every shift."""
         return np.asarray(irfftn(ones[of_a] * np.conj(others[of_b]), shape))
 
     count = np.maximum(np.rint(over(0, 0)), 1)

@@ -1,4 +1,4 @@
-"""Roughness parameters of primary profiles and surfaces: height, slope, texture and feature parameters."""
+"""Roughness parameters of primary profiles and of surfaces, which describe height, slope, texture and features."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 Derivative = Literal["seven-point", "neighbours"]
 SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
-DECAY_LEVEL = 0.2  # autocorrelation that defines the decay lengths: the default of ISO 25178-3
+DECAY_LEVEL = 0.2  # value of the autocorrelation that defines the decay lengths, with the default of ISO 25178-3
 _NUM_DIRECTIONS = 720  # number of directions along which the autocorrelation is evaluated
-_SECTORS = 90  # number of angular sectors, of two degrees each, over which the spectral power is summed
+_SECTORS = 90  # number of angular sectors, each two degrees wide, over which the spectral power is summed
 
 
 def describe_levelling(history: tuple[str, ...]) -> str:
-    """Return the form that was subtracted from heights, according to their history."""
+    """Return the form that was subtracted from heights, as recorded in their history."""
     steps = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
     return steps[-1] if steps else NOT_LEVELLED
 
 
 class RoughnessParameters(ParameterSet):
-    """Parameters of a primary profile about its mean, with the names of ISO 21920-2.
+    """Parameters of a primary profile about its mean, named as in ISO 21920-2.
 
     The reference of roughness parameters lists their names, formulas and units.
 
@@ -106,9 +106,9 @@ def roughness_parameters(
 
 
 def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
-    """Compute the height and slope parameters about the mean line, with names without the first letter."""
+    """Compute the height and slope parameters about the mean line. The names lack the first letter."""
     scale = float(np.abs(z).max()) or 1.0
-    unit = z / scale  # prevents overflow and underflow of the fourth power
+    unit = z / scale  # the scaling prevents overflow and underflow of the fourth power
     rms = float(np.sqrt(np.mean(unit**2)))
     differences = np.correlate(unit, SEVEN_POINTS, mode="valid") / 60 if derivative == "seven-point" else np.diff(unit)
     return {
@@ -120,7 +120,7 @@ def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[s
 
 
 class SurfaceParameters(ParameterSet):
-    """Parameters of a surface about its mean plane, with the names of ISO 25178-2.
+    """Parameters of a surface about its mean plane, named as in ISO 25178-2.
 
     The reference of roughness parameters lists their names, formulas and units.
 
@@ -206,7 +206,7 @@ def surface_parameters(
     z = surface.heights
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
-    deviation /= scale  # prevents overflow and underflow of the fourth power
+    deviation /= scale  # the scaling prevents overflow and underflow of the fourth power
     values = {
         **_heights(deviation, scale), **_material_ratio(deviation, scale), **_texture(surface, deviation),
         **_features(deviation, scale, surface.spacing),
@@ -219,7 +219,7 @@ def surface_parameters(
 
 
 def check_roughness(surface: Surface) -> None:
-    """Raise ValueError for a surface that is flat or too small for parameters."""
+    """Raise ValueError for a surface that is flat or too small for roughness parameters."""
     reject_flat(surface)
     least, shape = SEVEN_POINTS.size, surface.heights.shape
     if min(shape) < least:
@@ -259,7 +259,7 @@ def _texture(surface: Surface, deviation: Floats) -> dict[str, float]:
 
 
 def _dominant_wavelength(deviation: Floats, spacing: tuple[float, float]) -> float:
-    """Return the wavelength of the largest Fourier coefficient."""
+    """Return the wavelength of the largest Fourier coefficient of a profile."""
     from scipy.fft import fftfreq, rfft2, rfftfreq
 
     transform = rfft2(deviation)
@@ -278,14 +278,14 @@ def _features(deviation: Floats, scale: float, spacing: tuple[float, float]) -> 
 
 
 def rms_gradient(surface: Surface, derivative: Derivative) -> float:
-    """Compute the root-mean-square gradient Sdq."""
+    """Compute the root-mean-square gradient Sdq of a surface."""
     z = surface.heights - surface.heights.mean()
     squares = (float(np.mean(_slopes(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1))
     return math.sqrt(sum(squares))
 
 
 def _slopes(heights: Floats, axis: int, derivative: Derivative) -> Floats:
-    """Along an axis, in heights per point."""
+    """Return the slopes along an axis, in heights per point."""
     if derivative == "neighbours":
         return np.diff(heights, axis=axis)
     lines = heights if axis == 1 else heights.T
@@ -297,10 +297,10 @@ def _slopes(heights: Floats, axis: int, derivative: Derivative) -> Floats:
 
 
 def _developed(heights: Floats, spacing: tuple[float, float]) -> float:
-    """Area of the triangles between points over their projection, less 1."""
+    """Return the area of the triangles between points divided by the projected area, minus 1."""
     total = 0.0
     corners = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
-    # Each triangle has a side along x and one along y, and so the slopes of these.
+    # Each triangle has one side along x and one side along y, which determine its slopes.
     for along_x in (corners[1] - corners[0], corners[3] - corners[2]):
         for along_y in (corners[2] - corners[0], corners[3] - corners[1]):
             squares = np.square(along_x / spacing[1]) + np.square(along_y / spacing[0])
@@ -309,11 +309,15 @@ def _developed(heights: Floats, spacing: tuple[float, float]) -> float:
 
 
 def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
-    """Shortest and longest distance at which the autocorrelation falls to 0.2; NaN where it does not."""
+    """Return the shortest and the longest distance at which the autocorrelation falls to 0.2.
+
+    NaN where it does not fall to 0.2.
+    """
     correlation = autocorrelation(deviation)
     half = [points // 2 for points in deviation.shape]
-    angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS  # the other half is the same
-    # Steps of half the finer spacing, up to where a direction leaves the half of the surface.
+    # the autocorrelation is the same in the other half of the directions
+    angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
+    # Steps are half of the finer spacing. They end where a direction leaves the half of the surface.
     towards = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))  # points per µm
     with np.errstate(divide="ignore"):
         furthest = np.min(np.array(half)[:, np.newaxis] / towards, axis=0)
@@ -340,7 +344,10 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
 
 
 def autocorrelation(deviation: Floats) -> Floats:
-    """Autocorrelation of heights, at shifts of j rows and l - columns//2 columns, up to half the points."""
+    """Compute the autocorrelation of heights at shifts of up to half the points.
+
+    Element (j, l) is a shift of j rows and l - columns//2 columns.
+    """
     from scipy.fft import irfft2, next_fast_len, rfft2
 
     rows, columns = deviation.shape

@@ -1,4 +1,4 @@
-"""Roughness and waviness parameters of a profile: filters, section lengths and setting classes of ISO 21920."""
+"""Roughness and waviness parameters of a profile, with filters, section lengths and setting classes of ISO 21920."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from stiction.surfaces.roughness import SEVEN_POINTS, Derivative, describe_level
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat
 
-DEFAULT_SECTIONS = 5  # default number of section lengths in the evaluation length
+DEFAULT_SECTIONS = 5  # default number of section lengths in an evaluation length
 _HEIGHT_DIFFERENCE = 0.2, 0.8  # material ratios of Rdc
 
 
 class SettingClass(NamedTuple):
-    """Default settings of a setting class, and its limits of Ra and RSm; lengths in µm."""
+    """Setting class with its default settings and its limits of Ra and RSm. Lengths are in µm."""
 
     name: str
     section_length: float
@@ -43,18 +43,19 @@ SETTING_CLASSES = (
     SettingClass("Sc4", 2500.0, 8.0, 5.0, 1.5, 10.0, 1300.0),
     SettingClass("Sc5", 8000.0, 25.0, 10.0, 5.0, math.inf, math.inf),
 )
-"""Setting classes of ISO 21920-3, selected by the limits of Ra and, for periodic profiles, RSm of ISO 4288."""
+"""Setting classes of ISO 21920-3. They are selected by the limits of Ra and, for periodic profiles, of RSm in ISO
+4288."""
 
-_FIRST_CLASS = 2  # class with which the search starts
+_FIRST_CLASS = 2  # index of the class with which the search starts
 
 
 class SectionError(ValueError):
-    """The profile is too short or too coarse for the section length."""
+    """Error if a profile is too short or too coarse for the section length."""
 
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filters and sections for roughness and waviness parameters, and the reason for their choice.
+    """Filters and section lengths for roughness and waviness parameters, and the reason why they were chosen.
 
     Attributes
     ----------
@@ -89,7 +90,7 @@ class SectionFilters:
     reason: str
 
     def __repr__(self) -> str:
-        """Return cutoffs (µm), number of sections and the reason in one line."""
+        """Return the cutoffs (µm), the number of sections and the reason in one line."""
         shortest = "no ls" if self.ls is None else f"ls {self.ls:g} µm"
         kind = ", robust" if self.robust else ""
         return f"SectionFilters: lc {self.lc:g} µm, {shortest}, {self.sections} sections{kind}; {self.reason}"
@@ -129,7 +130,7 @@ def section_parameters(
     sections: int = DEFAULT_SECTIONS, robust: bool = False, derivative: Derivative = "seven-point",
     spacing: Any = None, unit: str = "um",
 ) -> SectionParameters:  # fmt: skip
-    r"""Compute the R- and W-parameters of a profile as specified on drawings.
+    r"""Compute the R- and W-parameters of a profile, as they are specified on drawings.
 
     Parameters
     ----------
@@ -220,7 +221,7 @@ def _by_class(
     known: dict[int, SectionParameters] = {}
 
     def fitted(index: int) -> int:
-        """Return the class that matches the Ra and RSm computed with a given class."""
+        """Return the setting class that matches the Ra and RSm that are computed with a given class."""
         if index not in known:
             lc = SETTING_CLASSES[index].section_length
             known[index] = _with_cutoff(profile, lc, ls, sections, robust, derivative)
@@ -239,7 +240,7 @@ def _by_class(
                 f"{_reasons(known[index])} call for a section length of {_format_length(lengths[targets])}; {why}"
             )
         index = following
-    if targets != index:  # the two classes require each other
+    if targets != index:  # each of the two classes leads to the other
         index = max(index, max(visited & {index - 1, index, index + 1}))
     elif index - 1 in fitting and fitted(index - 1) == index - 1:
         index -= 1
@@ -249,7 +250,7 @@ def _by_class(
 
 
 def _reasons(parameters: SectionParameters) -> str:
-    """Format Ra and RSm."""
+    """Format Ra and RSm as the reasons for a setting class."""
     elements = "" if math.isnan(parameters.RSm) else f" and RSm {with_unit(parameters.RSm, 'µm')}"
     return f"Ra {with_unit(parameters.Ra, 'µm')}{elements}"
 
@@ -259,7 +260,7 @@ def _format_length(length: float) -> str:
 
 
 def _min_section_length(spacing: float) -> float:
-    """Return the shortest section length (µm) for a spacing."""
+    """Return the shortest section length (µm) that is possible with a spacing."""
     return SEVEN_POINTS.size * spacing
 
 
@@ -281,7 +282,7 @@ def _too_coarse(profile: Profile) -> str:
 def _with_cutoff(
     profile: Profile, lc: float, ls: float | None, sections: int, robust: bool, derivative: Derivative
 ) -> SectionParameters:
-    """Compute the parameters for a section length (µm)."""
+    """Compute the parameters for a given section length (µm)."""
     spacing = profile.spacing
     if lc > profile.extent * ROUND_OFF_FACTOR:
         raise SectionError(_too_short(profile, lc))

@@ -137,7 +137,10 @@ def _exponent_and_height(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
 
 
 def _shortest(wavelength: Any, finest: float, of: str) -> float:
-    """Return the shortest wavelength (µm); the default is the finest of the grid, twice its spacing."""
+    """Return the shortest wavelength (µm).
+
+    The default is the shortest wavelength of the grid, which is twice the spacing.
+    """
     shortest = finest if wavelength is None else number("shortest_wavelength", wavelength, unit="µm", above=0)
     if shortest * ROUND_OFF_FACTOR < finest:
         raise ValueError(f"shortest_wavelength must be at least twice the {of}, {finest:g} µm, got {wavelength!r}")
@@ -232,17 +235,18 @@ def self_affine_surface(
         min((size - 1) // 2, int(extent / shortest * ROUND_OFF_FACTOR))
         for size, extent in ((columns, extent_x), (rows, extent_y))
     ]
-    # j = 0, 1, -1, 2, -2 and so on: the order in which the words are used does not depend on the grid.
+    # The indices are 0, 1, -1, 2, -2 and so on. In this order, the random word of a wave vector does not depend on the
+    # grid.
     order = np.arange(1, 2 * along[1] + 2)
     j = np.where(order % 2 == 0, order // 2, -(order // 2))
     transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)
     power = 0.0
     for i in range(along[0] + 1):
-        # In units of the wave number of the longest wavelength.
+        # The wave number is in units of the wave number of the longest wavelength.
         q = longest * np.hypot(i / extent_x, j / extent_y)
         selected = q * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:
-            selected &= j > 0  # the other half are complex conjugates
+            selected &= j > 0  # the other half of the coefficients are complex conjugates
         count = int(np.flatnonzero(selected)[-1]) + 1 if selected.any() else 0
         if count == 0:
             continue

@@ -1,4 +1,4 @@
-"""Power spectra of profiles and surfaces and their moments.
+"""Power spectra of profiles and surfaces, and the moments of these spectra.
 
 The spectrum of a `periodic` body is computed without a window. Any other body has a jump between its ends, which would
 add a spectrum that decreases as 1/q². A Hann window, along both axes for a surface, suppresses it.
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 ROUND_OFF_FACTOR = 1 + 1e-9  # tolerance for round-off in ratios of lengths
-_PEAK_BINS = 24  # bins per decade in the search for peaks
-_PEAK_REACH = 6  # bins on each side for the median level at a bin
+_PEAK_BINS = 24  # number of bins per decade in the search for peaks
+_PEAK_REACH = 6  # number of bins on each side from which the median level at a bin is computed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PowerSpectrum(PlotRepr):
-    """Power spectral density of a profile by the convention of Jacobs, Junge & Pastewka (2017).
+    """Power spectral density of a profile in the convention of Jacobs, Junge & Pastewka (2017).
 
     Attributes
     ----------
@@ -58,12 +58,15 @@ class PowerSpectrum(PlotRepr):
     resolution: float = field(metadata={"unit": "1/µm"})
 
     def moment(self, order: int) -> float:
-        """Return 1/π times the integral of q^order C1D, µm^(2 - order). For bins it is exact only for order 0."""
+        """Return 1/π times the integral of q^order C1D, µm^(2 - order).
+
+        For a binned spectrum the result is exact only for order 0.
+        """
         order = whole_number("order", order, minimum=0)
         return float((self.wave_number**order * self.density * self.count).sum() * self.resolution / math.pi)
 
     def in_bins(self, per_decade: int = 10) -> PowerSpectrum:
-        """Return means over bins of equal width in log q; bins without a harmonic are omitted.
+        """Return the spectrum averaged over bins of equal width in log q. Bins without a harmonic are omitted.
 
         Examples
         --------
@@ -76,7 +79,7 @@ class PowerSpectrum(PlotRepr):
         return PowerSpectrum(*_in_bins(per_decade, self.wave_number, self.density, self.count), self.resolution)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the spectrum on logarithmic scales, with means over tenths of a decade.
+        """Draw the spectrum and its means over tenths of a decade on logarithmic scales.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -85,8 +88,8 @@ class PowerSpectrum(PlotRepr):
 
 
 def _in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return geometric mean wave number, mean density and number of harmonics in bins of log q."""
-    # Harmonics are multiples of the first; round-off must not move those at decades to another bin.
+    """Return the geometric mean wave number, the mean density and the number of harmonics for bins of log q."""
+    # Harmonics are multiples of the first harmonic. Round-off must not move the harmonics at decades to another bin.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     number = np.bincount(index, count).astype(np.float64)
     middle = np.exp(np.bincount(index, count * np.log(q)) / number)
@@ -167,7 +170,7 @@ def profile_spectrum(heights: Floats, spacing: float, *, windowed: bool) -> Powe
 
 @dataclass(frozen=True, repr=False)
 class ProfileMoments(TableRepr):
-    """Variances of a profile and its derivatives: its spectral moments m0, m2, m4.
+    """Variances of a profile and of its derivatives, which are its spectral moments m0, m2 and m4.
 
     Attributes
     ----------
@@ -193,7 +196,7 @@ class ProfileMoments(TableRepr):
 
     @property
     def nayak_parameter(self) -> float:
-        """Nayak's α = m0 m4 / m2² of the profile: 1 for a single sinusoid, larger the wider the spectrum."""
+        """Nayak's α = m0 m4 / m2² of the profile. It is 1 for a single sinusoid, and larger for a wider spectrum."""
         return self.height * self.curvature / self.slope**2
 
 
@@ -259,7 +262,10 @@ def spectral_moments(
 
 
 def in_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
-    """Return a mask of the wave numbers whose wavelengths are in a band, including its ends despite round-off."""
+    """Return a mask of the wave numbers whose wavelengths lie in a band.
+
+    The ends of the band are included despite round-off.
+    """
     return (wave_number * shortest <= 2 * math.pi * ROUND_OFF_FACTOR) & (
         wave_number * longest * ROUND_OFF_FACTOR >= 2 * math.pi
     )
@@ -296,7 +302,7 @@ class RadialSpectrum(TextRepr):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceSpectrum(TextRepr):
-    """Power spectral density of a surface by the convention of Jacobs, Junge & Pastewka (2017).
+    """Power spectral density of a surface in the convention of Jacobs, Junge & Pastewka (2017).
 
     Attributes
     ----------
@@ -324,7 +330,9 @@ class SurfaceSpectrum(TextRepr):
     density: Floats = field(metadata={"unit": "µm⁴"})
 
     def moments(self, direction: float = 0.0) -> ProfileMoments:
-        r"""Return the variances of height, slope and curvature along a line, `direction` in degrees from +x towards +y.
+        r"""Return the variances of height, slope and curvature along a line.
+
+        `direction` is in degrees from +x towards +y.
 
         Notes
         -----
@@ -361,14 +369,14 @@ class SurfaceSpectrum(TextRepr):
         return math.degrees(twice) / 2 % 180
 
     def waves(self) -> tuple[Floats, Floats, Floats]:
-        """Return wave number, direction (degrees from +x towards +y, in [0, 180)) and density of every wave.
+        """Return wave number, direction (degrees from +x towards +y, in [0, 180)) and density of every wave vector.
 
         Waves are limited to the smaller Nyquist wave number, up to which all directions are available; ascending.
         """
         y, x = self.wave_number_y[:, np.newaxis], self.wave_number_x
         q = np.hypot(y, x)
         limit = min(float(-value[0]) if value.size % 2 == 0 else float(value[-1]) for value in (y[:, 0], x))
-        # A wave vector and its opposite are one wave.
+        # A wave vector and its opposite describe the same wave, so only one of them is used.
         selected = ((y > 0) | ((y == 0) & (x > 0))) & (q < limit * (1 - 1e-9))
         order = np.argsort(q[selected], kind="stable")
         angle = np.degrees(np.arctan2(np.broadcast_to(y, q.shape)[selected], np.broadcast_to(x, q.shape)[selected]))[
@@ -377,7 +385,9 @@ class SurfaceSpectrum(TextRepr):
         return q[selected][order], angle % 180, self.density[selected][order]
 
     def radial(self, per_decade: int = 10) -> RadialSpectrum:
-        """Return means over rings of equal width in log q, `per_decade` per decade; empty rings are omitted.
+        """Return means over rings of equal width in log q.
+
+        There are `per_decade` rings per decade; empty rings are omitted.
 
         Examples
         --------
@@ -471,7 +481,10 @@ def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: b
 
 
 def find_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
-    """Find the highest significant narrow peak: wavelength (µm) and the m4 fraction of all peaks; or None."""
+    """Find the highest significant narrow peak.
+
+    Return its wavelength (µm) and the fraction of m4 in all peaks, or None.
+    """
     bins = spectrum.in_bins(_PEAK_BINS)
     density = np.maximum(bins.density, np.finfo(float).tiny)
     size = density.size

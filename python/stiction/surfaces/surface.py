@@ -1,4 +1,4 @@
-"""A rough surface: heights on a uniform grid over an area."""
+"""Rough surfaces as heights on a uniform grid over an area."""
 
 from __future__ import annotations
 
@@ -17,14 +17,16 @@ AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitude = Literal["height", "Sa", "Sq"]
 BodyLike = Any  # a Profile, a Surface, or an array of heights
 
-# Names of the measures in the core. The measures do not depend on the order of the points.
+# These are the names of the amplitude measures in the core. The measures do not depend on the order of the points.
 _OF_POINTS = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-_MIN_HEIGHT = 1e-50  # µm; the fourth power of heights must neither overflow nor underflow
+_MIN_HEIGHT = 1e-50  # smallest height, µm; the fourth power of heights must neither overflow nor underflow
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Surface(Body):
-    """Heights of a surface on a uniform grid that starts at x = y = 0: x along the columns, y along the rows.
+    """Heights of a surface on a uniform grid that starts at x = y = 0.
+
+    Columns are points along x, and rows are points along y.
 
     Parameters
     ----------
@@ -70,7 +72,7 @@ class Surface(Body):
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Points times spacing along y and x, µm."""
+        """Number of points times the spacing, along y and along x, µm."""
         rows, columns = self.heights.shape
         return rows * self.spacing[0], columns * self.spacing[1]
 
@@ -86,11 +88,12 @@ class Surface(Body):
 
     def _line(self, index: Any, axis: int, step: str) -> Profile:
         mask = index_mask(self.missing, index)
-        mask = None if mask is None or mask.all() else mask  # an unmeasured line keeps its interpolated heights
+        # a line without any measured point keeps its interpolated heights
+        mask = None if mask is None or mask.all() else mask
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
     def with_amplitude(self, amplitude: float, measure: SurfaceAmplitude = "height") -> Surface:
-        """Return the heights with zero mean, scaled to an amplitude.
+        """Return the surface with zero mean, scaled to an amplitude.
 
         Parameters
         ----------
@@ -108,7 +111,7 @@ class Surface(Body):
 
 
 def parse_lengths(name: str, value: Any) -> tuple[float, float]:
-    """Parse a length above 0 for y and for x, from a pair or from one number for both."""
+    """Parse a length above 0 for y and for x, given as a pair or as one number for both axes."""
     pair = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(pair) != 2:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {short_repr(value)}")
@@ -117,7 +120,7 @@ def parse_lengths(name: str, value: Any) -> tuple[float, float]:
 
 
 def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit: str = "um") -> Any:
-    """Return a profile or a surface unchanged; convert an array to one.
+    """Return a profile or a surface unchanged, and convert an array to a profile or a surface.
 
     Parameters
     ----------
@@ -156,7 +159,7 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
 
 
 def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
-    """Convert two bodies with `as_body`; spacing and unit apply to arrays."""
+    """Convert two bodies with `as_body`. Spacing and unit apply to arrays only."""
     if spacing is not None and isinstance(upper, Body) and isinstance(lower, Body):
         raise ValueError("spacing is for arrays, and upper and lower have their own")
     upper, lower = (
@@ -177,7 +180,7 @@ def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
 
 
 def reject_flat(body: Profile | Surface) -> None:
-    """Raise ValueError for a flat body, or if powers of its heights would overflow or underflow."""
+    """Raise ValueError for a flat body, or for a body with heights whose powers overflow or underflow."""
     name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
     if height == 0:
         raise ValueError(f"a flat {name} has no roughness")

@@ -1,4 +1,4 @@
-"""Surrogates: random profiles and surfaces with the spectrum of a measured one."""
+"""Surrogates, which are random profiles and surfaces with the spectrum of a measured one."""
 
 from __future__ import annotations
 
@@ -12,18 +12,21 @@ from stiction.surfaces.profile import Profile, Side, reject_missing
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat
 
-_RINGS_PER_DECADE = 12  # rings of wave number per decade; empty rings are merged with their neighbours
-_PENALTY = 2.0  # weight of the smoothness penalty, in harmonics: it dominates in rings of one or two harmonics
-_FLOOR = 1e-14  # fraction of the largest density below which a spectrum is round-off
-_MAX_SCORING_STEPS = 1000  # largest number of iterations of the fit; about ten are typical
-_SETTLED = 1e-6  # convergence: largest change of the logarithm of a density in an iteration
-_MAX_DEFAULT_POINTS = 512  # default limit of rows and columns: a half-space solution then takes some tenths of a second
+_RINGS_PER_DECADE = 12  # number of rings of wave number per decade; empty rings are merged with their neighbours
+# Weight of the smoothness penalty, in harmonics. The penalty dominates in rings of one or two harmonics.
+_PENALTY = 2.0
+_FLOOR = 1e-14  # fraction of the largest density below which a spectrum consists of round-off
+_MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are typical
+# Largest change of the logarithm of a density in an iteration at which the fit has converged.
+_SETTLED = 1e-6
+# Default limit of the numbers of rows and columns. A half-space solution then takes some tenths of a second.
+_MAX_DEFAULT_POINTS = 512
 
 
 def surrogate(
     body: AnyBody, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
 ) -> AnyBody:
-    """Generate a profile or surface with the spectrum of a given one and random phases.
+    """Generate a profile or a surface with random phases and with the spectrum of a given profile or surface.
 
     Surrogates with different seeds or repetitions form an ensemble for a measured surface.
 
@@ -88,8 +91,8 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # The mirror image extends the profile without a jump. Its harmonics are twice as close: every second harmonic
-        # is one of the original, and half of each other harmonic is added to both neighbours.
+        # The mirror image extends the profile without a jump, and its harmonics are twice as close. Every second
+        # harmonic is a harmonic of the original. Half of each other harmonic is added to both neighbours.
         image = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         image = np.append(image, image[-2])
         actual = 2 * np.arange(points // 2 + 1)
@@ -180,7 +183,7 @@ def isotropic_surface(
     side: Side = "lower",
     periodic: bool = False,
 ) -> Surface:
-    """Generate an isotropic Gaussian surface with the spectrum of a profile: an areal surrogate.
+    """Generate an isotropic Gaussian surface, called areal surrogate, with the spectrum of a profile.
 
     An ensemble of areal surrogates represents the surface from which the profile was measured, *if* this surface is
     isotropic. A profile across the grooves of a ground surface yields hills instead of grooves, with an rms gradient
@@ -227,7 +230,7 @@ def isotropic_surface(
     edges, density, _ = _fitted(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    ring = np.searchsorted(edges, q, side="right")  # 0: wavelengths longer than the profile
+    ring = np.searchsorted(edges, q, side="right")  # index 0 belongs to wavelengths longer than the profile
     power = np.concatenate([[0.0], density, density[-1:]])[ring] * (rows * columns / profile.spacing**2)
     step = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
     heights, both = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)
@@ -235,24 +238,24 @@ def isotropic_surface(
 
 
 def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> Floats:
-    """Generate periodic Gaussian heights with the expected power (rows, columns) of every wave vector."""
+    """Generate periodic Gaussian heights. `power` (rows, columns) is the expected power of every wave vector."""
     from scipy.fft import ifft2
 
     rows, columns = power.shape
     random = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, draws = random[:, :columns], random[:, columns:] / (2 * math.pi)
-    # The real part combines each wave vector with its opposite, which halves the power.
+    # The real part combines each wave vector with the opposite wave vector, which halves the power.
     waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)
     return np.asarray(ifft2(waves, overwrite_x=True).real)
 
 
 def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Return the edges of the rings, C2D in the rings, and the number of harmonics in every ring."""
+    """Return the edges of the rings, the fitted density C2D and the number of harmonics of every ring."""
     check_bool("periodic", periodic)
     reject_flat(profile)
     reject_missing(profile, "an isotropic surrogate")
     spectrum = power_spectrum(profile, periodic=periodic)
-    # A harmonic covers half a step on both sides.
+    # Each harmonic covers half a step on both sides.
     k, step, limit = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
     bins = np.floor(_RINGS_PER_DECADE * np.log10(k / k[0]) + 1e-9)
     first = np.flatnonzero(np.diff(bins, prepend=-1))
@@ -262,9 +265,9 @@ def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     count = np.bincount(index, spectrum.count).astype(np.float64)
     measured = np.bincount(index, spectrum.count * spectrum.density) / count
     measured = np.maximum(measured, _FLOOR * measured.max())
-    # The corners of the grid belong to rings beyond the Nyquist wave number of one axis.
+    # The corners of the grid belong to rings beyond the Nyquist wave number of a single axis.
     edges = np.append(edges, math.sqrt(2) * limit * (1 + 1e-9))
-    # Section spectrum of a ring with unit density, averaged over the harmonics of every bin.
+    # This is the spectrum of a section through a ring with unit density, averaged over the harmonics of every bin.
     reach = np.minimum(np.sqrt(np.maximum(edges**2 - k[:, np.newaxis] ** 2, 0)), limit)
     of_harmonic = np.diff(reach, axis=1) / math.pi
     fraction = np.zeros((count.size, edges.size - 1))
@@ -275,14 +278,14 @@ def _fitted(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     density[-1] = density[-2]
     density = _fit_densities(fraction, measured, count, density)
     made = fraction @ density
-    # Match the mean square slope of the profile exactly.
+    # The densities are scaled to match the mean square slope of the profile exactly.
     squares = np.bincount(index, spectrum.count * k**2)
     density *= float(squares @ measured / (squares @ made))
     return edges, density, np.append(count, 0.0)
 
 
 def _fit_densities(response: Floats, measured: Floats, count: Floats, density: Floats) -> Floats:
-    """Fit densities by maximum likelihood of their sections, by Fisher scoring from initial values."""
+    """Fit the densities of rings by maximum likelihood of their sections. Fisher scoring starts from initial values."""
 
     def cost(logarithm: Floats) -> float:
         made = response @ np.exp(logarithm)

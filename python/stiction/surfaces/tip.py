@@ -12,7 +12,7 @@ from stiction._checks import Floats, number, read_only
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
-_TOUCHING = 1e-9  # distance at which the tip touches, over the height of the scan
+_TOUCHING = 1e-9  # largest distance at which the tip touches, relative to the height of the scan
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
@@ -80,7 +80,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
 def _ball(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Return the grid points, their neighbours within reach of the tip, and the tip's height above its lowest point."""
+    """Return grid points, their neighbours within reach of the tip, and heights of the tip above its lowest point."""
     reach, limit = _reach(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in limit)):
         moved = np.subtract(steps, limit)
@@ -96,6 +96,6 @@ def _ball(
 
 
 def _reach(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
-    """Return the reach of the tip from its lowest point, in µm and in points along each axis, for a height range."""
+    """Return the reach of the tip from its lowest point for a height range, in µm and in points along each axis."""
     reach = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
     return reach, [min(int(reach / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)]

@@ -12,16 +12,18 @@ from numpy.typing import NDArray
 from stiction.surfaces.measured.raw import FormatError
 
 MAX_LINES, MAX_CELLS = 25_000_000, 4_000_000
-"""Largest number of lines of a text, and of cells of a line."""
+"""Maximum number of lines of a text, and maximum number of cells of a line."""
 
-HEAD_LINES, HEAD_WIDTH = 200, 1000  # lines that are searched for a layout, and characters of each line
-_MAX_SHOWN_LENGTH = 60  # characters of a line in a message
+# maximum number of lines that are searched for a layout, and of characters of each line
+HEAD_LINES, HEAD_WIDTH = 200, 1000
+_MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line in a message
 
 BLANK, NUMBERS, TEXT = 0, 1, 2
 """Kinds of lines. A NUMBERS line contains only numbers, separators and marks of missing points."""
 
 _LEGACY_ENCODINGS = ("cp1252", "cp932", "gb18030", "euc-kr", "cp437", "latin-1")
-"""Encodings of text that is not UTF-8 and has no byte order mark, the most likely first; the last cannot fail."""
+"""Encodings of text that is not UTF-8 and has no byte order mark. The most likely encoding is first; the last cannot
+fail."""
 
 _ENCODING_HINTS = re.compile(
     "[µμ]m|[㎛㎚㎜]|単位|高さ|横|縦|位置|データ|幅|单位|高度|水平|垂直|校准|높이|단위|너비|\\bHöhe\\b|\\bÅ\\b|°"
@@ -32,7 +34,8 @@ MISSING_WORDS = (
     "nan", "-nan", "n/a", "#n/a", "#wert!", "#value!", "null", "none", "bad", "no data", "nodata", "invalid", "void",
     "inf", "-inf", "+inf", "infinity", "-infinity", "1.#qnan", "-1.#ind", "1.#inf", "-1.#inf", "nan(ind)", "-nan(ind)",
 )  # fmt: skip
-"""Words for missing points, in any case. Empty cells, asterisks and at least two dashes also mean missing."""
+"""Words that stand for missing points, in upper or lower case. Empty cells, asterisks and at least two dashes also
+stand for missing points."""
 
 
 NUMERIC_CHARACTERS = b"0123456789+-.,;|*eE\"' \t\r\n"
@@ -53,16 +56,16 @@ class Text:
 
     data: bytes
     encoding: str
-    words: tuple[str, ...] = ()  # additional words for missing points
+    words: tuple[str, ...] = ()  # additional words that stand for missing points
 
     @cached_property
     def starts(self) -> NDArray[np.int64]:
-        """Offsets of all lines, and of the end."""
+        """Offsets of all lines, and the offset of the end."""
         ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == ord("\n"))
         return np.concatenate([[0], ends + 1])
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
-        """Return whether lines contain other characters than numbers do, for example words for missing points."""
+        """Return whether lines contain characters that numbers do not contain, such as words for missing points."""
         return bool((self.bits[lines] & _NON_NUMERIC).any())
 
     def __len__(self) -> int:
@@ -120,7 +123,8 @@ class Text:
             rest, marks = self.missing.subn(b"", self.raw(line_number))
             is_row = marks and not rest.translate(None, NUMERIC_CHARACTERS)
             kinds[line_number] = NUMBERS if is_row else TEXT
-        # Lines of asterisks or dashes are rows if they are between rows; otherwise they are rulers.
+        # Lines of asterisks or dashes are rows of missing points if they are between rows of numbers. Otherwise they
+        # are rulers.
         filled = np.flatnonzero(kinds != BLANK)
         rulers = np.flatnonzero((kinds[filled][1:-1] == TEXT) & (bits[filled][1:-1] & (_NON_NUMERIC | _DIGIT) == 0)) + 1
         for position in rulers.tolist():
@@ -138,7 +142,7 @@ def is_text(data: bytes) -> bool:
 
 
 def decode(data: bytes, words: tuple[str, ...] = ()) -> Text:
-    """Convert the bytes of a file to text. Raises `FormatError` if it is binary or empty."""
+    """Convert the bytes of a file to text. Raises `FormatError` if the file is binary or empty."""
     encoding, text = _to_utf8(data)
     text = text.rstrip(b"\x1a")  # end-of-file mark of DOS
     if not text or text.isspace():
@@ -176,7 +180,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
     else:
         return "utf-8", data
     start = data[:100_000]
-    start = start[: start.rfind(b"\n") + 1] or start  # does not split a character
+    start = start[: start.rfind(b"\n") + 1] or start  # the sample then ends between two characters
     candidates = []
     for encoding in _LEGACY_ENCODINGS:
         try:
@@ -192,7 +196,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
 
 
 def _detect_utf16(start: bytes) -> str | None:
-    """Return the UTF-16 encoding of text without a byte order mark, in which every second byte is mostly zero."""
+    """Return the UTF-16 encoding of text without a byte order mark. In such text, every second byte is mostly zero."""
     half = len(start) // 2
     if half < 4:
         return None

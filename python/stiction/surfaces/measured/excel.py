@@ -16,15 +16,17 @@ from stiction.surfaces.measured.decode import decode
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, Channels, ColumnTable, FormatError, read_chunks
 from stiction.surfaces.measured.text import parse_table
 
-MAX_TAGS = 10_000_000  # XML tags in a workbook: a cell with a number has four, which gives 2.5 million heights
-MAX_TAGS_PER_ROW = 8 * 16_384  # eight for each column of the largest sheet; a complete row is held in memory
+# Maximum number of XML tags in a workbook. A cell with a number has four tags, so this allows 2.5 million heights.
+MAX_TAGS = 10_000_000
+# Maximum number of XML tags in a row: eight for each column of the largest sheet. A complete row is held in memory.
+MAX_TAGS_PER_ROW = 8 * 16_384
 _ROW_TAG = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
 
 def read_excel(data: bytes, words: tuple[str, ...] = ()) -> Channels:
-    """Return the sheets of a workbook as channels; `words` are additional words for missing points."""
+    """Return the sheets of a workbook as channels. `words` are additional words that stand for missing points."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # warnings about workbook styles
+        with warnings.catch_warnings(action="ignore"):  # openpyxl warns about the styles of workbooks
             from openpyxl import load_workbook
     except ImportError:
         raise FormatError(
@@ -76,7 +78,7 @@ def _reject_zip_bombs(data: bytes) -> None:
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         remaining, tags = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
-            tags_in_row = -math.inf  # before the first row, or outside a sheet
+            tags_in_row = -math.inf  # no row has started, or the tag is outside a sheet
             for chunk in read_chunks(archive, name, remaining):
                 remaining -= len(chunk)
                 tags += chunk.count(b"<")
@@ -102,14 +104,14 @@ def _is_number(cell: Any) -> bool:
 
 
 def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the columns with at least two numbers, and at least a quarter as many as the fullest column."""
+    """Return the columns with two or more numbers, and at least a quarter of the numbers in the fullest column."""
     numbers: Counter[int] = Counter(index for row in rows for index, cell in enumerate(row) if _is_number(cell))
     max_count = max(numbers.values(), default=0)
     return sorted(index for index, count in numbers.items() if count > 1 and 4 * count >= max_count)
 
 
 def _line(row: Sequence[Any], columns: list[int]) -> str:
-    """Join the cells of a row by tabs: those of the numeric columns, or all cells if the row contains only words."""
+    """Join the cells of a row by tabs. If the row contains numbers, only the numeric columns are joined."""
     selected = [row[index] if index < len(row) else None for index in columns]
     if any(map(_is_number, selected)) or (selected and all(isinstance(cell, str) for cell in selected)):
         return "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in selected)

@@ -10,17 +10,19 @@ from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FormatError
 
 EXACT_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a grid, in steps
-MAX_OFFSET = 0.05  # largest deviation of a point from the grid, in steps, in addition to its printed precision
-MAX_NODES_PER_POINT = 4  # largest number of grid nodes per listed point
+# Largest deviation of a point from the grid, in steps, in addition to the precision of the printed position.
+MAX_OFFSET = 0.05
+MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
 MIN_ROUNDED_STEP = 2.0  # smallest step of rounded positions, in units of the last printed digit
-MAX_SCATTER_DIGITS = 1.2  # largest scatter of rounded positions about a grid: 1, and a margin for the fitted step
-MIN_GAP_RATIO = 4.0  # smallest ratio between true gaps and gaps caused by rounding
+# Largest scatter of rounded positions about a grid, in last printed digits. It is 1 and a margin for the fitted step.
+MAX_SCATTER_DIGITS = 1.2
+MIN_GAP_RATIO = 4.0  # smallest ratio between gaps in the grid and gaps that are caused by rounding
 
 
 def to_grid(
     x: Floats, y: Floats, z: Floats, digits: Sequence[Callable[[], Floats] | None]
 ) -> tuple[Floats, tuple[float, float], str]:
-    """Return heights (rows, columns) with NaN at missing nodes, spacings (Δy, Δx), and a history step.
+    """Return heights (rows, columns) with NaN at missing nodes, the spacings (Δy, Δx), and a step for the history.
 
     Rows are in ascending order of y, columns of x. Raises `FormatError` if the points are not on a grid.
     """
@@ -56,7 +58,7 @@ def _axis(name: str, positions: Floats, digits: Callable[[], Floats] | None) -> 
     count = int(nodes.max())
     step = float(positions.max() - positions.min()) / count
     off = np.abs(positions - positions.min() - nodes * step)
-    if off.max() > EXACT_TOLERANCE * step:  # measured positions: both ends are as uncertain as the others
+    if off.max() > EXACT_TOLERANCE * step:  # in measured positions, both ends are as uncertain as all other positions
         step, first = (float(item) for item in np.polyfit(nodes, positions, 1))
         off = np.abs(positions - first - nodes * step)
     worst = int(np.argmax(off))
@@ -72,7 +74,10 @@ def _axis(name: str, positions: Floats, digits: Callable[[], Floats] | None) -> 
 
 
 def _rounded_step(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
-    """Return the step of a grid without missing nodes whose positions are rounded to printed digits, or None."""
+    """Return the step of a grid without missing nodes whose positions are rounded to printed digits.
+
+    Return None if there is none.
+    """
     distinct = np.unique(positions)
     if digits is None or distinct.size < 3:
         return None
@@ -84,12 +89,12 @@ def _rounded_step(positions: Floats, digits: Callable[[], Floats] | None) -> flo
 
 
 def estimate_step(positions: Floats) -> float | None:
-    """Return the median gap between positions that repeat with small deviations, without gaps from rounding."""
+    """Return the median gap between positions that repeat with small deviations. Gaps from rounding are excluded."""
     distinct = np.unique(positions)
     gaps = np.diff(distinct)
     if not gaps.size:
         return None
-    # Gaps are steps, multiples of steps at missing nodes, or much smaller rounding differences.
+    # Gaps are steps of the grid, multiples of steps at missing nodes, or much smaller differences from rounding.
     ordered = np.sort(gaps)
     ratios = ordered[1:] / ordered[:-1]
     if ratios.size and ratios.max() > MIN_GAP_RATIO:

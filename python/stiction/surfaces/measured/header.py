@@ -1,4 +1,4 @@
-"""Declarations in the header of a table: column names, units, spacings, sizes, factors, codes for missing points."""
+"""Declarations in the header of a table: column names, units, spacings, sizes, factors and codes for missing points."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _OWN_SPACINGS = tuple(
     re.compile(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
     for axis in "yx"
 )
-"""Header lines that `write_surface` writes above a matrix."""
+"""Header lines with spacings that `write_surface` writes above a matrix."""
 
 _SIZES = tuple(
     re.compile(
@@ -71,7 +71,7 @@ _FACTOR = re.compile(
     re.IGNORECASE,
 )
 _CONVERSION = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
-"""Evidence that a scale converts numbers to heights; otherwise a scale is often a colour range."""
+"""Words that show that a scale converts numbers to heights. Without them, a scale is often a colour range."""
 
 _CODE = re.compile(
     rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
@@ -117,11 +117,11 @@ _VALUE = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d
 
 @dataclass(frozen=True)
 class ColumnHeads:
-    """Names and units of the columns of a table, if present."""
+    """Names and units of the columns of a table, if it has any."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    height_unit: str | None = None  # from a line that names only heights
+    height_unit: str | None = None  # unit in a line that names only heights
 
 
 def normalise_line(line: str) -> str:
@@ -130,7 +130,7 @@ def normalise_line(line: str) -> str:
 
 
 def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> Declarations:
-    """Parse the declarations above, and below, the numbers; the first match of each kind counts."""
+    """Parse the declarations above and below the numbers. The first match of each kind counts."""
     lines = [normalise_line(line) for line in (*header, *below)]
     pixel = _first(_SPACING, lines, lambda match: _spacing(match) if match[1].casefold().startswith("pixel") else None)
     spacings: tuple[StatedLength, StatedLength] | None = (
@@ -184,16 +184,17 @@ def _pair(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
 
 
 def _spacing(match: re.Match[str]) -> StatedLength | None:
-    """Parse a spacing; a resolution counts only if it is a length per sample."""
+    """Parse a spacing. A resolution counts as a spacing only if it is a length per sample."""
     if match[1].casefold() == "resolution" and not match[5]:
         return None
-    if "," in match[3] and "," in match[0][match.end(3) - match.start() :]:  # cells between commas, or a decimal comma
+    # the comma separates two cells, or is a decimal comma
+    if "," in match[3] and "," in match[0][match.end(3) - match.start() :]:
         return None
     return parse_length(match[3], match[4] or match[2])
 
 
 def _bracketed(match: re.Match[str]) -> StatedLength | None:
-    """Parse a length whose unit follows it, or is in brackets after its name."""
+    """Parse a length whose unit follows the number, or is in brackets after the name."""
     return parse_length(match[2], match[3] or match[1])
 
 
@@ -204,7 +205,7 @@ def _unitless(match: re.Match[str]) -> float | None:
 
 
 def parse_length(digits: str, unit: str | None) -> StatedLength | None:
-    """Parse a number and its unit; return None if the unit is not a length."""
+    """Parse a number and its unit. Return None if the unit is not a length."""
     if unit is None or length_unit(unit) is None:
         return None
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
@@ -222,7 +223,7 @@ def _unit_of_factor(match: re.Match[str]) -> str | None:
 
 
 def _is_declaration(line: str) -> bool:
-    """Return whether a line is a declaration, and therefore not a line of column names."""
+    """Return whether a line is a declaration. A declaration is not a line of column names."""
     full_patterns = (_UNIT_OF_HEIGHTS, _FACTOR, _CODE, _NUM_POINTS)
     prefix_patterns = (_SPACING, *_AXIS_SPACING.values(), *_SIZES)
     return any(pattern.fullmatch(line) for pattern in full_patterns) or any(
@@ -246,14 +247,20 @@ def _names_heights_alone(line: str) -> bool:
 
 
 def _units_in(line: str) -> list[str]:
-    """Return the units in a line: those in brackets, or otherwise those that are separate words."""
+    """Return the units in a line.
+
+    They are the units in brackets or, if there are none, the units that are separate words.
+    """
     bracketed = [word for word in _BRACKETS.findall(line) if is_unit(word)]
     units = [length_unit(word.strip(" \"'.:")) or word for word in bracketed]
     return units or [unit for word in re.split(r"[\s,;]+", line) if (unit := length_unit(word.strip(" \"'.:")))]
 
 
 def _has_value(line: str) -> bool:
-    """Return whether a line has a number outside brackets, such as "Length (um): 1500"; it then names no columns."""
+    """Return whether a line has a number outside brackets, as in "Length (um): 1500".
+
+    Such a line does not name columns.
+    """
     return _VALUE.search(_BRACKETS.sub(" ", line)) is not None
 
 
@@ -277,7 +284,7 @@ def parse_column_heads(header: Sequence[str], width: int, dialect: Dialect) -> C
 
 
 def split_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
-    """Split a line of names into `width` cells; its separator may differ from that of the numbers below."""
+    """Split a line of names into `width` cells. Its separator may differ from the separator of the numbers below."""
     uncommented = line.lstrip(COMMENT) if line.lstrip(" ")[:1] in tuple("#%!/") else line
     candidates = [
         dialect.cells(uncommented),
@@ -290,7 +297,7 @@ def split_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
             cells.pop()
         if len(cells) == width:
             return cells
-        if len(cells) == width - 1 and line[:1] in "\t;, ":  # no name above the row numbers
+        if len(cells) == width - 1 and line[:1] in "\t;, ":  # the column of row numbers has no name
             return ["", *cells]
     return None
 
@@ -326,9 +333,9 @@ def _units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | No
 
 
 def unit_in_name(cell: str) -> str | None:
-    """Return the unit at the end of a column name: "z (nm)", "z [nm]", "z/nm", "height in nm", "z nm"."""
+    """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" and "z nm"."""
     bracketed = _BRACKETS.findall(cell)
     last = bracketed[-1].strip() if bracketed else cell.strip(" \"'")
-    if NON_LENGTH_UNIT.fullmatch(last):  # an error if this column is used as heights
+    if NON_LENGTH_UNIT.fullmatch(last):  # the unit raises an error if this column is used as heights
         return last
     return length_unit((last if bracketed else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))

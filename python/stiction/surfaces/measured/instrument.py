@@ -23,7 +23,7 @@ def is_available() -> bool:
 def read_instrument(path: Path) -> Channels:
     """Read a file with SurfaceTopography, which supports about forty instrument formats."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # warnings about optional dependencies
+        with warnings.catch_warnings(action="ignore"):  # SurfaceTopography warns about optional dependencies
             import SurfaceTopography  # noqa: F401
     except ImportError:
         raise FormatError(
@@ -47,7 +47,8 @@ def _opened(path: Path) -> Iterator[Any]:
         raise
     except Exception as error:  # the readers raise many kinds of errors
         detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
-        if type(error).__name__ == "CannotDetectFileFormat":  # its message lists the errors of all readers
+        # the message of this error lists the errors of all readers
+        if type(error).__name__ == "CannotDetectFileFormat":
             detail = ""
         raise FormatError(
             f"is not a profile or surface in a known format{detail}; save it as X3P, or as text ending in .csv or .txt"
@@ -60,10 +61,10 @@ def _channel(path: Path, index: int, name: str) -> Raw:
         points = int(np.prod(channel.nb_grid_pts))
         if points > MAX_POINTS:
             raise FormatError(f"contains {points} points; at most {MAX_POINTS} can be read")
-        if isinstance(channel.unit, tuple):  # units of positions and of values, if values are not lengths
+        if isinstance(channel.unit, tuple):  # the units of positions and values differ, so the values are not lengths
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
-        # Without sizes, SurfaceTopography needs placeholders; the resulting spacing is not used.
+        # Without sizes, SurfaceTopography needs placeholders. The spacing that follows from them is not used.
         sizes = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = Source(f"{reader.format()} by SurfaceTopography", column=name)
         body = channel.topography(**sizes)
@@ -76,5 +77,5 @@ def _channel(path: Path, index: int, name: str) -> Raw:
         if has_sizes:
             along_x_first = np.atleast_1d(body.pixel_size)
             spacing = tuple(float(item) for item in reversed(along_x_first))
-    # SurfaceTopography has x along the first axis.
+    # The first axis of an array in SurfaceTopography is x.
     return Raw(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit, source=source)

@@ -1,4 +1,4 @@
-"""Third step of reading: convert heights and spacing to µm and find the missing points. Units are never guessed."""
+"""Third step of reading: convert heights and spacing to µm and find the missing points."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ Missing = Literal["error", "interpolate", "mask"]
 Outliers = Literal["keep", "mask"]
 
 MIN_LENGTH_DIGITS = 1000
-"""Length of the positions in units of their last printed digit, above which they may be uneven: the spacing then has
-a relative error of 1/1000."""
+"""Length of the positions, in units of their last printed digit, above which the positions may be uneven. The spacing
+then has a relative error of 1/1000."""
 
 _SPACING_RANGE = (1e-6, 1e6)
-_MAX_LENGTH = 1e9  # µm; larger values have a wrong unit or mark missing points
+_MAX_LENGTH = 1e9  # µm; larger values have a wrong unit, or they mark missing points
 CODE_TOLERANCE = 1e-6  # relative tolerance for missing-value codes that are stored in single precision
 _Length = TypeVar("_Length", float, Floats)
 
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Checked options of the caller for a file."""
+    """Options of the caller for a file, after they have been checked."""
 
     position_unit: str | None
     height_unit: str | None
@@ -44,11 +44,11 @@ class ReadOptions:
     channel: Selection | None
     columns: tuple[Selection, ...] | None
     outliers: Outliers
-    crop: tuple[float, ...] | None  # first and last x, then y for a surface, µm
-    codes: tuple[float, ...] = ()  # numbers for missing points, as in the file
+    crop: tuple[float, ...] | None  # first and last x, followed by first and last y for a surface, µm
+    codes: tuple[float, ...] = ()  # numbers that stand for missing points, as in the file
     words: tuple[str, ...] = ()  # words for missing points
     accept: tuple[str, ...] = ()  # names of accepted caveats
-    one_unit: bool = False  # whether `unit` is one string, which applies to lengths without a unit in the file
+    one_unit: bool = False  # whether `unit` is one string, which also applies to lengths without a unit in the file
 
 
 def read_options(
@@ -124,7 +124,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface, covariant=True)
 
 @dataclass(frozen=True)
 class InterpretedScan(Generic[_Body]):
-    """Profile or surface with the unit, the missing points and the caveats of its file."""
+    """Profile or surface with the unit, the number of missing points and the caveats of its file."""
 
     body: _Body
     unit: str  # unit of the heights in the file
@@ -133,14 +133,14 @@ class InterpretedScan(Generic[_Body]):
 
 
 def to_profile_or_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
-    """Convert to a profile or a surface, depending on the content of the file."""
+    """Convert the content of a file to a profile or a surface, whichever it contains."""
     if _without_unit_axis(raw).heights.ndim == 1:
         return to_profile(raw, name, options)
     return to_surface(raw, name, options)
 
 
 def to_profile(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Profile]:
-    """Convert to a profile."""
+    """Convert the content of a file to a profile."""
     raw = _without_unit_axis(raw)
     if raw.heights.ndim != 1:
         raise FormatError(
@@ -168,7 +168,7 @@ def to_profile(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Pro
 
 
 def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Surface]:
-    """Convert to a surface."""
+    """Convert the content of a file to a surface."""
     raw = _without_unit_axis(raw)
     if raw.heights.ndim != 2:
         raise FormatError(f"contains a profile of {raw.heights.size} points; read_profile() reads profiles")
@@ -186,7 +186,7 @@ def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Sur
         _compare_declared(raw, (dy, dx))
     elif options.spacing[0] is not None and options.spacing[1] is not None:
         dy, dx = float(options.spacing[0]), float(options.spacing[1])
-        declared, tolerance = _stated_spacing(raw) or (dx, 0.0)  # may be that of rows or of columns
+        declared, tolerance = _stated_spacing(raw) or (dx, 0.0)  # the declared spacing may belong to rows or to columns
         if min(abs(declared - dy), abs(declared - dx)) > tolerance:
             raise FormatError(f"declares a spacing of {declared:g} µm, but {dy:g} µm and {dx:g} µm are given")
         _compare_bare(raw, (dy, dx))
@@ -215,7 +215,7 @@ def _to_body(
         codes = [item for item in remaining if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, codes)])) from None
     history = (f"read from {name}", *raw.history, *steps, *filled)
-    heights = read_only(heights) if heights.base is None else heights  # which the body then need not copy
+    heights = read_only(heights) if heights.base is None else heights  # the body need not copy a read-only array
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return InterpretedScan(body, unit, num_missing, remaining)
 
@@ -232,7 +232,7 @@ def _parse_units(unit: Any) -> tuple[str | None, str | None]:
 
 
 def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
-    """Parse a length above 0, or with `zero` a position of any sign."""
+    """Parse a length above 0. With `zero`, parse a position of any sign."""
     try:
         length = quantity(text.strip() if zero and isinstance(text, str) else text, "length")
     except ValueError as error:
@@ -243,7 +243,7 @@ def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
 
 
 def _unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str:
-    """Return the unit from the file or from the caller; they must agree, and one of them is required."""
+    """Return the unit from the file or from the caller. They must agree, and one of them is required."""
     file_unit = None if of_file is None else length_unit(of_file)
     if of_file is not None and file_unit is None:
         raise FormatError(
@@ -259,19 +259,19 @@ def _unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str
 
 
 def _position_unit(raw: Raw, options: ReadOptions) -> str | None:
-    """Return the given unit of positions; a single unit for all lengths does not override the unit in the file."""
+    """Return the given unit of positions. A single unit for all lengths does not override the unit in the file."""
     has_own_unit = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
     return None if has_own_unit else options.position_unit
 
 
 def _in_um(values: _Length, unit: str) -> _Length:
     factor = LENGTH_UNITS[unit]
-    # Dividing by an integer, where possible, makes 100 nm exactly 0.1 µm.
+    # A division by an integer, where possible, makes 100 nm exactly 0.1 µm.
     return values / round(1 / factor) if factor < 1 else values * factor
 
 
 def _heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[FileCaveat], list[str]]:
-    """Return heights in µm with NaN where missing, their unit, caveats, and history steps."""
+    """Return heights in µm with NaN at missing points, the unit of the heights, caveats, and history steps."""
     unit, caveats, steps = _height_unit(raw, options.height_unit)
     numbers = raw.heights
     for code in (*raw.codes, *options.codes):
@@ -303,7 +303,7 @@ def _heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[FileCave
 
 
 def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Return the unit of heights; a file that declares a factor and a unit does not need the caller's unit."""
+    """Return the unit of heights. If a file declares a factor and a unit, the unit of the caller is not needed."""
     if raw.factor is None or given is None or raw.unit is None or length_unit(raw.unit) is None:
         return _unit("heights", raw.unit, given), [], []
     actual, caller_unit = str(length_unit(raw.unit)), str(length_unit(given))
@@ -319,7 +319,7 @@ _NO_MAP_SPACING = (
 
 
 def _require_unit_or_spacing(raw: Raw, options: ReadOptions) -> None:
-    """Reject a file without units and spacing, with one message for both."""
+    """Reject a file that contains neither units nor a spacing, with one message for both."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
         value is None for value in (raw.positions, raw.spacing, raw.size, raw.stated if raw.heights.ndim == 1 else None)
@@ -381,7 +381,10 @@ def _spacings_from_size(
 
 
 def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str], list[FileCaveat]]:
-    """Return the spacing of a profile (µm, negative if its positions decrease), history steps, and caveats."""
+    """Return the spacing of a profile (µm), history steps, and caveats.
+
+    The spacing is negative if positions decrease.
+    """
     stated = _stated_spacing(raw)
     if raw.positions is None:
         if raw.spacing is not None:
@@ -442,7 +445,7 @@ def _stated_spacing(raw: Raw) -> tuple[float, float] | None:
 
 
 class _PositionDigits:
-    """Values of the last printed digits of positions (µm), computed on first use."""
+    """Values of the last printed digits of positions (µm). They are computed on first use."""
 
     def __init__(self, raw: Raw, unit: str) -> None:
         self._raw, self._unit = raw, unit
@@ -459,17 +462,18 @@ class _PositionDigits:
 def _worst_printed_deviation(
     x: Floats, spacing: float, digit: _PositionDigits, slack: float
 ) -> tuple[int, float] | None:
-    """Return `_worst_deviation` within the printed digits, which are only parsed if they are needed."""
+    """Return `_worst_deviation` with the printed digits, which are parsed only if they are needed."""
     if _worst_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
     return _worst_deviation(x, spacing, digit.values, slack)
 
 
 def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
-    """Return the point with the largest deviation from a uniform grid, if its printed digits do not explain it."""
+    """Return the point with the largest deviation from a uniform grid, unless the printed digits explain it."""
     steps = np.arange(x.size)
     off = x - x[0] - steps * spacing
-    # First and last point are each off by half a digit if rounded, or together by less than one digit if truncated.
+    # The first and the last point are each off by half a digit if they are rounded, or together by less than one digit
+    # if they are truncated.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     beyond = np.abs(off) - tolerance - slack - round_off
@@ -478,7 +482,7 @@ def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> 
 
 
 def _reject_uneven(x: Floats, measured: float, digit: _PositionDigits) -> None:
-    """Reject positions that are not uniform, or have too few digits for the spacing."""
+    """Reject positions that are not uniform, or that have too few digits for their spacing."""
     if measured == 0:
         raise FormatError("has its first and last point at the same position")
     worst = _worst_printed_deviation(x, measured, digit, MAX_UNEVENNESS * abs(measured))
@@ -514,7 +518,7 @@ def _check_spacing(spacing: float) -> float:
 def _fill_gaps(
     heights: Floats, spacing: tuple[float, ...], options: ReadOptions
 ) -> tuple[Floats, NDArray[np.bool_] | None, list[str]]:
-    """Return cropped heights, interpolated and masked as requested, their mask, and history steps."""
+    """Return cropped heights that are interpolated and masked as requested, their mask, and history steps."""
     steps: list[str] = []
     if options.crop is not None:
         if len(options.crop) != 2 * heights.ndim:

@@ -1,4 +1,4 @@
-"""Layouts: text files and workbooks of specific instrument programs."""
+"""Layouts, which are the text files and workbooks of specific instrument programs."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from typing import Any
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.raw import Content, FormatError
 
-Sheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells by sheet name
+Sheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells of each sheet, by the name of the sheet
 
-MAX_COUNT = 100_000_000  # largest number of points, or lines, that a header may declare
+MAX_COUNT = 100_000_000  # maximum number of points, or of lines, that a header may declare
 _LEADING_NUMBER = re.compile(r"\s*([+-]?[0-9]{0,40}(?:[.,][0-9]{0,40})?(?:[eE][+-]?[0-9]{1,5})?)(?![0-9.,])")
 
 
 def number(header: Mapping[str, str], name: str, default: float | None = None) -> float:
-    """Return the finite number at the start of a header value. Raises `FormatError` if there is none."""
+    """Return the finite number at the start of a header value. Raises `FormatError` if there is no number."""
     text = header.get(name.casefold())
     if text is None and default is not None:
         return default
@@ -35,7 +35,7 @@ def number(header: Mapping[str, str], name: str, default: float | None = None) -
 
 
 def integer(header: Mapping[str, str], name: str, minimum: int = 1, maximum: int = MAX_COUNT) -> int:
-    """Return the integer at the start of a header value. Raises `FormatError` if it is outside its range."""
+    """Return the integer at the start of a header value. Raises `FormatError` if the integer is out of range."""
     value = number(header, name)
     if not (value.is_integer() and minimum <= value <= maximum):
         raise FormatError(f"has {value:g} for {name}, which must be a whole number from {minimum} to {maximum}")
@@ -44,7 +44,7 @@ def integer(header: Mapping[str, str], name: str, minimum: int = 1, maximum: int
 
 @dataclass(frozen=True)
 class Layout:
-    """Recognition and reading of the text files of an instrument."""
+    """Layout of text files: how the files of an instrument are recognised and read."""
 
     name: str
     recognise: Callable[[Text], bool]
@@ -53,7 +53,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class WorkbookLayout:
-    """Recognition and reading of the workbooks of an instrument."""
+    """Layout of workbooks: how the workbooks of an instrument are recognised and read."""
 
     name: str
     recognise: Callable[[Sheets], bool]

@@ -1,4 +1,4 @@
-"""Heights in NumPy arrays (.npy)."""
+"""Reading and writing of heights in NumPy arrays (.npy)."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from stiction.surfaces.measured.raw import ColumnTable, FormatError, Raw, Source
 from stiction.surfaces.profile import MAX_POINTS
 
 SPACINGS = ("spacing_y_um", "spacing_x_um")
-"""Fields of the second array in a file from `write_surface`; `write_profile` writes only the last."""
+"""Fields of the second array in a file of `write_surface`. A file of `write_profile` has only the last field."""
 
-_MAX_HISTORY_LENGTH = 1_000_000  # characters of the third array, the history
+_MAX_HISTORY_LENGTH = 1_000_000  # maximum number of characters of the history, which is the third array
 
 
 def write_npy(file: Any, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> None:
-    """Write three successive arrays: heights, spacings in µm, and history. `numpy.load` returns the first."""
+    """Write heights, spacings in µm, and history as three successive arrays. `numpy.load` returns the heights."""
     np.save(file, heights)
     np.save(file, np.array(spacing, dtype=[(name, np.float64) for name in SPACINGS[-len(spacing) :]]))
     np.save(file, np.array(history, dtype=np.str_))
 
 
 def read_npy(data: bytes) -> ColumnTable | Raw:
-    """Read an array, with the spacing and history that may follow; pickled objects are not loaded."""
+    """Read an array, and the spacing and history that may follow. Pickled objects are not loaded."""
     file = io.BytesIO(data)
     stored = _read_array(file, data)
     if stored.dtype.kind not in "iuf" or stored.ndim not in (1, 2):
@@ -54,7 +54,10 @@ def read_npy(data: bytes) -> ColumnTable | Raw:
 
 
 def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tuple[str, ...]] | None:
-    """Return spacings and history that follow the heights in a file of `write_npy`, or None for any other content."""
+    """Return the spacings and the history that follow the heights in a file of `write_npy`.
+
+    Return None for other content.
+    """
     try:
         spacing, history = _read_array(file, data), _read_array(file, data)
     except FormatError:
@@ -73,7 +76,7 @@ def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
             is_version_1 = np.lib.format.read_magic(file) == (1, 0)
             header = np.lib.format.read_array_header_1_0 if is_version_1 else np.lib.format.read_array_header_2_0
             shape, fortran_order, kind = header(file)
-    except Exception as error:  # parsing the header, a Python literal, raises many kinds of errors
+    except Exception as error:  # parsing of the header, which is a Python literal, raises many kinds of errors
         reason = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged .npy file, or contains objects ({reason})") from None
     if kind.hasobject or any(isinstance(count, bool) for count in shape):

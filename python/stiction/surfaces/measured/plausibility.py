@@ -1,4 +1,4 @@
-"""Named checks for implausible heights and spacings, for files of all formats and for bodies in memory."""
+"""Named checks for implausible heights and spacings, both of files and of bodies in memory."""
 
 from __future__ import annotations
 
@@ -14,22 +14,25 @@ from stiction._checks import Floats
 from stiction._repr import with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-MIN_REPEATS = 2  # smallest number of points at an extreme value that may be a code for missing points
-MIN_CODE_DISTANCE = 2.0  # smallest distance of a code from all other heights, over their range
-MIN_DISTINCT_HEIGHTS = 5  # smallest number of different heights; fewer are a surface with steps
-MAX_CODES = 3  # largest number of codes in a scan
-MIN_CHECKED_POINTS = 20  # smaller scans are not checked: they are examples
-MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # µm: an ångström, a centimetre and a metre
+# Minimum number of points at an extreme value that may be a code for missing points.
+MIN_REPEATS = 2
+# Smallest distance of a code from all other heights, as a multiple of the range of the other heights.
+MIN_CODE_DISTANCE = 2.0
+# Minimum number of different heights. A scan with fewer different heights is a surface with steps.
+MIN_DISTINCT_HEIGHTS = 5
+MAX_CODES = 3  # maximum number of codes for missing points in a scan
+MIN_CHECKED_POINTS = 20  # minimum number of points of a scan that is checked; smaller scans are examples
+MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # µm; the limits are an ångström, a centimetre and a metre
 
 
 @dataclass(frozen=True)
 class Scan:
-    """Heights in µm, NaN where missing, with their spacing and original format."""
+    """Heights in µm with NaN at missing points, their spacing, and the format in which they were given."""
 
     heights: Floats
     spacing: tuple[float, ...]  # µm, along (y and) x
-    factor: float = 1.0  # from the numbers in the file to µm
-    from_text: bool = True  # whether the numbers were read from text, where counts are integers
+    factor: float = 1.0  # factor that converts the numbers in the file to µm
+    from_text: bool = True  # whether the numbers were read from text; integers in text may be counts
 
     @cached_property
     def known(self) -> Floats:
@@ -39,12 +42,12 @@ class Scan:
 
     @cached_property
     def span(self) -> float:
-        """Range of the heights."""
+        """Range of the heights that are not missing."""
         return float(self.known.max() - self.known.min())
 
 
 class PlausibilityCheck(NamedTuple):
-    """Named check: a function that yields its findings, and the option or edit that settles them."""
+    """Named check, which consists of a function that yields its findings and the option or edit that settles them."""
 
     name: str
     find: Callable[[Scan], Iterator[str]]
@@ -57,7 +60,7 @@ def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
         return ()
     findings = [(check, text) for check in CHECKS[:1] for text in check.find(scan)]
     codes = [float(text.partition("|")[2]) * scan.factor for _, text in findings]
-    if codes:  # exclude the codes from the other checks
+    if codes:  # the other checks ignore the codes
         is_code = np.isclose(scan.heights[..., np.newaxis], codes, rtol=1e-9, atol=0.0).any(axis=-1)
         scan = replace(scan, heights=np.where(is_code, np.nan, scan.heights))
     findings += [(check, text) for check in CHECKS[1:] for text in check.find(scan)]
@@ -68,7 +71,7 @@ def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
 
 
 def _repeated_extremes(scan: Scan) -> Iterator[str]:
-    """Find extreme values that repeat exactly, far from all other heights."""
+    """Find extreme values that repeat exactly and are far from all other heights."""
     heights = scan.known
     for _ in range(MAX_CODES):
         code = _find_code(heights)
@@ -84,7 +87,10 @@ def _repeated_extremes(scan: Scan) -> Iterator[str]:
 
 
 def _find_code(heights: Floats) -> tuple[float, int, float] | None:
-    """Return a repeated extreme value, its count, and its distance from all other heights; None if there is none."""
+    """Return a repeated extreme value, its count, and its distance from all other heights.
+
+    Return None if there is none.
+    """
     if heights.size < 2 * MIN_DISTINCT_HEIGHTS:
         return None
     for sign in (1.0, -1.0):
@@ -112,7 +118,7 @@ def _range_without(heights: Floats, excluded: NDArray[np.bool_]) -> tuple[float,
 
 
 def _whole_numbers(scan: Scan) -> Iterator[str]:
-    """Find heights that are all integers in a unit of 1 µm or more."""
+    """Find heights that are all integers, if their unit is 1 µm or larger."""
     if scan.factor < 1 or not scan.from_text:
         return
     sample = scan.heights.flat[:MIN_CHECKED_POINTS] / scan.factor
@@ -153,7 +159,7 @@ CHECKS = (
     PlausibilityCheck("size", _sizes, "check the unit of the spacing, --unit and --spacing"),
     PlausibilityCheck("tall", _tall, "check the units of heights and spacing, --unit and --spacing"),
 )
-"""Checks for all scans."""
+"""Checks that every scan undergoes."""
 
 READER_CAVEATS = (
     "x3p-increment",
@@ -165,6 +171,6 @@ READER_CAVEATS = (
     "points",
     "scale",
 )
-"""Names of further caveats, from the readers of files."""
+"""Names of further caveats, which the readers of files add."""
 
 CAVEATS = (*(check.name for check in CHECKS), *READER_CAVEATS)

@@ -1,4 +1,4 @@
-"""Content of a file of measured heights, before its units and missing points are resolved."""
+"""Content of a file of measured heights, before units and missing points are determined."""
 
 from __future__ import annotations
 
@@ -18,16 +18,18 @@ LENGTH_UNITS = {
     "nanometre": 1e-3, "nanometer": 1e-3, "nanometres": 1e-3, "nanometers": 1e-3,
     "angstrom": 1e-4, "ångström": 1e-4,
 }  # fmt: skip
-"""Factors to µm, with both Unicode characters for micro and for ångström. Symbols are case-sensitive, words are not."""
+"""Factors from units of length to µm. Both Unicode characters for micro and for ångström are included. Upper and lower
+case matter in symbols, but not in words."""
 
 MAX_BYTES = 2_000_000_000
-MAX_TEXT_BYTES = 300_000_000  # parsing a text needs about ten times its size in memory
+MAX_TEXT_BYTES = 300_000_000  # parsing of a text needs about ten times the size of the text in memory
 _CHUNK = 1 << 16
-_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # methods that allow reading in pieces of limited size
+# compression methods that allow reading in pieces of limited size
+_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 class FormatError(ValueError):
-    """Error for a file that cannot be read or written: damaged, of another kind, incomplete, or already present.
+    """Error for a file that cannot be read or written: damaged, incomplete, of another kind, or already present.
 
     Notes
     -----
@@ -63,7 +65,7 @@ class FormatWarning(UserWarning):
 
 @dataclass(frozen=True)
 class FileCaveat:
-    """Named caveat about a file that was read, with the option or the edit that settles it."""
+    """Named caveat about a file, with the option or the edit that settles it."""
 
     name: str
     text: str
@@ -75,7 +77,7 @@ class FileCaveat:
 
 @dataclass(frozen=True)
 class StatedLength:
-    """Length from a declaration next to the data, with the value of one unit in its last digit."""
+    """Length that is declared next to the data, with the value of one unit in its last digit."""
 
     length: float
     digit: float
@@ -101,18 +103,18 @@ Digits = Callable[[], Floats]
 
 @dataclass(frozen=True)
 class Raw:
-    """Numbers of a file without conversion, with their units if the file contains them; missing heights are NaN."""
+    """Numbers of a file without conversion, with their units if the file contains units. Missing heights are NaN."""
 
     heights: Floats  # (n,) or (rows, columns)
     unit: str | None = None
     positions: Floats | None = None  # (n,) of a profile
-    digits: Digits | None = None  # returns (n,), the value of the last printed digit of each position
-    position_unit: str | None = None  # unit of the positions, or of the spacing if there are none
-    spacing: tuple[float, ...] | None = None  # (Δx,) or (Δy, Δx), if there are no positions
+    digits: Digits | None = None  # function that returns (n,) values of the last printed digits of the positions
+    position_unit: str | None = None  # unit of the positions or, if there are no positions, of the spacing
+    spacing: tuple[float, ...] | None = None  # (Δx,) or (Δy, Δx) if there are no positions
     stated: StatedLength | None = None  # declared spacing
     stated_spacings: tuple[StatedLength, StatedLength] | None = None  # declared spacings of rows and columns
     size: tuple[StatedLength, StatedLength] | None = None  # declared height and width of a map
-    history: tuple[str, ...] = ()  # selections that were made in the file, one phrase each
+    history: tuple[str, ...] = ()  # selections that were made in the file, in one phrase each
     source: Source = Source()
     codes: tuple[float, ...] = ()  # declared values of missing points
     factor: float | None = None  # declared factor from the numbers to `unit`
@@ -122,16 +124,18 @@ class Raw:
 
 @dataclass(frozen=True)
 class ColumnTable:
-    """Numbers in columns: one or two columns are a profile, or all columns are a map."""
+    """Numbers in columns. One or two columns are a profile, or all columns together are a map."""
 
-    values: Floats  # (rows, columns), NaN at missing values
+    values: Floats  # (rows, columns) with NaN at missing values
     names: tuple[str, ...] = ()  # column names; empty if there are none
     units: tuple[str | None, ...] = ()
-    digits: Callable[[int], Floats] | None = None  # returns (rows,), values of the last printed digits of a column
-    row_digits: Callable[[int], Floats] | None = None  # returns (columns,), the same for a row
+    # function that returns (rows,) values of the last printed digits of a column
+    digits: Callable[[int], Floats] | None = None
+    # function that returns (columns,) values of the last printed digits of a row
+    row_digits: Callable[[int], Floats] | None = None
     declared: Declarations = field(default_factory=lambda: Declarations())
-    history: tuple[str, ...] = ()  # processing steps before the heights were written
-    area: bool = False  # whether two columns may be a map; positions are then recognised by equal steps
+    history: tuple[str, ...] = ()  # processing steps that were applied before the heights were written
+    area: bool = False  # whether two columns may be a map, whose positions are then recognised by equal steps
     source: Source = Source()
     places: tuple[int, ...] | None = None  # column numbers in the file, if some columns are skipped
     caveats: tuple[FileCaveat, ...] = ()
@@ -146,15 +150,15 @@ class ColumnTable:
 class Declarations:
     """Declarations in the header of a table."""
 
-    spacing: StatedLength | None = None  # of a profile, or along one axis of a map
-    spacings: tuple[StatedLength, StatedLength] | None = None  # of rows and columns of a map
+    spacing: StatedLength | None = None  # spacing of a profile, or along one axis of a map
+    spacings: tuple[StatedLength, StatedLength] | None = None  # spacings of the rows and of the columns of a map
     size: tuple[StatedLength, StatedLength] | None = None  # height and width of a map
-    bare_spacing: tuple[float, ...] | None = None  # without a unit: (Δx,) or (Δy, Δx)
-    unit: str | None = None  # unit of the heights, possibly not a length
+    bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
+    unit: str | None = None  # unit of the heights, which may be another unit than a length
     factor: float | None = None  # factor from the numbers to `unit`
     codes: tuple[float, ...] = ()  # values of missing points
-    counts: tuple[float, ...] = ()  # integers that are either codes or numbers of missing points
-    scale: str = ""  # line with either a factor or a range of heights
+    counts: tuple[float, ...] = ()  # integers that are either codes for missing points or numbers of missing points
+    scale: str = ""  # line with either a factor for the heights or a range of heights
     points: int | None = None  # number of points of a profile
     tip_radius: StatedLength | None = None  # radius of the stylus tip
     line: str = ""  # line that declares the unit or the factor
@@ -165,18 +169,18 @@ class Channels:
     """Several sets of heights in one file, each with a name."""
 
     names: tuple[str, ...]
-    read: Callable[[int], Raw | ColumnTable]  # returns the content of a channel by its index
-    default: int | None  # channel to read by default; None if the caller must choose one
+    read: Callable[[int], Raw | ColumnTable]  # function that returns the content of a channel by its index
+    default: int | None  # index of the channel to read by default, or None if the caller must choose
 
 
 Content = Raw | ColumnTable | Channels  # result of a reader
 
 
 def length_unit(text: str) -> str | None:
-    """Return the key of `LENGTH_UNITS` for a unit of length, or None."""
+    """Return the key of `LENGTH_UNITS` for a unit of length. Return None for other units."""
     if text in LENGTH_UNITS:
         return text
-    plain = unicodedata.normalize("NFKC", text)  # converts ligatures such as ㎛
+    plain = unicodedata.normalize("NFKC", text)  # normalisation converts ligatures such as ㎛
     if plain in LENGTH_UNITS:
         return plain
     folded = plain.casefold()
@@ -187,7 +191,10 @@ def length_unit(text: str) -> str | None:
 
 
 def read_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> Iterator[bytes]:
-    """Yield a member of an archive in pieces, up to `max_bytes`, independently of the size in its directory."""
+    """Yield a member of an archive in pieces, up to `max_bytes`.
+
+    The size in the directory of the archive is not trusted.
+    """
     try:
         info = archive.getinfo(name)
     except KeyError:

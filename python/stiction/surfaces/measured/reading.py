@@ -1,4 +1,4 @@
-"""Reading of measured profiles and surfaces: selection of the reader, and the interpretation of the file."""
+"""Reading of measured profiles and surfaces: selection of the reader, and interpretation of the file."""
 
 from __future__ import annotations
 
@@ -52,13 +52,14 @@ READERS: dict[str, Callable[[bytes], Content]] = {
     ".xlsx": read_excel,
     **dict.fromkeys(TEXT_SUFFIXES, read_text),
 }
-"""Readers by file name ending in lower case. SurfaceTopography reads other files, and binary files named as text."""
+"""Readers by the ending of the file name in lower case. SurfaceTopography reads other files, and binary files that are
+named like text."""
 
 _SIGNATURES = {
     b"\x93NUMPY": ((".npy",), "a NumPy array (.npy)"),
     b"PK": ((".x3p", ".xlsx"), "a zip archive, as X3P and workbooks are"),
 }
-"""First bytes of certain file types, with the endings of these files and a description."""
+"""First bytes of certain file types, with the file name endings and a description of each type."""
 
 MissingValue = str | float | Sequence[str | float]
 _Body = TypeVar("_Body", bound=Profile | Surface)
@@ -337,7 +338,7 @@ def read_measurement(
 
 
 def load_reading(path: str | os.PathLike[str], **options: Any) -> Reading[Profile | Surface]:
-    """Read a measured profile or surface with the interpretation of its file; options as for `read_measurement`.
+    """Read a measured profile or surface with the interpretation of its file. Options are as for `read_measurement`.
 
     Caveats are in `caveats`; no warning is issued.
     """
@@ -366,7 +367,7 @@ def _reading(
     options: ReadOptions,
     convert: Callable[[Raw, str, ReadOptions], InterpretedScan[_Body]],
 ) -> Reading[_Body]:
-    """Read a file and interpret it; every error contains the whole path."""
+    """Read a file and interpret it. Every error message contains the complete path."""
     path = Path(path)
     try:
         raw = select_heights(_read_content(path, options.words), options.channel, options.columns)
@@ -392,7 +393,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
     """Read the content of a file with the reader for its name and its first bytes."""
     suffix = path.suffix.lower()
     if not path.is_file():
-        path.stat()  # raises the specific error
+        path.stat()  # this call raises the specific error
         raise FormatError("is a directory" if path.is_dir() else "is not a file")
     size = path.stat().st_size
     if size == 0:
@@ -426,7 +427,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
 
 
 def _read_binary(path: Path) -> Content:
-    """Read a binary file with a text ending with SurfaceTopography."""
+    """Read a binary file whose name ends like that of a text, with SurfaceTopography."""
     if is_available():
         try:
             return read_instrument(path)
@@ -439,7 +440,7 @@ def _read_binary(path: Path) -> Content:
 
 
 def _read_by_instrument(path: Path, start: bytes, words: tuple[str, ...]) -> Content:
-    """Read a file with SurfaceTopography, or as a table if it is text with an unknown ending."""
+    """Read a file with SurfaceTopography. If it is text with an unknown ending, read it as a table."""
     try:
         return read_instrument(path)
     except FormatError as error:

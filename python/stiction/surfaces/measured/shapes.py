@@ -1,4 +1,4 @@
-"""Second step of reading tables: the arrangement of the heights in columns, from options or from the numbers."""
+"""Second step of reading tables: select the columns of the heights from options or from the numbers."""
 
 from __future__ import annotations
 
@@ -25,29 +25,31 @@ from stiction.surfaces.measured.raw import (
 )
 
 MAX_UNEVENNESS = 1e-3
-"""Largest deviation of a point from a uniform grid, in spacings. It has no visible effect on the heights, and occurs in
-positions that were stored in single precision."""
+"""Largest deviation of a point from a uniform grid, in spacings. Such a deviation has no visible effect on the heights,
+and occurs in positions that were stored in single precision."""
 
-MIN_COLUMNS = 4  # smallest number of columns of a matrix of heights in a text
+MIN_COLUMNS = 4  # minimum number of columns of a matrix of heights in a text
 MAX_GRID_POINTS = 100_000_000  # points of a map
 MAX_LISTED_NAMES = 12  # names in a message
-MIN_JITTERED_POSITIONS = 8  # smallest number of measured, slightly uneven positions that are recognised
-MAX_JITTER = 0.5  # largest range of the steps of measured positions, over their mean
-MIN_TILT_CORRELATION = 0.98  # correlation of heights with their index above which the surface is tilted
-MIN_COMPARED_NUMBERS = 20  # numbers with equal decimals that make a different first number suspicious
-MIN_STEP_DIGITS = 3.0  # smallest step of positions in units of the last digit; coarse heights have equal steps too
+MIN_JITTERED_POSITIONS = 8  # minimum number of measured, slightly uneven positions that are recognised
+MAX_JITTER = 0.5  # largest range of the steps of measured positions, as a multiple of their mean
+MIN_TILT_CORRELATION = 0.98  # smallest correlation of heights with their index at which the surface counts as tilted
+MIN_COMPARED_NUMBERS = 20  # minimum number of heights with equal decimals that make a different first number suspicious
+# Smallest step of positions, in units of the last digit. Coarse heights may have smaller equal steps.
+MIN_STEP_DIGITS = 3.0
 Selection = str | int
 
 _NUMBERING = re.compile(r"|index|unnamed: ?0|no\.?|nr\.?|#|n|i|points?|pt\.?|punkt|zeile|line|row|dataline|trace", re.I)
 _VALID = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALID = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
-_FLAG_NAME = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)  # meaning not defined by the name
+# names that do not define the meaning of the flags
+_FLAG_NAME = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 _X, _Y = (re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy")
 _Z = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).*", re.I)
 
 
 def select_heights(content: Content, channel: Selection | None, columns: Sequence[Selection] | None) -> Raw:
-    """Return the heights that the caller selected, or those found by the shape of the table."""
+    """Return the heights that the caller selected or, without a selection, those found by the shape of the table."""
     if isinstance(content, Channels):
         index = _select_channel(content, channel)
         raw = select_heights(content.read(index), None, columns)
@@ -77,7 +79,7 @@ def _select_channel(channels: Channels, chosen: Selection | None) -> int:
 
 
 def _find_column(names: Sequence[str], chosen: Selection, numbers: Sequence[int], kind: str) -> int:
-    """Return the index for a name, or for a number as in the file."""
+    """Return the index of a column or a channel, given by its name or by its number in the file."""
     text = str(chosen).strip()
     for folded in (lambda name: name, lambda name: name.casefold(), _without_unit):
         matches = [index for index, name in enumerate(names) if folded(name.strip()) == folded(text) and text]
@@ -116,7 +118,7 @@ def _column_numbers(table: ColumnTable) -> Sequence[int]:
 
 
 def _select_columns(table: ColumnTable, chosen: Sequence[Selection]) -> Raw:
-    """Return the heights in one column, optionally over positions in another column, or over x and y in two others."""
+    """Return the heights in one column, with positions in another column, or with x and y in two other columns."""
     numbers = _column_numbers(table)
     indices = [_find_column(table.names, item, numbers, "column") for item in chosen]
     description = ", ".join(
@@ -129,9 +131,10 @@ def _select_columns(table: ColumnTable, chosen: Sequence[Selection]) -> Raw:
 
 
 def _to_raw(table: ColumnTable, heights: Floats, unit: str | None, **changes: Any) -> Raw:
-    """Return heights of a table with all declarations of its header."""
+    """Return the heights of a table with all declarations of its header."""
     declared = table.declared
-    counts = tuple(count for count in declared.counts if count > heights.size)  # too large to be a number of points
+    # these counts are too large to be numbers of points
+    counts = tuple(count for count in declared.counts if count > heights.size)
     caveats: tuple[FileCaveat, ...] = ()
     if declared.scale:
         text = f"its header line {printable(declared.scale)!r} is a factor or a range of heights; it is not applied"
@@ -172,7 +175,7 @@ def _profile(table: ColumnTable, *places: int) -> Raw:
         caveats = () if history else _first_number_caveat(table)
         return replace(raw, heights=heights, history=history, caveats=(*raw.caveats, *caveats))
     positions = table.values[:, places[0]]
-    is_empty = np.isnan(positions) & np.isnan(heights)  # rows after the end of the shorter of two adjacent tables
+    is_empty = np.isnan(positions) & np.isnan(heights)  # the rows follow the end of the shorter of two adjacent tables
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
     digits = table.column_digits(places[0])
     return replace(
@@ -193,7 +196,7 @@ def _describe_column(table: ColumnTable, place: int) -> str:
 
 
 def _height_unit(table: ColumnTable, place: int) -> str | None:
-    """Return the unit of a height column. Raises `FormatError` if its name is that of another quantity."""
+    """Return the unit of a height column. Raises `FormatError` if the column is named like another quantity."""
     unit = _units(table)[place]
     if unit is not None and length_unit(unit) is None:
         return unit
@@ -207,7 +210,7 @@ def _height_unit(table: ColumnTable, place: int) -> str | None:
 
 
 def _without_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
-    """Return a height column without its first number if that is the count of the others."""
+    """Return a height column without its first number if this number is the count of the other numbers."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
         if heights[place] == heights.size - 1 - place:
             if place:
@@ -262,7 +265,7 @@ def _numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tupl
 
 
 def _with_flags(table: ColumnTable) -> ColumnTable:
-    """Apply a column of flags: remove it, and the heights that it marks as invalid."""
+    """Apply a column of flags. Remove the column, and the heights that it marks as invalid."""
     for place, name in enumerate(table.names):
         flags = table.values[:, place]
         senses = [pattern.fullmatch(name.strip()) is not None for pattern in (_VALID, _INVALID, _FLAG_NAME)]
@@ -282,7 +285,7 @@ def _with_flags(table: ColumnTable) -> ColumnTable:
             return replace(_with_columns(table, other_columns), history=(*table.history, step))
         missing = flags == (1 if is_invalid else 0)
         values = np.where(missing[:, np.newaxis], np.nan, table.values)
-        for index in other_columns:  # positions are not flagged
+        for index in other_columns:  # flags do not apply to positions
             if counts_evenly(table.values[:, index]):
                 values[:, index] = table.values[:, index]
         step = f"{int(missing.sum())} points missing according to the flags in column {place} ({printable(name)})"
@@ -291,7 +294,7 @@ def _with_flags(table: ColumnTable) -> ColumnTable:
 
 
 def _with_columns(table: ColumnTable, selection: Sequence[int], values: Floats | None = None) -> ColumnTable:
-    """Return a table with some of the columns."""
+    """Return a table with a selection of its columns."""
     digits, numbers = table.digits, _column_numbers(table)
     return replace(
         table, values=(table.values if values is None else values)[:, list(selection)],
@@ -306,7 +309,7 @@ def _with_columns(table: ColumnTable, selection: Sequence[int], values: Floats |
 
 @dataclass(frozen=True)
 class Shape:
-    """Shape of a table: how it is recognised, and how it is read."""
+    """Shape of a table, with functions that recognise it and read it."""
 
     name: str
     recognise: Callable[[ColumnTable], bool]
@@ -349,7 +352,7 @@ def _without_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]
 
 
 def _read_matrix(table: ColumnTable) -> Raw:
-    """Return a matrix of heights. Raises `FormatError` if its first row or column contains positions."""
+    """Return a matrix of heights. Raises `FormatError` if the first row or column contains positions."""
     table, history = _without_positions(table)
     raw = _to_raw(table, table.values, _common_unit(table, _units(table)), history=history)
     if (spacings := table.declared.spacings) is None:
@@ -361,7 +364,7 @@ def _read_matrix(table: ColumnTable) -> Raw:
 
 
 def _without_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
-    """Remove a first column of positions that agree with the declared spacing; return the table and a history step.
+    """Remove a first column of positions that agree with the declared spacing. Return the table and a history step.
 
     Raises `FormatError` if the first row or column contains other positions. A single row or column is heights.
     """
@@ -389,7 +392,7 @@ def _without_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]
 
 
 def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether the first line contains positions, while the others do not rise like a tilted plane."""
+    """Return whether the first line contains positions, and the other lines do not rise like a tilted plane."""
     first = lines[0]
     others = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _counts_evenly_as_printed(first, digits):
@@ -399,7 +402,8 @@ def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
     steps = np.diff(first[1:])
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Measured positions have unequal steps. Raw heights of a tilted surface rise similarly, but in all lines.
+    # Measured positions have unequal steps. Raw heights of a tilted surface rise similarly, but they do so in all
+    # lines.
     return any(_correlation(other) < MIN_TILT_CORRELATION for other in others)
 
 
@@ -412,7 +416,7 @@ def _correlation(values: Floats) -> float:
 
 
 def counts_evenly(values: Floats, slack: float = 0.0) -> bool:
-    """Return whether values rise or fall in equal steps; the first value, which may be a corner, is ignored."""
+    """Return whether values rise or fall in equal steps. The first value is ignored, because it may be a corner."""
     rest = values[1:]
     if rest.size < 4 or not np.isfinite(rest).all():
         return False
@@ -440,7 +444,7 @@ def _counts_evenly_as_printed(values: Floats, digits: Callable[[], Floats] | Non
 
 
 def _is_labelled(table: ColumnTable) -> bool:
-    """Return whether the first row and column contain positions, with an empty corner."""
+    """Return whether the first row and the first column contain positions, and the corner is empty."""
     values = table.values
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.area:
         return False
@@ -462,7 +466,7 @@ def _read_labelled(table: ColumnTable) -> Raw:
 
 
 def _xyz(table: ColumnTable) -> tuple[int, int, int] | None:
-    """Return the columns of x, y and z in a list of points, by their names or as the only three."""
+    """Return the columns of x, y and z in a list of points. They are found by name, or are the only three columns."""
     columns = table.values.shape[1]
     if not any(table.names):
         return (0, 1, 2) if columns == 3 else None
@@ -483,7 +487,7 @@ def _are_triplets(table: ColumnTable) -> bool:
         return False
     count = x.size
     distinct = [np.unique(value).size for value in (x, y)]
-    # On a grid, x and y have few values that repeat; the positions of a profile do not repeat.
+    # On a grid, x and y have few values that repeat. The positions of a profile do not repeat.
     return (max(distinct) < count and min(distinct) > 1) or (
         bool(table.names) and max(distinct) == count and min(distinct) > 1
     )
@@ -505,7 +509,7 @@ def _triplets(table: ColumnTable, *places: int) -> Raw:
 
 
 def _is_line_of_points(table: ColumnTable) -> bool:
-    """Return whether points x, y, z are a profile along x, with a single y."""
+    """Return whether points x, y, z are a profile along x, which has a single y."""
     places = _xyz(table)
     if places is None or table.area or (table.values.shape[1] != 3):
         return False

@@ -1,4 +1,4 @@
-"""The file of a spectrum that several scans have together: a table (CSV) below a line for each scan."""
+"""File of a spectrum that is combined from several scans: a table (CSV) below one line for each scan."""
 
 from __future__ import annotations
 
@@ -17,16 +17,18 @@ from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 
 WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"
-"""Columns of a spectrum file. A table without the last column was not written by this program."""
+"""Columns of a spectrum file. A table that lacks the last column was not written by this program."""
 
-FRACTION, RATIO = "fraction of ", "power over the joined of "  # prefixes of two columns per scan
+FRACTION, RATIO = "fraction of ", "power over the joined of "  # beginnings of the names of two columns for each scan
 _SCAN = re.compile(r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)")
-_HEAD_BYTES = 100_000  # length of the head of a file that is searched for column names
-_RATIO_TOLERANCE = 1e-3  # relative tolerance of the ratios of wave numbers, for printed digits
+_HEAD_BYTES = 100_000  # number of bytes at the beginning of a file that are searched for column names
+_RATIO_TOLERANCE = 1e-3  # relative tolerance of the ratios of wave numbers, which allows for printed digits
 
 
 def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> None:
-    """Write a joined spectrum to a table, with slope and curvature over wavelength; all numbers are preserved exactly.
+    """Write a joined spectrum to a table, with slope and curvature for each wavelength.
+
+    All numbers are preserved exactly.
 
     Parameters
     ----------
@@ -81,8 +83,8 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
 
 
 def is_spectrum(path: Path) -> bool:
-    """Return whether a file was written by `write_spectrum`, or has its columns of wave numbers and densities."""
-    if path.suffix.lower() != ".csv" or not path.is_file():  # reading a pipe would block
+    """Return whether a file was written by `write_spectrum`, or has the same columns of wave numbers and densities."""
+    if path.suffix.lower() != ".csv" or not path.is_file():  # reading from a pipe would block
         return False
     try:
         with path.open("rb") as file:
@@ -132,7 +134,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     path = Path(path)
     try:
         text = read_content(path, MAX_TEXT_BYTES).decode("utf-8-sig", "replace")
-        table = pandas.read_csv(io.StringIO(text), comment="#", dtype=str)  # pandas before 3 rounds numbers
+        table = pandas.read_csv(io.StringIO(text), comment="#", dtype=str)  # pandas before version 3 rounds numbers
     except OSError as error:
         raise FormatError(f"{printable_path(path)}: cannot be read: {error.strerror}") from None
     except NotReadableError as error:

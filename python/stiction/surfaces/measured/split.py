@@ -16,12 +16,12 @@ from stiction._checks import Floats
 from stiction.surfaces.measured.decode import BLANK, MAX_CELLS, NUMBERS, NUMERIC_CHARACTERS, Text
 from stiction.surfaces.measured.raw import FormatError
 
-_SAMPLE_LINES = 60  # lines that are searched for the separator and the decimal mark
-_SAMPLE_SIZE = 10_000  # characters of all these lines
-_LONG_LINE = 200  # mean length of lines above which cells are counted line by line
-MAX_SAMPLED = 20_000  # rows that are searched for the printed digits of a column
-MAX_COUNT_CELLS = 2  # cells of a line of counts or sizes above the numbers
-_JOINT = "\x1f"  # replaces the separator of quoted cells
+_SAMPLE_LINES = 60  # maximum number of lines that are searched for the separator and the decimal mark
+_SAMPLE_SIZE = 10_000  # maximum number of characters of all these lines together
+_LONG_LINE = 200  # mean length of lines above which the cells are counted line by line
+MAX_SAMPLED = 20_000  # maximum number of rows that are searched for the printed digits of a column
+MAX_COUNT_CELLS = 2  # maximum number of cells of a line of counts or sizes above the numbers
+_JOINT = "\x1f"  # character that replaces the separator in quoted cells
 _EXPONENT = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
 Lines = NDArray[np.int64]
@@ -34,7 +34,7 @@ class Dialect:
     separator: str | None
     point: str
     thousands: str = ""
-    pairs: bool = False  # whether the comma is both separator and decimal mark: two cells are one number
+    pairs: bool = False  # whether the comma is both separator and decimal mark, so that two cells are one number
 
     def __str__(self) -> str:
         names = {"\t": "tab", None: "space", ";": "semicolon", ",": "comma", "|": "bar"}
@@ -57,7 +57,7 @@ class Dialect:
 
     @cached_property
     def number(self) -> re.Pattern[str]:
-        """Pattern of a number with the groups sign, integer digits, decimals and exponent."""
+        """Pattern of a number. Its groups are sign, integer digits, decimals and exponent."""
         point = "." if self.pairs else self.point
         whole = "[0-9]{0,400}"
         if self.thousands:
@@ -81,14 +81,15 @@ _QUOTED_THOUSANDS_DIALECTS = [Dialect(",", ".", ","), Dialect(",", ",", ".")]
 
 @dataclass(frozen=True)
 class NumberBlock:
-    """A matrix of numbers in a text."""
+    """Matrix of numbers in a text, with the location of its rows."""
 
     text: Text
     lines: Lines  # line numbers of the rows, counted from 0
     dialect: Dialect
     values: Floats  # (rows, columns)
-    short: int | None = None  # first line at the end with fewer cells, for example of a shorter profile
-    omitted: tuple[int, ...] = ()  # lines of counts and sizes above the rows
+    # first line of the end where lines have fewer cells, for example because of a shorter profile
+    short: int | None = None
+    omitted: tuple[int, ...] = ()  # line numbers of counts and sizes above the rows
 
     def row(self, line: int) -> list[str]:
         """Return the cells of a row."""
@@ -100,7 +101,7 @@ class NumberBlock:
         max_decimals = -1000
         count = self.lines.size
         sample = np.arange(count)
-        if count > MAX_SAMPLED:  # half from the beginning, half spread over the whole column
+        if count > MAX_SAMPLED:  # half of the sample is from the beginning, half is spread over the whole column
             half = MAX_SAMPLED // 2
             sample = np.concatenate([sample[:half], np.linspace(half, count - 1, half).astype(np.int64)])
         for line in sample.tolist():
@@ -123,7 +124,7 @@ class NumberBlock:
 
 
 def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return the value of the last digit of numbers with the given decimals and significant digits."""
+    """Return the value of the last digit of numbers that have the given decimals and significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.floor(np.log10(np.abs(values)))
     by_digits = np.where(np.isfinite(size), size, -400) + 1 - digits
@@ -131,7 +132,7 @@ def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
 
 
 def find_number_runs(text: Text) -> list[tuple[int, int]]:
-    """Return first and last line of each run of numeric lines; blank lines do not interrupt a run."""
+    """Return the first and the last line of each run of numeric lines. Blank lines do not interrupt a run."""
     kinds = text.kinds
     filled = np.flatnonzero(kinds != BLANK)
     numbers = kinds[filled] == NUMBERS
@@ -140,7 +141,10 @@ def find_number_runs(text: Text) -> list[tuple[int, int]]:
 
 
 def detect_dialect(text: Text, first: int, last: int) -> Dialect:
-    """Find the dialect in which most lines of a run are numbers. Raises `FormatError` if there is none, or two."""
+    """Find the dialect in which most lines of a run are numbers.
+
+    Raises `FormatError` if there is none, or if there are two.
+    """
     sample_lines = np.unique(
         np.concatenate([np.arange(max(first, last + 1 - _SAMPLE_LINES), last + 1), np.arange(first, first + 40)])
     )
@@ -175,7 +179,7 @@ def detect_dialect(text: Text, first: int, last: int) -> Dialect:
 
 
 def is_row(line: str, dialect: Dialect, text: Text) -> bool:
-    """Return whether all cells of a line are numbers or marks of missing points, with at least one number."""
+    """Return whether all cells of a line are numbers or marks of missing points. At least one must be a number."""
     any_number = False
     for cell in dialect.cells(line):
         if (kind := cell_kind(cell, dialect, text)) is None:
@@ -185,7 +189,7 @@ def is_row(line: str, dialect: Dialect, text: Text) -> bool:
 
 
 def cell_kind(cell: str, dialect: Dialect, text: Text) -> str | None:
-    """Classify a cell as a number, a word or another mark of a missing point; None if it is none of these."""
+    """Classify a cell as a number, a word or another mark of a missing point. Return None for other cells."""
     match = dialect.number.fullmatch(cell)
     if match is not None and (match[2] or match[3]):
         return "number"
@@ -200,7 +204,7 @@ def _truncate(line: str, width: int) -> str:
 
 
 def _with_decimal_commas(text: Text, first: int, sample: list[str], dialect: Dialect) -> Dialect:
-    """Return the dialect of lines with commas, which may separate cells, decimals, or both."""
+    """Return the dialect of lines whose commas may separate cells, decimals, or both."""
     rows = [dialect.cells(line) for line in sample]
     width = len(rows[0])
     odd_cells = [cell for row in rows for cell in row[1::2]]
@@ -227,7 +231,7 @@ def _line_above(text: Text, first: int) -> str:
 
 
 def _reject_ambiguous_commas(text: Text, first: int, last: int, dialect: Dialect) -> None:
-    """Reject commas that may all be thousands separators: "1,250" is 1.25 or 1250."""
+    """Reject commas all of which may be thousands separators. For example, "1,250" is 1.25 or 1250."""
     ambiguous = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
     example, shown = -1, ""
     for line in range(first, last + 1):
@@ -274,7 +278,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
         num_skipped = 0
     omitted = tuple(lines[:num_skipped].tolist())
     lines, cells, blob = lines[num_skipped:], cells[num_skipped:], blob[starts[num_skipped] :] if num_skipped else blob
-    if (cells > usual).any():  # because of trailing separators
+    if (cells > usual).any():  # the additional cells may come from trailing separators
         rows = [row.rstrip(joint) if n > usual else row for n, row in zip(cells, blob.split(b"\n"), strict=True)]
         blob = b"\n".join(row + joint * max(0, usual - 1 - row.count(joint)) for row in rows)
         _, cells = _cells_of_rows(blob, joint)
@@ -294,13 +298,13 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
     values = _parse_numbers(text, lines, usual, column).reshape(-1, usual)
     ends = {len(dialect.cells(text.line(int(row_index)))) for row_index in (*lines[:3], *lines[-3:])}
     while values.shape[1] > max(ends | {1}) and np.isnan(values[:, -1]).all():
-        values = values[:, :-1]  # separators at the end of each line
+        values = values[:, :-1]  # each line ends with a separator
     short = int(lines[np.argmax(wrong)]) if usual != 2 and wrong.any() else None
     return NumberBlock(text, lines, dialect, values, short, omitted)
 
 
 def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
-    """Return whether the single numbers of the first rows are positions without heights: they go on as those below."""
+    """Return whether the single numbers of the first rows are positions that continue in the rows below."""
     first = [row.split(joint)[0] for row in blob.split(b"\n", count + 3)[: count + 3]]
     if not count or not all(map(_is_number, first)):
         return False
@@ -309,7 +313,7 @@ def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
 
 
 def numbers_in(text: Text, first: int, last: int) -> Floats:
-    """Return all numbers, separated by white space, in a range of lines; line breaks have no meaning."""
+    """Return all numbers in a range of lines, separated by white space. Line breaks have no meaning."""
     blob = text.data[text.starts[first] : text.starts[last + 1]]
     if blob.translate(None, NUMERIC_CHARACTERS):
         blob = text.missing.sub(b"nan", blob)
@@ -320,7 +324,7 @@ def numbers_in(text: Text, first: int, last: int) -> Floats:
 
 
 def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
-    """Return the lines of a run that are rows; of those without a number the ones with separators, all empty cells."""
+    """Return the lines of a run that are rows. A line without a number is a row if it has separators of empty cells."""
     kinds = text.kinds[first : last + 1]
     filled = kinds != BLANK
     if dialect.separator is not None and not filled.all():
@@ -330,7 +334,7 @@ def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
 
 
 def _plain(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
-    """Return rows with decimal points, without quotes and blanks, and the separator of their cells."""
+    """Return rows with decimal points and without quotes and blanks, and the separator of their cells."""
     first, last = int(lines[0]), int(lines[-1])
     if lines.size == last - first + 1:
         blob = text.data[text.starts[first] : text.starts[last + 1] - 1]
@@ -364,7 +368,7 @@ def _plain(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
 
 
 _MISSING_MARKS = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
-_TORN = re.compile(rb"[0-9.] +[-+0-9.]")  # a number with a blank in it
+_TORN = re.compile(rb"[0-9.] +[-+0-9.]")  # a number that contains a blank
 
 
 def _has_dashes(blob: bytes) -> bool:
@@ -382,7 +386,7 @@ def _reject_blanks_in_numbers(text: Text, lines: Lines) -> None:
 
 
 def _cells_of_rows(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
-    """Return the start of each row, and its number of cells."""
+    """Return the start of each row and the number of its cells."""
     codes = np.frombuffer(blob, np.uint8)
     starts = np.concatenate([[0], np.flatnonzero(codes == ord("\n")) + 1])
     if starts.size * _LONG_LINE < len(blob):
@@ -394,10 +398,10 @@ def _cells_of_rows(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
 
 
 def _parse_numbers(text: Text, lines: Lines, width: int, column: bytes) -> Floats:
-    """Parse a column of text as numbers, correctly rounded; NaN for empty lines."""
+    """Parse a column of text as correctly rounded numbers. Empty lines are NaN."""
     import pandas
 
-    # Before pandas 3.1, the default parser has errors in the last bit.
+    # The default parser of pandas before version 3.1 has errors in the last bit.
     column = column if column[-1:].strip() else column + b"\n"
     precision = {} if _version(pandas.__version__) >= (3, 1) else {"float_precision": "round_trip"}
     try:

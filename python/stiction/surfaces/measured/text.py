@@ -1,4 +1,4 @@
-"""Second step of reading text: the layout of an instrument, or otherwise a table with a header and a footer."""
+"""Second step of reading text: find the layout of an instrument, or else a table with header and footer."""
 
 from __future__ import annotations
 
@@ -22,24 +22,26 @@ from stiction.surfaces.measured.split import (
     parse_block,
 )
 
-MAX_STEP_LENGTH, MAX_STEPS = 1000, 1000  # characters per history step in a header, and number of steps
-MAX_FOOTER_FRACTION = 0.1  # largest number of numeric lines below the data, over the lines of data
-MIN_BLOCK_ROWS = 2  # smallest number of rows in a block above the data that is not a size or a count
+MAX_STEP_LENGTH, MAX_STEPS = 1000, 1000  # maximum number of characters of a history step in a header, and of steps
+# Maximum number of numeric lines below the data, as a fraction of the lines of data.
+MAX_FOOTER_FRACTION = 0.1
+# Minimum number of rows of a block above the data. A smaller block is a size or a count.
+MIN_BLOCK_ROWS = 2
 
 
 def read_text(data: bytes, words: tuple[str, ...] = ()) -> Content:
-    """Parse a text; `words` are additional words for missing points."""
+    """Parse a text. `words` are additional words that stand for missing points."""
     return parse_content(decode(data, words))
 
 
 def parse_content(text: Text) -> Content:
-    """Parse a text with the first layout that recognises it, or otherwise as a table."""
+    """Parse a text with the first layout that recognises it or, if there is none, as a table."""
     layout = find_layout(text)
     return parse_table(text) if layout is None else with_source(layout.read(text), text, layout.name)
 
 
 def find_layout(text: Text) -> Layout | None:
-    """Return the instrument layout that recognises a text, or None."""
+    """Return the instrument layout that recognises a text. Return None if there is none."""
     from stiction.surfaces.measured.layouts import LAYOUTS
 
     return next((layout for layout in LAYOUTS if layout.recognise(text)), None)
@@ -54,7 +56,7 @@ def with_source(content: Content, text: Text, layout: str) -> Content:
 
 
 def parse_table(text: Text) -> ColumnTable | Channels:
-    """Parse the largest run of numeric lines with the header above it as a table; several equal runs are channels."""
+    """Parse the largest run of numeric lines and the header above it as a table. Several equal runs are channels."""
     runs = find_number_runs(text)
     if not runs:
         raise FormatError(
@@ -64,7 +66,7 @@ def parse_table(text: Text) -> ColumnTable | Channels:
     first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
     dialect = detect_dialect(text, first, last)
     labels = _with_label_row(text, first, last, dialect)
-    if labels < first:  # the word in the corner is not a number
+    if labels < first:  # the line of labels starts with a word, which is not a number
         first, text = labels, replace(text, words=(*text.words, dialect.cells(text.line(labels))[0]))
     _reject_unreadable(text, dialect, len(dialect.cells(text.line(last))), runs)
     block = parse_block(text, first, last, dialect, ragged=True)
@@ -82,7 +84,7 @@ def parse_table(text: Text) -> ColumnTable | Channels:
 
 
 def _table(text: Text, block: NumberBlock, begin: int) -> ColumnTable:
-    """Return a block with its header, which starts at line `begin`, and its footer as a table."""
+    """Return a block, its header, which starts at line `begin`, and its footer as a table."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = text.lines(begin, first), text.lines(end, len(text)) if begin == 0 else []
     width = block.values.shape[1]
@@ -120,7 +122,7 @@ def describe_source(block: NumberBlock) -> Source:
 
 
 def _with_label_row(text: Text, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a run, or the line above it if that is a row of labels after a word in the corner."""
+    """Return the first line of a run, or the line above if it is a row of labels after a word in the corner."""
     above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if above < 0 or dialect.separator is None:
         return first
@@ -130,7 +132,10 @@ def _with_label_row(text: Text, first: int, last: int, dialect: Dialect) -> int:
 
 
 def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
-    """Reject a line next to numbers that has as many cells, most of them numbers, and is not a row of labels."""
+    """Reject an unreadable line next to numbers.
+
+    Such a line has as many cells, most of which are numbers, and no labels.
+    """
     for line in sorted({line for first, last in runs for line in (first - 1, last + 1) if 0 <= line < len(text)}):
         if text.kinds[line] != TEXT or width == 1 or text.line(line).startswith(("#", "%", "!", "/")):
             continue
@@ -150,7 +155,7 @@ def _reject_word(text: Text, line: int, word: str) -> None:
 
 
 def _are_labels(cells: list[str], dialect: Dialect) -> bool:
-    """Return whether the cells after the first are positions."""
+    """Return whether the cells of a line after the first cell are positions."""
     matches = [dialect.number.fullmatch(cell) for cell in cells[1:]]
     if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):
         return False
@@ -161,7 +166,7 @@ def _are_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_equal_runs(
     text: Text, runs: list[tuple[int, int]], main: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs as wide as the main one; a run of one or two numbers above it is a size or a count."""
+    """Return the runs that are as wide as the main run. A run of one or two numbers above it is a size or a count."""
     width = len(dialect.cells(text.line(main[0])))
     equal_runs: list[tuple[int, int]] = []
     for first, last in runs:
@@ -175,7 +180,7 @@ def _find_equal_runs(
 
 
 def _to_channels(text: Text, runs: list[tuple[int, int]], dialect: Dialect) -> Channels:
-    """Return blocks with equal numbers of columns, each with its own header, as channels."""
+    """Return blocks with equal numbers of columns as channels. Each channel has its own header."""
     begins = [0, *(last + 1 for _, last in runs)]
     names = []
     for (first, last), begin in zip(runs, begins, strict=False):

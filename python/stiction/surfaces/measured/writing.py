@@ -1,4 +1,4 @@
-"""Writing profiles and surfaces, every number to the bit."""
+"""Writing of profiles and surfaces to files, in which all numbers are preserved exactly."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from stiction.surfaces.surface import Surface
 
 
 def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
-    """Write a profile with its spacing, unit and history; all numbers are preserved exactly.
+    """Write a profile with its spacing, unit and history. All numbers are preserved exactly.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
 
 
 def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
-    """Write a surface with its spacings, unit and history; all numbers are preserved exactly.
+    """Write a surface with its spacings, unit and history. All numbers are preserved exactly.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
 
 
 def _write(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
-    """Write a body in the format of its file name: as text with the history between head and rows, or as arrays."""
+    """Write a body in the format of its file name: text with the history below the head, or arrays."""
     path = Path(path)
     if path.suffix.lower() not in (".csv", ".npy"):
         raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")

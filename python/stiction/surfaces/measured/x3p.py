@@ -1,4 +1,4 @@
-"""Reading of X3P files (ISO 25178-72): a zip archive with main.xml and binary data."""
+"""Reading of X3P files (ISO 25178-72), which are zip archives with main.xml and binary data."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 _MAIN = "main.xml"
 
 _XML_NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
-"""Numbers of XML Schema: no underscores, and ASCII digits only."""
+"""Numbers of XML Schema, which have no underscores and only ASCII digits."""
 
-_MAX_MAIN_BYTES = 4_000_000  # size of main.xml, in addition to the points that it lists
-_MAX_ELEMENTS = 100_000  # XML elements of main.xml, without its points
+_MAX_MAIN_BYTES = 4_000_000  # maximum size of main.xml, in addition to the points that it lists
+_MAX_ELEMENTS = 100_000  # maximum number of XML elements of main.xml, without its points
 _MAX_BYTES_PER_POINT = 200
-_MAX_SPARE_BYTES = 64  # bytes of the validity mask beyond the last point
+_MAX_SPARE_BYTES = 64  # maximum number of bytes of the validity mask beyond the last point
 _MAX_DEPTH = 6
 
 
 def read_x3p(data: bytes) -> Raw:
-    """Read an X3P file; its lengths are in metres."""
+    """Read an X3P file. Lengths in the file are in metres."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             return _read(archive)
@@ -88,7 +88,7 @@ def _read(archive: zipfile.ZipFile) -> Raw:
 
 
 class _MainXml:
-    """Text of main.xml by element path, and the points listed there. Document types are rejected, limits enforced."""
+    """Text of main.xml by the path of its elements, and the points that are listed there."""
 
     def __init__(self, archive: zipfile.ZipFile, folder: str) -> None:
         self.folder = folder
@@ -152,7 +152,7 @@ class _StoredAxis:
         self.stored = _TYPES[stored]
         self.increment = _number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
-        if self.absolute and stored in ("F", "D"):  # floating-point lengths need no factor
+        if self.absolute and stored in ("F", "D"):  # lengths in floating point need no factor
             if abs(self.increment) > 0 and self.increment != 1:
                 self.caveats = (
                     FileCaveat(
@@ -184,7 +184,7 @@ def _shape(root: _MainXml) -> tuple[int, int]:
 
 
 def _columns(archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int) -> dict[str, NDArray[Any]]:
-    """Return the stored values of all points, by axis."""
+    """Return the stored values of all points for each axis."""
     if root.listed is not None:
         return _parse_listed_points(root.listed, list(stored), points)
     kind = np.dtype(list(stored.items()))
@@ -201,7 +201,7 @@ def _columns(archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], p
 
 
 def _parse_listed_points(rows: list[str], absolute: list[str], points: int) -> dict[str, NDArray[Any]]:
-    """Parse points that are listed as text: axes separated by semicolons, empty if the point is missing."""
+    """Parse points that are listed as text. Axes are separated by semicolons; the text of a missing point is empty."""
     if len(rows) != points:
         raise FormatError(f"declares {points} points, but lists {len(rows)}")
     columns: dict[str, NDArray[Any]] = {name: np.full(points, np.nan) for name in absolute}

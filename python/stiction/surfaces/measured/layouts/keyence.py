@@ -1,4 +1,4 @@
-"""CSV export of Keyence VK and VR microscopes, in any language: a calibration in three cells, counts and a unit.
+"""CSV export of Keyence VK and VR microscopes in any language, with a calibration in three cells, counts and a unit.
 
 ::
 
@@ -48,7 +48,7 @@ def _rows(text: Text) -> list[list[str]]:
 
 
 def _calibration(rows: list[list[str]]) -> int | None:
-    """Return the row of three cells: a name, a length, and its unit."""
+    """Return the calibration row, whose three cells are a name, a length and the unit of the length."""
     for index, row in enumerate(rows):
         if len(row) == 3 and _UNSIGNED_NUMBER.fullmatch(row[1]) and length_unit(row[2]) is not None:
             return index
@@ -93,7 +93,7 @@ def _read(text: Text) -> Raw:
 
 
 def _only_image(text: Text, values: np.ndarray, last: int) -> np.ndarray:
-    """Return the heights. Raises `FormatError` if they are followed by other numbers."""
+    """Return the heights. Raises `FormatError` if numbers of another image follow."""
     if (text.kinds[last + 1 :] == NUMBERS).any():
         place = last + 1 + int(np.argmax(text.kinds[last + 1 :] == NUMBERS))
         raise FormatError(

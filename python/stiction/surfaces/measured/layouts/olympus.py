@@ -1,4 +1,4 @@
-"""CSV export of Olympus OLS (LEXT) microscopes: the first cell of each row is its number.
+"""CSV export of Olympus OLS (LEXT) microscopes. The first cell of each row is the number of the row.
 
 ::
 

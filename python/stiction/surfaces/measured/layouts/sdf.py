@@ -1,4 +1,4 @@
-"""ASCII SDF (ISO 25178-71, EUNA 15178), profiles and maps: scales are in metres, missing points are BAD.
+"""ASCII SDF files (ISO 25178-71, EUNA 15178) of profiles and maps. Scales are in metres; missing points are BAD.
 
 ::
 

@@ -1,4 +1,4 @@
-"""ASCII export of SPIP (Image Metrology) and similar programs: sizes are in nm unless units are given.
+"""ASCII export of SPIP (Image Metrology) and similar programs. Sizes are in nm unless units are given.
 
 ::
 

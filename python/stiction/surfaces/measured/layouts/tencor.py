@@ -1,4 +1,4 @@
-"""Maps of KLA and Tencor stylus profilers as text: one trace per row, with its number in the first cell.
+"""Maps of KLA and Tencor stylus profilers as text, with one trace per row and the trace number in the first cell.
 
 Profiles of these instruments, with columns such as Raw, RawLevel, Normal, Rough and Wavi, are ordinary tables. The
 file contains no units: by default, resolutions are in µm and heights in Å.

@@ -1,4 +1,4 @@
-"""XYZ text of Zygo instruments: fourteen lines, then column number, row number and height in µm.
+"""XYZ text of Zygo instruments: fourteen header lines, then lines with column number, row number and height in µm.
 
 ::
 
@@ -26,7 +26,8 @@ from stiction.surfaces.measured.shapes import MAX_GRID_POINTS
 from stiction.surfaces.measured.split import Dialect, parse_block
 from stiction.surfaces.measured.text import describe_source
 
-_SIZE, _RESOLUTION = 3, 7  # lines, counted from 0, with the origin and size of the map, and with the pixel size
+# numbers of header lines, counted from 0, with the origin and size of the map, and with the pixel size
+_SIZE, _RESOLUTION = 3, 7
 
 
 def _read(text: Text) -> Raw:
