@@ -1,5 +1,5 @@
-// Fuzz the entry points of the core with arbitrary numbers. They must either throw std::invalid_argument or return
-// results that satisfy the invariants below. The sanitizers check the rest.
+// Fuzz test of the core functions with arbitrary numbers. The functions must either throw std::invalid_argument or
+// return results that satisfy the invariants below. The sanitizers detect all other faults.
 #include "stiction/amplitude.hpp"
 #include "stiction/areal.hpp"
 #include "stiction/asperity.hpp"
@@ -26,7 +26,7 @@ void require(bool condition, const char* invariant) {
   }
 }
 
-// Source of numbers from the fuzzer's bytes: mostly moderate values, sometimes arbitrary doubles.
+// Source of numbers from the fuzzer's bytes: mostly moderate numbers, sometimes arbitrary doubles.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -109,7 +109,7 @@ void fuzz_contact(Source& source) {
             "no more contacts than points");
     require(!(sums[k].contact_area < 0.0), "no negative area");
     const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
-    // A different largest approach may change the index ranges, but must not change the contacts.
+    // A different largest approach may change the index ranges, but it must not change the contacts.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");
@@ -118,7 +118,7 @@ void fuzz_contact(Source& source) {
   }
 }
 
-// Two maps of equal shape, with ties and level parts among their heights, at any scale.
+// Two maps of equal shape with heights at any scale. Some heights are equal, and some parts are level.
 struct Maps {
   stiction::Matrix upper;
   stiction::Matrix lower;
@@ -137,7 +137,7 @@ struct Maps {
   }
 };
 
-// Compare the sums over a contact table with the sums from `press`.
+// Compare the sums over a contact table with the sums that `press` returns.
 void check_sums(const std::vector<stiction::Contact>& table, const stiction::ArealSums& sums,
                 const stiction::Vector2& direction, stiction::Sliding sliding) {
   require(static_cast<stiction::Index>(table.size()) == sums.contact_count, "contacts and press agree");
@@ -203,7 +203,7 @@ void fuzz_areal(Source& source) {
   for (std::size_t k = 0; k < approaches.size(); ++k) {
     const stiction::ArealSums& row = sums[k];
     const double round_off_factor = 1.0 + 1e-12;
-    const double min_normal = 1e-300;  // smaller numbers are denormal
+    const double min_normal = 1e-300;  // loads below this are denormal numbers
     require(!(row.contact_area < 0.0), "no negative area");
     require(row.unanswered_count <= row.grid_minimum_count, "no more unanswered minima than grid minima");
     require(!(row.load_at_edge > round_off_factor * row.normal_elastic),

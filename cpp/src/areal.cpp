@@ -39,7 +39,8 @@ void check(const SurfacePair& pair, double deepest) {
   }
 }
 
-// Range of the gap in a row, largest |height| of both surfaces, and `zero`: 0, or NaN if a height is not finite.
+// Result for a row: range of the gap, largest |height| of both surfaces, and `zero`, which is NaN if a height is not
+// finite and 0 otherwise.
 struct RowRange {
   double lowest;
   double highest;
@@ -86,12 +87,12 @@ void subtract(const double* upper, const double* lower, Index size, double offse
   }
 }
 
-// Mark the points of a row, except both ends, that are at most `deepest` high and have none of the eight neighbours
+// Mark the points of a row, except both ends, whose gap is at most `deepest` and none of whose eight neighbours is
 // lower by more than round-off.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
-  constexpr Index block = 32;  // points tested together; few blocks contain points that low
+  constexpr Index block = 32;  // number of points tested together; few blocks contain a gap that low
   for (Index first = 1; first + 1 < size; first += block) {
     const Index end = std::min(first + block, size - 1);
     unsigned char any = 0;
@@ -108,19 +109,20 @@ void mark_grid_minima(const double* above, const double* at, const double* below
   }
 }
 
-// A part of a map whose arrays fit into the processor cache: its cells, and the surrounding points that influence the
-// spline in them.
+// Tile of a map, small enough for its arrays to fit into the processor cache: its cells, and the surrounding points
+// that influence the spline in them.
 struct Tile {
-  CellRange cells;  // in the map
-  Index row;        // first point
-  Index column;     // first point
-  Index rows;       // number of points
+  CellRange cells;  // cells of the tile, with indices in the map
+  Index row;        // row of the first point in the map
+  Index column;     // column of the first point in the map
+  Index rows;       // number of rows of points
   Index columns;
 };
 
 std::vector<Tile> make_tiles(Index rows, Index columns) {
-  constexpr Index size = 256;   // cells
-  constexpr Index margin = 32;  // points; the spline decays to 0.268^32 = 5e-19
+  constexpr Index size = 256;  // number of cells along each side of a tile
+  // number of points around a tile, beyond which the spline has decayed to 0.268^32 = 5e-19
+  constexpr Index margin = 32;
   std::vector<Tile> tiles;
   for (Index row = 0; row < rows - 1; row += size) {
     for (Index column = 0; column < columns - 1; column += size) {
@@ -144,14 +146,14 @@ double length(double a, double b) {
 // Return the smaller principal second derivative.
 double smaller_curvature(double xx, double xy, double yy) { return 0.5 * (xx + yy) - length(0.5 * (xx - yy), xy); }
 
-// A grid point without a lower neighbour.
+// Grid point without a lower neighbour.
 struct GridMinimum {
   Index row;
   Index column;
   double gap;
 };
 
-// A minimum of the gap, and the lower surface at this position.
+// Minimum of the gap, and the lower surface at its position.
 struct SplineMinimum {
   Minimum minimum;
   Jet lower;
@@ -192,8 +194,8 @@ void add_candidate(const SurfacePair& pair, const SplineMinimum& spline_minimum,
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy) {
   const double q2 = 1.0 + slope.squaredNorm();
   const double q = std::sqrt(q2);
-  // The metric to the power -1/2 is I - p pᵀ / (q (q + 1)). Applied on both sides of the Hessian, it leaves an ordinary
-  // eigenvalue problem of the matrix (a, b; b, c).
+  // The metric to the power -1/2 is I - p pᵀ / (q (q + 1)). Multiplied from both sides, it turns the Hessian into the
+  // matrix (a, b; b, c) of an ordinary eigenvalue problem.
   const double factor = 1.0 / (q * (q + 1.0));
   const double r00 = 1.0 - factor * slope.x() * slope.x();
   const double r01 = -factor * slope.x() * slope.y();
@@ -209,7 +211,7 @@ ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, dou
   const double radius = length(half_difference, b);
   const double larger = 0.5 * (a + c) + radius;
   const double smaller = (xx * yy - xy * xy) / (q2 * q2) / larger;
-  // Eigenvector of the smaller eigenvalue, from the row without cancellation.
+  // The eigenvector of the smaller eigenvalue is taken from the row without cancellation.
   Vector2 vector =
       half_difference > 0.0 ? Vector2(-b, half_difference + radius) : Vector2(radius - half_difference, -b);
   vector = radius > 0.0 ? Vector2(vector.normalized()) : Vector2(1.0, 0.0);
@@ -251,7 +253,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   std::vector<SplineMinimum> spline_minima;
   const double offset = pair.lower(0, 0);
   const double round_off = round_off_fraction * range.largest;
-  // Not smaller than the round-off of the heights.
+  // The tolerance is not smaller than the round-off of the heights.
   const double level_limit = std::max(level_fraction * (range.highest - range.lowest), 16.0 * round_off);
   for (const Tile& tile : tiles) {
     check_cancellation();
@@ -282,7 +284,8 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     natural_bicubic(spline);
     for (const Minimum& minimum : minima_in_tile) {
       spline_minima.push_back({minimum, at_minimum(spline, minimum)});
-      // Slopes within round-off count as zero, so that they do not decide whether a contact opposes the motion.
+      // Slopes within round-off count as zero. Otherwise they would decide by chance whether a contact opposes the
+      // motion.
       for (double* slope : {&spline_minima.back().lower.x, &spline_minima.back().lower.y}) {
         *slope = std::abs(*slope) > level_limit ? *slope : 0.0;
       }

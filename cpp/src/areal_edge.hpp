@@ -14,19 +14,20 @@ struct InsideFractions {
   double area;
 };
 
-// The four edges of the map in the coordinates of a contact, in which the ellipse of unit overlap is the unit circle:
-// the sides of a parallelogram around it.
+// The four edges of the map in the coordinates of a contact, in which the ellipse of unit overlap is the unit circle.
+// There the edges are the sides of a parallelogram around the circle.
 class MapEdges {
  public:
   MapEdges(const ArealCandidates& candidates, const ArealCandidate& candidate);
 
-  // Compute the fractions inside for the ellipse of this overlap [µm], with Hertzian pressure.
+  // Compute the fractions inside the map for the ellipse of this overlap [µm], with Hertzian pressure.
   InsideFractions fractions_inside(double overlap) const;
 
  private:
-  std::array<double, 4> distance_;  // of the sides from the centre
+  std::array<double, 4> distance_;  // distances of the sides from the centre
   std::array<std::array<double, 2>, 4>
-      corners_;  // tangents of the angles at which the sides end, measured from their normals
+      // Tangents of the angles at which the sides end, measured from the normals of the sides.
+      corners_;
 };
 
 }  // namespace stiction

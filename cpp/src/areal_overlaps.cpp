@@ -8,9 +8,9 @@
 namespace stiction {
 namespace {
 
-// Return whether two ellipses overlap whose centres are r apart. They are separate if, for some t in (0, 1), t (1 - t)
-// rᵀ [(1 - t) A + t B]⁻¹ r > 1 (Perram & Wertheim, J. Comput. Phys. 58 (1985) 409). Multiplied by the determinant of
-// the bracket, the condition is that a cubic is positive whose end values are negative.
+// Return whether two ellipses overlap whose centres are r apart. The ellipses are separate if, for some t in (0, 1), t
+// (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 (Perram & Wertheim, J. Comput. Phys. 58 (1985) 409). Multiplied by the
+// determinant of the bracket, the condition is that a cubic with negative end values becomes positive.
 bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedEllipse& b, double b_size,
                       const Vector2& r) {
   const auto a_form = a_size * (a.yy * r.x() * r.x() - 2.0 * a.xy * r.x() * r.y() + a.xx * r.y() * r.y());
@@ -27,7 +27,8 @@ bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedE
   }
   const double root = std::sqrt(discriminant);
   const double t =
-      second < 0.0 ? first / (root - second) : -(root + second) / (3.0 * third);  // position of the maximum
+      // Position of the maximum of the cubic.
+      second < 0.0 ? first / (root - second) : -(root + second) / (3.0 * third);
   const double s = 1.0 - t;
   const bool apart =
       t > 0.0 && s > 0.0 &&
@@ -51,7 +52,7 @@ std::size_t first_contact_step(const ArealCandidate& candidate, Values approache
                                   approaches.begin());
 }
 
-// Ellipses grow with the approach about fixed centres, so that two ellipses that overlap keep overlapping.
+// Ellipses grow with the approach about fixed centres. Therefore two ellipses that overlap keep overlapping.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation) {
   struct Footprint {
@@ -87,7 +88,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // From the later of the two known first overlaps on, this pair can add nothing new.
+      // The pair adds nothing new at approaches from the later of the two known first overlaps.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {

@@ -21,7 +21,7 @@ double elastic_area(const Ellipse& ellipse, double overlap) {
   return pi * std::sqrt(ellipse.major * ellipse.minor) * overlap;
 }
 
-// General case: the law is applied to the sphere of the mean radius.
+// In the general case, the law is applied to the sphere of the mean radius.
 template <class AnyLaw>
 ForceArea force_and_area(const AnyLaw& law, const ArealCandidate& candidate, double overlap) {
   return law(overlap, candidate.radii);
@@ -32,7 +32,8 @@ ForceArea force_and_area(const HertzSphere& law, const ArealCandidate& candidate
           elastic_area(candidate.ellipse, overlap)};
 }
 
-// Return the area relative to that of the elastic ellipse; a yielding contact keeps the shape of the ellipse.
+// Return the contact area relative to the area of the elastic ellipse. A yielding contact keeps the shape of this
+// ellipse.
 template <class AnyLaw>
 double relative_area(const AnyLaw&, const ArealCandidate& candidate, double overlap, double area) {
   return area / elastic_area(candidate.ellipse, overlap);
@@ -49,8 +50,8 @@ void reject_cylinders(const Law& law) {
 
 // ---- Sums that depend on the direction ------------------------------------------------------------------------------
 
-// Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t, with c the lateral direction. All five multiply the
-// force; the three of the tangent t also multiply the area.
+// Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t, where c is the lateral direction. All five multiply the
+// force; the three factors with the tangent t also multiply the area.
 constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;
 constexpr std::size_t num_directed_sums = 2 * num_factors - num_normal_factors;
@@ -76,7 +77,7 @@ void compute_factors(const Vector3& normal, const double* directions_xy, std::si
   }
 }
 
-constexpr std::size_t contacts_per_block = 16;  // contacts whose sums are accumulated together
+constexpr std::size_t contacts_per_block = 16;  // number of contacts whose sums are accumulated together
 
 // sums(d, m, k) += Σ_i factors(i, m, d) values(i, k) over the contacts i of a block, for the steps k from `begin` to
 // `steps`, both of which are multiples of every SIMD width. The values are forces for the first sums m and areas for
@@ -137,7 +138,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
         force *= inside.force;
         area *= inside.area;
       }
-      // The reported axes belong to the similar ellipse with the area inside the map.
+      // The reported axes belong to the ellipse of the same shape whose area is the contact area inside the map.
       const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
       result.push_back({candidate.row * candidates.columns + candidate.column,
                         candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,
@@ -173,12 +174,12 @@ std::vector<ArealSums> press(const ArealCandidates& candidates, Values approache
   std::vector<double> force(contacts_per_block * padded_steps);
   std::vector<double> area(contacts_per_block * padded_steps);
   std::vector<double> factors(contacts_per_block * num_factors * direction_count);
-  std::vector<double> directions_xy(2 * direction_count);  // x of all directions, then y
+  std::vector<double> directions_xy(2 * direction_count);  // x components of all directions, then y components
   for (std::size_t d = 0; d < direction_count; ++d) {
     directions_xy[d] = directions[d].x();
     directions_xy[direction_count + d] = directions[d].y();
   }
-  // In order of first contact, so that the contacts of a block begin at about the same step.
+  // The contacts are sorted by first contact, so that the contacts of a block begin at about the same step.
   struct Start {
     std::size_t candidate;
     std::size_t begin;

@@ -18,11 +18,11 @@ namespace {
 // coefficient beyond an end is 2 c less that of the inner neighbour.
 
 // Along a row, elimination would be sequential. Instead the inverse is applied: -6 a / ((1 - a s) (1 - a / s)), where s
-// is the shift by one point and a = sqrt(3) - 2. The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s²,
-// 1 + a⁴ s⁴ and so on, each of which is a pass without dependences. Beyond its ends the row is continued by point
-// reflection, as is its spline.
+// is the shift by one point and a = sqrt(3) - 2. The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴
+// s⁴ and so on. Each of these factors is a pass without dependences between points. Beyond its ends the row is
+// continued by point reflection, as its spline is.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
-constexpr Index reach = 32;  // the truncation error is 0.268^32 = 5e-19 of a height
+constexpr Index reach = 32;  // points, beyond which the inverse is truncated; the error is 0.268^32 = 5e-19 of a height
 
 struct PassFactors {
   double neighbour;
@@ -75,9 +75,9 @@ STICTION_KERNEL(solve_row, (double* row, Index points, Index length, double* wor
 
 Index work_length(Index points) { return points + 2 * reach + static_cast<Index>(widest_pack); }
 
-// Along columns, many columns are eliminated in parallel.
+// Along the columns, many columns are eliminated in parallel.
 
-// Return the pivots of the elimination: 1/4, 1/(4 - 1/4) and so on, which tends to 2 - sqrt(3).
+// Return the pivots of the elimination: 1/4, 1/(4 - 1/4) and so on. The pivots tend to 2 - sqrt(3).
 std::vector<double> pivots(Index points) {
   std::vector<double> result(static_cast<std::size_t>(points), 0.0);
   for (std::size_t i = 1; i < result.size(); ++i) {
@@ -117,7 +117,7 @@ void solve_columns(double* values, Index points, Index lines, Index stride, cons
   }
 }
 
-// Compute factor (after - before), the slope from the coefficients on both sides of a point.
+// Compute factor (after - before). The result is the slope from the coefficients on both sides of a point.
 STICTION_MULTIVERSION
 void scaled_differences(const double* before, const double* after, Index size, double factor, double* result) {
   for (Index i = 0; i < size; ++i) {
@@ -125,7 +125,7 @@ void scaled_differences(const double* before, const double* after, Index size, d
   }
 }
 
-// Columns that stay in the processor cache during elimination and back substitution.
+// number of columns that stay in the processor cache during elimination and back substitution
 constexpr Index columns_per_strip = 64;
 
 // ---- One cell -------------------------------------------------------------------------------------------------------
@@ -136,7 +136,7 @@ struct Basis {
   std::array<double, 4> second;
 };
 
-// Return the four cubic B-splines of a cell, with their derivatives.
+// Return the four cubic B-splines of a cell at a point, with their derivatives.
 STICTION_INLINE Basis basis(double t) {
   const double s = 1.0 - t;
   return {{s * s * s / 6.0, 2.0 / 3.0 - t * t * (1.0 - 0.5 * t), 2.0 / 3.0 - s * s * (1.0 - 0.5 * s), t * t * t / 6.0},

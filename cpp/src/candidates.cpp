@@ -41,7 +41,7 @@ class SplinedProfile {
   double slope(std::size_t i) const { return slope_[i - begin_]; }
   double curvature(std::size_t i) const { return curvature_[i - begin_]; }
 
-  // Spline between grid points i and i + 1, at t [µm] from the first.
+  // Height, slope and curvature of the spline between grid points i and i + 1, at the distance t [µm] from point i.
   double height(std::size_t i, double t) const {
     return height(i) + t * (slope(i) + 0.5 * t * (curvature(i) + t / (3.0 * spacing_) * curvature_change(i)));
   }
@@ -67,12 +67,12 @@ class SplinedProfile {
   std::vector<double> curvature_;
 };
 
-// A point selected by the detection.
+// Point at which the detection found a possible contact.
 struct Site {
-  std::size_t index;    // grid point
+  std::size_t index;    // index of the grid point
   double offset;        // distance from the grid point [µm]
   double lower_height;  // [µm]
-  double gap;           // above first contact [µm]
+  double gap;           // gap above first contact [µm]
 };
 
 std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile& lower, std::size_t i, double spacing,
@@ -87,7 +87,7 @@ std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile&
   return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
 }
 
-// Set the asperity pair at a site. Returns false if its asperities cannot touch.
+// Set the asperity pair at a site. Returns false if the asperities of the pair cannot touch.
 bool set_asperity_pair(const SplinedProfile& upper, const SplinedProfile& lower, const Site& site, Curvature curvature,
                        AsperityPair& asperity_pair) {
   const Asperity upper_asperity = upper.asperity(site.index, site.offset);
@@ -170,15 +170,15 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
   SplinedProfile upper(pair.upper, prefilter.upper_max_abs, pair.spacing, Side::upper);
   SplinedProfile lower(pair.lower, prefilter.lower_max_abs, pair.spacing, Side::lower);
   if (upper.is_flat() && lower.is_flat()) {
-    return;  // no asperities: 1/R = 0 everywhere
+    return;  // two flats have no asperities, because 1/R = 0 everywhere
   }
   const bool by_cell = detection == Detection::cell;
   const bool two_convex_spheres = curvature == Curvature::convex && !upper.is_flat() && !lower.is_flat();
 
   // A cell belongs to a grid point. A minimum belongs to the interval on the right of a grid point, and may lie below
-  // both ends of it.
+  // both ends of this interval.
   const double dip = by_cell ? 0.0 : max_dip(pair.upper, pair.lower);
-  constexpr std::size_t chunk_size = 254;  // points per chunk of derivatives
+  constexpr std::size_t chunk_size = 254;  // number of points in a chunk of derivatives
   std::array<unsigned char, chunk_size> marks;
   Candidate candidate{};
   for (const IndexRange& range : ranges_within(pair.upper, pair.lower, prefilter, deepest + dip)) {

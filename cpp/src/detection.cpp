@@ -9,11 +9,11 @@
 namespace stiction {
 namespace {
 
-// Accumulators of a pass over points, one per SIMD lane.
+// Accumulators of a pass over points, with one value for each SIMD lane.
 struct PassSums {
   static constexpr std::size_t lanes = 16;
 
-  double upper_nonfinite[lanes] = {};  // 0, or NaN if a height is not finite
+  double upper_nonfinite[lanes] = {};  // NaN if a height is not finite, 0 otherwise
   double lower_nonfinite[lanes] = {};
   double upper_max_abs[lanes] = {};
   double lower_max_abs[lanes] = {};
@@ -102,8 +102,8 @@ Prefilter run_prefilter(Values upper, Values lower) {
 }
 
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap) {
-  constexpr std::size_t granularity = 8;      // granularity of the ranges, in points
-  constexpr std::size_t merge_distance = 32;  // ranges at most this many points apart are merged
+  constexpr std::size_t granularity = 8;      // points, of which the ends of the ranges are multiples
+  constexpr std::size_t merge_distance = 32;  // ranges of points at most this far apart are merged
   std::vector<IndexRange> ranges;
   for (std::size_t b = 0; b < prefilter.block_min_gap.size(); ++b) {
     if (!(prefilter.block_min_gap[b] - prefilter.min_gap <= max_gap)) {
@@ -151,7 +151,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double upper_slope = derivatives.upper_slope[i];
     const double lower_slope = derivatives.lower_slope[i];
     const double gap = (upper[i] - lower[i]) - zero;
-    // R = scale q, and the centre offset is scale (slope, 1), with the sign of the side.
+    // The radius is R = scale q, and the offset of the centre is scale (slope, 1), with the sign of the side.
     const double upper_q2 = 1.0 + upper_slope * upper_slope;
     const double lower_q2 = 1.0 + lower_slope * lower_slope;
     const double upper_scale = upper_q2 / derivatives.upper_curvature[i];
@@ -168,8 +168,8 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double middle = lower_x + 0.5 * separation_x;
     const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(separation_x) + std::abs(half_excess));
     // The contact centre is at middle - half_excess separation_x / distance, where the distance of the sphere centres
-    // lies between `min_distance` and `max_distance`. Both sides of the comparison are multiplied by the distance. NaN
-    // leaves the point to the exact rules.
+    // lies between `min_distance` and `max_distance`. To avoid a division, both sides of the comparison are multiplied
+    // by the distance. Points with NaN are marked, so that the exact rules decide.
     const double shift = half_excess * separation_x;
     const double left_edge = middle - limit;
     const double right_edge = middle + limit;
@@ -181,8 +181,8 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
   }
 }
 
-// Cases: the slope increases through zero between the ends; or it falls to zero and increases again; or it increases
-// through zero and falls again.
+// There are three cases. The slope increases through zero between the ends; or it falls to zero and increases again; or
+// it increases through zero and falls again.
 STICTION_MULTIVERSION
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks) {
   for (std::size_t i = 0; i < size; ++i) {

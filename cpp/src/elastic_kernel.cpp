@@ -18,18 +18,19 @@ namespace {
 
 using std::numbers::pi;
 
-// Columns of an area that are transformed together: one cache line in single precision.
+// Number of columns of an area that are transformed together: one cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-// Values per task of a thread, and between two cancellation checks. Smaller areas are not split, because the threads
-// would wait for each other.
+// Number of values per task of a thread, and between two cancellation checks. Smaller areas are not split, because the
+// threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
-// Sum of the stencil weights relative to the centre weight. It is small because contact patches are many points wide.
+// Sum of the stencil weights relative to the weight of the centre. The sum is small because contact patches are many
+// points wide.
 constexpr double stencil_sum = 0.04;
-// Points along each axis of the periodic area from which the stencil is computed.
+// Number of points along each axis of the periodic area from which the stencil is computed.
 constexpr std::size_t stencil_points = 32;
 
-// Return a stride. Rows start on cache-line boundaries, an odd number of lines apart, so that a column is spread
-// over all cache sets.
+// Return the stride of rows in memory. Rows start on cache-line boundaries, an odd number of lines apart, so that a
+// column is spread over all cache sets.
 template <class Real>
 std::size_t padded_stride(std::size_t count) {
   constexpr std::size_t numbers_per_line = alignment / sizeof(std::complex<Real>);
@@ -37,7 +38,7 @@ std::size_t padded_stride(std::size_t count) {
 }
 
 // Two real numbers are transformed as one complex number. Let z be the Fourier coefficients of the packed numbers, h
-// real even factors, m half the number of points and θ = πk/m. The packed result has the coefficients
+// the real even factors, m half the number of points and θ = πk/m. The packed result has the coefficients
 //
 //     (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),    a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
 //
@@ -64,8 +65,8 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
   }
 }
 
-// Multiply two columns k and m - k of an area in the same way: upwards from a wavenumber along y in the first column,
-// and downwards from the mirrored one in the second. Each factor is repeated for the real and the imaginary part.
+// Multiply two columns k and m - k of an area by their factors. The first column is read upwards from a wavenumber
+// along y, and the second, mirrored column downwards. Each factor is repeated for the real and the imaginary part.
 template <class Real>
 STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict second, const Real* first_factors,
                                        const Real* second_factors, const Real* mixing_factors, std::size_t size) {
@@ -77,12 +78,12 @@ STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict 
   }
 }
 
-// Wavenumbers along y whose factors are computed together.
+// Number of wavenumbers along y whose factors are computed together.
 constexpr std::size_t wavenumbers_per_block = 64;
 
 // Multiply columns k and m - k by their factors `factors` and `mirrored_factors`, given at wavenumbers along y up to
-// half of `size`; θ = πk/m. Coefficient i of one column mixes with coefficient size - i of the other, which has the
-// same factors.
+// half of `size`; θ = πk/m. Coefficient i of one column mixes with coefficient size - i of the other column, which has
+// the same factors.
 template <class Real>
 STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict second, const Real* factors,
                                         const Real* mirrored_factors, Real sine, Real cosine, std::size_t size) {
@@ -128,7 +129,7 @@ void mix_columns(double* first, double* second, const double* factors, const dou
   mix_columns_kernel(first, second, factors, mirrored_factors, sine, cosine, size);
 }
 
-// Copy columns of an area to contiguous memory, and back.
+// Copy columns of an area to contiguous memory.
 template <class Real>
 void gather_columns(const std::complex<Real>* area, std::size_t stride, const std::vector<std::size_t>& rows,
                     std::size_t count, std::size_t column_stride, std::complex<Real>* columns) {
@@ -140,6 +141,7 @@ void gather_columns(const std::complex<Real>* area, std::size_t stride, const st
   }
 }
 
+// Copy columns from contiguous memory back to an area.
 template <class Real>
 void scatter_columns(const std::complex<Real>* columns, std::size_t column_stride, std::size_t rows, std::size_t count,
                      std::size_t stride, std::complex<Real>* area) {
@@ -160,7 +162,7 @@ struct TransformShape {
 
   bool packed() const { return padded_columns % 2 == 0; }
   std::size_t coefficient_count() const { return packed() ? padded_columns / 2 : padded_columns; }
-  std::size_t factors_along_x() const { return padded_columns / 2 + 1; }  // number of distinct even factors
+  std::size_t factors_along_x() const { return padded_columns / 2 + 1; }  // number of distinct even factors along x
   std::size_t factors_along_y() const { return padded_rows / 2 + 1; }
 };
 
@@ -394,8 +396,8 @@ class Filter {
   TransformShape shape_;
   std::shared_ptr<const ComplexFft<Real>> along_x_;
   std::shared_ptr<const ComplexFft<Real>> along_y_;  // empty for lines
-  std::vector<Real> factors_;                        // for areas
-  std::vector<Real> direct_;                         // for lines
+  std::vector<Real> factors_;                        // factors of areas
+  std::vector<Real> direct_;                         // factors of lines
   std::vector<Real> mirrored_;
 };
 
@@ -449,10 +451,10 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
   return factors;
 }
 
-// Return the displacement of the origin under 1 GPa between the origin and x on a line or, below, the corner (x, y) of
-// an area.
+// Return the displacement of the origin under a pressure of 1 GPa. On a line, the pressure acts between the origin and
+// x; in the overload below, it acts on the rectangle between the origin and the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
-  // Integral of -2/(π E*) ln|x|. The length unit in the logarithm shifts all displacements equally.
+  // Integral of -2/(π E*) ln|x|. The length unit in the logarithm shifts all displacements by the same amount.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
 }
 
@@ -462,8 +464,8 @@ double corner_integral(double x, double y, double effective_modulus) {
 
 double cell_edge(std::size_t i, double spacing) { return (static_cast<double>(i) - 0.5) * spacing; }
 
-// Compute the displacement of the points in a given row of cells away from a cell under 1 GPa, by column; on a line the
-// row is 0.
+// Compute the displacements that a pressure of 1 GPa on one cell causes in the row of cells at a distance of `row`
+// rows, by column. On a line the distance is 0.
 void compute_influence_row(const Grid& grid, double effective_modulus, std::size_t row, std::span<double> influence) {
   const std::size_t count = influence.size();
   const auto corner = [&](std::size_t i, std::size_t j) {
@@ -497,8 +499,9 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
                    [](double factor) { return factor > 0.0 ? 1.0 / factor : 0.0; });
     return factors;
   }
-  // The influence coefficients are even along both axes, and so are the padded sizes: one quadrant of the coefficients
-  // determines the transform. Beyond the grid the values of its last points are repeated; no result depends on them.
+  // The influence coefficients are even along both axes, and so are the padded sizes. Therefore one quadrant of the
+  // coefficients determines the transform. Beyond the grid the values of its last points are repeated; no result
+  // depends on them.
   const std::size_t width = shape.factors_along_x();
   const std::size_t height = shape.factors_along_y();
   std::vector<double> factors(width * height);
@@ -588,8 +591,8 @@ struct Workspace::Buffers {
 Workspace::Workspace() : buffers_(std::make_unique<Buffers>()) {}
 Workspace::~Workspace() = default;
 
-// Filters are computed on first use: coarse grids need no displacements in double precision, and areas with little
-// contact no preconditioner.
+// Filters are computed on first use, because coarse grids need no displacements in double precision, and areas with
+// little contact need no preconditioner.
 struct ElasticKernel::Transforms {
   TransformShape shape;
   double effective_modulus;
@@ -598,7 +601,8 @@ struct ElasticKernel::Transforms {
   FftPlans plans;
   std::unique_ptr<const Filter<double>> double_displacement;
   std::unique_ptr<const Filter<float>> single_displacement;
-  std::map<double, const Filter<float>> foundation_filters;  // by foundation stiffness; 0 is the half-space alone
+  // filters by foundation stiffness; stiffness 0 is the half-space alone
+  std::map<double, const Filter<float>> foundation_filters;
 
   // Return the filter E*|k|/2 or, with a foundation, the inverse of their sum.
   const Filter<float>* foundation_filter(const Grid& grid, double foundation) {
@@ -670,8 +674,8 @@ void ElasticKernel::apply_foundation_compliance(std::span<const float> loads, do
 }
 
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus) {
-  // Displacement of a point from the integrals up to the four corners of the grid. By symmetry a quarter of the points
-  // is enough.
+  // The displacement of a point follows from the integrals up to the four corners of the grid. By symmetry a quarter of
+  // the points is enough.
   const auto displacement = [&](std::size_t row, std::size_t column) {
     double sum = 0.0;
     for (const std::size_t j : {column + 1, grid.columns - column}) {

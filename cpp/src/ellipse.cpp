@@ -16,7 +16,8 @@ struct Integrals {
 };
 
 Integrals integrals(double k) {
-  // ratio = Σ 2^(n-1) c_n² / e², with c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)). c_1² / e² is written without e.
+  // ratio = Σ 2^(n-1) c_n² / e², with c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)). The term c_1² / e² is written
+  // without e.
   double a = 0.5 * (1.0 + k);
   double b = std::sqrt(k);
   double square = 0.25 * (1.0 - k) * (1.0 - k);  // c_n²
@@ -39,7 +40,8 @@ double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    return 1.5;  // the limit for e -> 0; its error, about e², does not slow the iteration noticeably
+    // This is the limit for e -> 0. Its error, about e², does not slow the iteration noticeably.
+    return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);
 }
@@ -62,7 +64,7 @@ Ellipse hertz_ellipse(double longer, double shorter) {
     k = std::fmin(1.0, k * std::exp(step));
     values = integrals(k);
     if (std::abs(step) < 1e-9) {
-      break;  // converges quadratically, and with third order near k = 1
+      break;  // the iteration converges quadratically, and with third order near k = 1
     }
   }
   const double major = 2.0 * longer * values.ratio;

@@ -17,7 +17,7 @@ std::mutex& unguarded_planner_mutex() {
   return mutex;
 }
 
-// FFTW's planner, unlike the execution of plans, is not thread-safe.
+// FFTW's planner is not thread-safe, unlike the execution of plans.
 std::mutex& planner_mutex() {
 #if defined(__unix__) || defined(__APPLE__)
   // A child process forked while another thread is planning would otherwise inherit a locked mutex without an owner.

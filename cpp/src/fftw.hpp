@@ -10,11 +10,12 @@
 
 namespace stiction {
 
-/// Alignment in bytes: the widest SIMD register of FFTW, and a cache line. The alignment of the data decides which
-/// instructions FFTW uses, and so the last bits of the result.
+/// Alignment of buffers in bytes. It is that of a cache line, and of the widest SIMD register of FFTW. The alignment of
+/// the data decides which instructions FFTW uses, and so the last bits of the result.
 inline constexpr std::size_t alignment = 64;
 
-/// Memory for complex numbers, aligned to a cache line. It grows on demand, which discards its contents.
+/// Memory for complex numbers, aligned to a cache line. The memory grows on demand, and loses its contents when it
+/// grows.
 class AlignedBuffer {
  public:
   template <class Real>
@@ -36,9 +37,9 @@ class AlignedBuffer {
   std::size_t bytes_ = 0;
 };
 
-/// Complex Fourier transform of fixed length between aligned buffers, not normalised. Plans use FFTW's estimates rather
-/// than measurements, so that they are the same in every run. They are created on first use. Several threads may use
-/// one object at the same time.
+/// Complex Fourier transform of fixed length between aligned buffers, not normalised. The plans use FFTW's estimates
+/// rather than measurements, so that the plans are the same in every run. They are created on first use. Several
+/// threads may use one object at the same time.
 template <class Real>
 class ComplexFft {
  public:

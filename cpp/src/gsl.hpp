@@ -1,5 +1,5 @@
-// Interface to GSL. No other file calls it. Status codes become exceptions, and no exception passes through GSL's
-// frames.
+// Interface to GSL. Only this file and gsl.cpp use GSL. Status codes become exceptions, and no exception passes through
+// GSL's frames.
 #pragma once
 
 #include "stiction/array.hpp"

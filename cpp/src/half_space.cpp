@@ -17,30 +17,34 @@ namespace {
 
 // Minimum number of points along an axis of the coarsest grid.
 constexpr std::size_t min_points_per_axis = 16;
-// Largest coarser grid, in points, whose kernels stay cached; also the largest grid whose influence coefficients do.
+// Maximum number of points of a coarser grid whose kernels are cached, and of a grid whose influence coefficients are
+// stored.
 constexpr std::size_t max_cached_points = std::size_t{1} << 20;
 // Tolerance on the coarser grids. It can be loose, because their discretisation error is larger.
 constexpr double coarse_tolerance = 3e-3;
-// Largest ratio of two loads at which the solution of one is a good start for the other, on areas.
+// Largest ratio of two loads on an area at which the solution for one load is a good start for the other.
 constexpr double max_load_ratio = 1.3;
-// Maximum number of iterations on the finest grid, where a hundred are many, and on coarser grids, whose solutions are
-// only starting points.
+// Maximum number of iterations on the finest grid, and on coarser grids. A hundred iterations on the finest grid are
+// many. The solutions on coarser grids are only starting points.
 constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
-// Maximum number of double-precision evaluations. More are needed only if round-off prevents convergence.
+// Maximum number of evaluations in double precision. More evaluations are needed only if round-off prevents
+// convergence.
 constexpr int max_exact_evaluations = 20;
-// Relative deviation of displacements that should be equal. The error of the compliance is its square, about 1e-7.
+// Relative deviation allowed between displacements that should be equal. The error of the compliance is the square of
+// this deviation, about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// Stricter factor for problems in which only differences of displacements are defined, because their compliance is not
-// an energy.
+// Factor that makes the deviation smaller in problems in which only differences of displacements are defined, because
+// there the compliance is not an energy.
 constexpr double difference_tolerance = 0.03;
-// Largest number of contact points whose dense matrix is solved directly, which is then faster than transforms of the
-// grid.
+// Maximum number of contact points whose dense matrix is solved directly. Up to this number, the direct solution is
+// faster than transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
-// Deviation of displacements, relative to those of one cell under the same pressure, below which it is round-off.
+// Deviation of displacements that counts as round-off, relative to the displacement of one cell under the same
+// pressure.
 constexpr double round_off = 1e-9;
-// Search for the load of an approach: maximum number of loads, where six are many; largest ratio of successive loads;
-// and smallest distance of a new load from the ends of the bracket, as a fraction of the bracket.
+// Limits of the search for the load of an approach: maximum number of loads, where six are many; largest ratio of
+// successive loads; and smallest distance of a new load from the ends of the bracket, as a fraction of the bracket.
 constexpr int max_loads = 60;
 constexpr double max_load_step = 30.0;
 constexpr double min_bracket_fraction = 1e-3;
@@ -143,8 +147,8 @@ std::vector<double> interpolate(std::vector<double> values, const Grid& from, co
   return values;
 }
 
-// Solver on one grid level, with its elastic kernel and preconditioner. The starting pressure is brought to a mean
-// [GPa].
+// Solver on one level of the grids, with its elastic kernel and preconditioner. The starting pressure is scaled to a
+// mean [GPa].
 class LevelSolver {
  public:
   LevelSolver(const HalfSpaceGrids::Kernels& kernels, std::vector<double> start, double mean, Values bound,
@@ -162,7 +166,7 @@ class LevelSolver {
   ProjectedCgSolver& cg() { return cg_; }
   double update_free_points() { return cg_.update_free_points(pool_); }
 
-  // Recompute the potential. Single precision is enough if it is recomputed later, or if it need not be exact.
+  // Recompute the potential. Single precision is enough if the potential is recomputed later, or need not be exact.
   void recompute_potential(Values gap, bool exact) {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();
@@ -202,8 +206,8 @@ class LevelSolver {
   const ThreadPool& pool_;
   ProjectedCgSolver cg_;
   std::vector<float> response_;
-  std::vector<float> preconditioned_;             // for lines
-  std::optional<Preconditioner> preconditioner_;  // for areas
+  std::vector<float> preconditioned_;             // preconditioned residual on lines
+  std::optional<Preconditioner> preconditioner_;  // preconditioner of areas
   bool has_response_ = false;
 };
 
@@ -232,8 +236,8 @@ double product(const double* left, const double* right, std::size_t size) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// Return pressures at some points under which each of them moves by 1, by conjugate gradients with their dense matrix.
-// Empty if a pressure is negative, which is round-off at contacts of single points.
+// Return the pressures at some points under which all of these points move by 1, by conjugate gradients with the dense
+// matrix of the points. Empty if a pressure is negative, which is round-off at contacts of single points.
 std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
                                 const ThreadPool& pool) {
   const std::size_t size = points.size();
@@ -344,7 +348,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   if (!(tolerance > 0.0)) {
     throw std::invalid_argument("HalfSpaceSolver: tolerance must be above 0");
   }
-  // Bounds that vary from point to point have no meaning on a coarser grid.
+  // Bounds that vary from point to point are ignored on coarser grids, where they have no meaning.
   for (std::size_t level = 1; level < levels.size() && bound_.size() == 1; ++level) {
     const Values finer = this->gap(level - 1);
     coarse_gaps_.push_back(interpolate({finer.begin(), finer.end()}, levels[level - 1], levels[level]));
@@ -353,8 +357,8 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   displacement_scale_ = unit_load_deviation(pool);
 }
 
-// Return the root-mean-square deviation [µm/GPa] of the displacements per mean pressure, under uniform pressure or
-// under pressure proportional to the bounds.
+// Return the root-mean-square deviation [µm/GPa] of the displacements per mean pressure. The pressure is uniform, or
+// proportional to the bounds.
 double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
   const Grid& grid = grids_->levels()[0];
   const double cell_displacement =
@@ -367,7 +371,8 @@ double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
     Workspace workspace;
     grids_->kernels(0, pool).points->displacement(load, displacements, workspace, pool);
     const double deviation = standard_deviation(displacements);
-    if (!grid.periodic) {  // the bounds may be pressures that move all points of a flat punch equally, to a tolerance
+    // The bounds may be pressures that move all points of a flat punch equally, to a tolerance.
+    if (!grid.periodic) {
       return std::max(deviation, grids_->uniform_pressure_deviation());
     }
     return deviation > round_off * cell_displacement ? deviation : cell_displacement;
@@ -382,7 +387,7 @@ double HalfSpaceSolver::scale(double mean_pressure) const {
   return std::max(gap_scale_, displacement_scale_ * mean_pressure);
 }
 
-// Return whether the solution at another load is a better start than coarse grids; on lines it is not.
+// Return whether the solution at another load is a better start than a coarse grid. On lines it never is.
 bool HalfSpaceSolver::is_good_start(Values near, double mean_pressure) const {
   if (near.empty()) {
     return false;
@@ -417,13 +422,14 @@ HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const T
 }
 
 // Find the root of `log_excess` as a function of the logarithm of the load, by the secant method (Illinois). On
-// periodic surfaces, which are in full contact at the mean gap, the excess includes the distance to full contact.
+// periodic surfaces, which are in full contact at the mean gap, the excess includes the remaining distance to full
+// contact.
 HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const ThreadPool& pool,
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
-  // First guess: a tenth of E* approach / length, the mean pressure of a contact as large as the grid, which no rough
-  // contact exceeds.
+  // First guess of the load: a tenth of E* approach / length, the mean pressure of a contact as large as the grid. No
+  // rough contact exceeds this pressure.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
   const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
   double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / length : mean_value(near);
@@ -431,7 +437,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     double load;
     double excess;
   };
-  std::array<std::optional<End>, 2> ends;  // below and above the target
+  std::array<std::optional<End>, 2> ends;  // ends of the bracket below and above the target
   std::optional<bool> previous_above;
   HalfSpaceSolution solution;
   double miss = 0.0;
@@ -445,7 +451,8 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     const double excess = log_excess(solution.approach, approach, full_contact);
     const bool above = excess > 0.0;
     std::optional<End>& other = ends[above ? 0 : 1];
-    if (previous_above == above && other) {  // the other end of the bracket has not moved twice in a row
+    // The other end of the bracket has not moved for two steps in a row.
+    if (previous_above == above && other) {
       other->excess *= 0.5;
     }
     ends[above ? 1 : 0] = End{std::log(pressure), excess};
@@ -528,7 +535,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
   // The pressures are positive at all points, like charges on a conductor. A uniform start is as good as the given
-  // pressures: these vanish at the edges, where the solution is largest.
+  // pressures, which vanish at the edges, where the solution is largest.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());
@@ -558,7 +565,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   const double mean = 1.0 / static_cast<double>(in_contact.size());
   Workspace workspace;
   LevelSolver solver(kernels, std::move(start), mean, bound, workspace, pool);
-  // Single precision resolves 1e-7 of a displacement, which is not enough for the small differences on lines.
+  // Single precision resolves 1e-7 of a displacement. This is not enough for the small differences on lines.
   solver.recompute_potential(std::vector<double>(in_contact.size(), 0.0), grid.line);
   for (std::int64_t i = 0; i < max_iterations; ++i) {
     const double error = solver.update_free_points();

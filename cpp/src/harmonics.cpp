@@ -19,7 +19,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Aligned memory: a SIMD load across two cache lines costs twice as much.
+// Memory is aligned because a SIMD load across two cache lines costs twice as much.
 constexpr std::size_t cache_line = 64;
 struct AlignedDelete {
   void operator()(double* values) const { ::operator delete[](values, std::align_val_t{cache_line}); }
@@ -28,20 +28,21 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
   return std::unique_ptr<double[], AlignedDelete>(new (std::align_val_t{cache_line}) double[size]);
 }
 
-// Largest number of turns of a phase over the grid, as a power of two. More turns would leave fewer than 20 binary
-// digits, 1e-6, for the fraction of a turn. 2^44 if a long double has 64 digits, 2^33 if it is a double.
+// Largest number of turns of a phase over the grid, as a power of two. With more turns, fewer than 20 binary digits,
+// 1e-6, would remain for the fraction of a turn. The exponent is 44 if a long double has 64 digits, and 33 if a long
+// double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
-// Points per block, chosen so that the group profiles of one block stay in the second-level cache.
+// Number of points per block, chosen so that the group profiles of one block stay in the second-level cache.
 constexpr Index block = 1024;
-// Blocks after which a harmonic is restarted from its phase.
+// Number of blocks after which a harmonic is restarted from its phase.
 constexpr Index blocks_per_restart = 8;
-// Points by which a harmonic advances at a time; each lane has its own recurrence.
+// Number of points by which a harmonic advances at a time. Each lane has its own recurrence.
 constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
 static_assert(lanes == 1 << doublings && block % lanes == 0);
 
-// A phase as a 64-bit fraction of a turn: multiples of it wrap exactly, for any number of turns.
+// Phase as a 64-bit fraction of a turn. Multiples of the phase wrap exactly, for any number of turns.
 using Turns = std::uint64_t;
 
 Turns to_turns(long double turns) {
@@ -58,12 +59,12 @@ double to_radians(Turns turns) {
 Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 
 // Re[amplitude e^(i k x)], advanced along the grid by the recurrence d += -4 sin²(θ/2) z, z += d with θ = `lanes` k Δx.
-// Its error grows only with the number of steps, however small θ is.
+// The error of the recurrence grows only with the number of steps, however small θ is.
 struct Harmonic {
-  alignas(cache_line) std::array<double, lanes> z;  // at the next `lanes` points
+  alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
   alignas(cache_line) std::array<double, lanes> d;  // difference from the values `lanes` points before
   double rate;                                      // 4 sin²(θ/2)
-  Complex amplitude;                                // at x = 0
+  Complex amplitude;                                // complex amplitude at x = 0
   Complex backward;                                 // 1 - e^(-i θ), to full relative accuracy
   std::array<Complex, doublings> rotations;         // e^(i k Δx), e^(2 i k Δx), ..., e^(lanes/2 i k Δx)
   Turns step;                                       // k Δx
@@ -77,8 +78,8 @@ struct Harmonic {
     rate = 4.0 * std::sin(half_angle) * std::sin(half_angle);
   }
 
-  // Start from the phase at a point. The first `lanes` values are built by doubling: a run of points, then the same run
-  // rotated.
+  // Start from the phase at a point. The first `lanes` values are built by doubling: a run of values is followed by the
+  // same run, rotated.
   STICTION_MULTIVERSION void start(Index point) {
     std::array<double, lanes> imaginary;
     const Complex first = amplitude * unit_phasor(step * static_cast<Turns>(point));
@@ -142,7 +143,7 @@ std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
 }
 
 // Subtract the next block of `count` harmonics from the values, with one load and one store of each value. The number
-// of lanes processed together is that for which registers hold z and d.
+// of lanes processed together is chosen so that z and d stay in registers.
 template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
   constexpr std::size_t packs = Width == 8 ? 4 : 2;
@@ -191,7 +192,7 @@ STICTION_KERNEL(subtract_one, (double* values, Harmonic* harmonics), (values, ha
 STICTION_MULTIVERSION
 void fill_block(double* values, double constant) { std::fill_n(values, block, constant); }
 
-// Compute G_n over the block that starts at a point. Blocks must be requested in order.
+// Compute G_n in the block that starts at a point. Blocks must be requested in increasing order.
 void next_block(Group& group, Index first, double* values) {
   fill_block(values, group.constant);
   if (first % (blocks_per_restart * block) == 0) {
@@ -231,7 +232,7 @@ STICTION_INLINE void tile_product(const double* weights, const double* values, s
   }
 }
 
-// Ten rows per tile if possible: each loaded value is then used ten times.
+// Ten rows form a tile if possible, so that each loaded value is used ten times.
 template <std::size_t Width>
 STICTION_INLINE void ten_rows_kernel(const double* weights, const double* values, std::size_t frequencies, double* sums,
                                      std::size_t stride) {
@@ -278,7 +279,7 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
   }
   if (rows >= 4) {
     for (; done < rows; done += 4) {
-      const Index row = std::min(done, rows - 4);  // the last tile may repeat some rows
+      const Index row = std::min(done, rows - 4);  // the last tile may repeat some rows of the tile before
       four_rows(weights.row(row).data(), values, frequencies, sums + row * stride, step);
       after(done, row + 4);
     }
@@ -292,11 +293,11 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
 
 // ---- Surfaces -------------------------------------------------------------------------------------------------------
 
-// Points along an axis that are computed from the phase at the first of them.
+// Number of points along an axis that are computed from the phase at the first of them.
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
-// Compute cosines and sines for a run of points by angle addition: one rotation of the table by the phase of the first
+// Compute cosines and sines for a run of points by angle addition. The table is rotated once by the phase of the first
 // point, so that errors do not grow.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
@@ -320,7 +321,7 @@ struct Rotations {
     }
   }
 
-  // Compute one run of points.
+  // Compute one run of cosines and sines.
   void fill(Index first, double* cosine, double* sine) const {
     const Complex at = unit_phasor(step * static_cast<Turns>(first));
     rotate_table(cosines.data(), sines.data(), at.real(), at.imag(), cosine, sine);
@@ -337,7 +338,7 @@ struct ArealHarmonic {
   Rotations along_x;
 };
 
-// Wavenumbers that the two directions of a pair share, in turns per point.
+// Wavenumbers that the two directions of a pair have in common, in turns per point.
 struct Wavenumbers {
   long double y;
   long double x;
@@ -352,7 +353,7 @@ Wavenumbers pair_wavenumbers(const HarmonicArea& area, Index m, Index directions
           number * std::cos(angle) * static_cast<long double>(area.spacing_x)};
 }
 
-// The harmonics to include, with their weights in the amplitudes, and Σ w cos φ over them.
+// Harmonics to include, with their weights in the amplitudes, and Σ w cos φ over these harmonics.
 struct ArealSum {
   std::vector<ArealHarmonic> harmonics;
   double constant = 0.0;

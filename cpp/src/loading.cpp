@@ -15,7 +15,7 @@ struct Point {
 };
 
 // Bracketing search for one root. `latest` is the last estimate, `opposite` lies on the other side of the root, and
-// `previous` is the point before.
+// `previous` is the estimate before the last one.
 struct RootSearch {
   Point latest;
   Point opposite;
@@ -118,7 +118,7 @@ std::vector<double> find_crossings(const BatchFunction& function, Values levels,
     searches.push_back({first, last, last, 0.5, false});
     searches.back().check_convergence(tolerance);
   }
-  constexpr int max_steps = 2000;  // even bisection over all doubles takes fewer
+  constexpr int max_steps = 2000;  // even a bisection of all doubles takes fewer steps
   for (int step = 0; step < max_steps; ++step) {
     std::vector<double> arguments;
     for (const RootSearch& search : searches) {

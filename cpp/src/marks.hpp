@@ -1,4 +1,4 @@
-// Iteration over marked points, of which there are few.
+// Iteration over marked points, for arrays in which few points are marked.
 #pragma once
 
 #include "stiction/array.hpp"

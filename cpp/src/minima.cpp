@@ -14,10 +14,10 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-// Tolerances in cells. `beyond`: a minimum this far outside its cell is still accepted, so that round-off loses none
-// between two cells. `same`: two minima this close to each other are one.
-constexpr double beyond = 1e-8;
-constexpr double same = 1e-6;
+// Tolerances in units of a cell. A minimum that lies outside its cell by at most `max_overshoot` is accepted, so that
+// round-off loses no minimum between two cells. Two minima within `merge_distance` count as one minimum.
+constexpr double max_overshoot = 1e-8;
+constexpr double merge_distance = 1e-6;
 
 // ---- Prefilter: vectorised exclusion of cells -----------------------------------------------------------------------
 
@@ -28,10 +28,11 @@ constexpr double same = 1e-6;
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
 
-// Cells of a row that are excluded together if no coefficient is low enough. They have three columns more than cells.
+// Number of cells of a row that are excluded together if no coefficient is low enough. The cells depend on three more
+// columns of coefficients than there are cells.
 constexpr Index cells_per_block = 29;
 
-// Mark the blocks in a row of coefficients that are low enough.
+// Mark the blocks in a row of coefficients that contain a low enough coefficient.
 STICTION_MULTIVERSION
 void mark_low(const double* coefficients, Index cells, double max_value, unsigned char* marks) {
   for (Index first = 0; first < cells; first += cells_per_block) {
@@ -49,7 +50,8 @@ void mark_low(const double* coefficients, Index cells, double max_value, unsigne
   }
 }
 
-// Ranges of a column of four coefficients, and of the differences within it (y) and between it and the next one (x).
+// Ranges of a column of four coefficients, of the differences within the column (y), and of the differences to the next
+// column (x).
 struct Ranges {
   explicit Ranges(Index columns) : buffer(static_cast<std::size_t>(5 * columns)), size(columns) {}
   double* lowest() { return buffer.data(); }
@@ -101,17 +103,17 @@ void mark_possible_cells(const double* lowest, const double* x_low, const double
 
 // ---- Classification of cells and parts of cells, several at a time --------------------------------------------------
 
-// Bernstein coefficients of a bicubic on a square, with x along the inner index.
+// Bernstein coefficients of a bicubic on a square, with x as the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
 
-// Bernstein coefficients of several squares, with the square as the innermost index.
+// Bernstein coefficients of several squares, with the number of the square as the innermost index.
 template <std::size_t lanes>
 using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 
-// Cells that are classified together.
+// Number of cells that are classified together.
 constexpr std::size_t cells_per_batch = 8;
 
-// Result of the sign tests on a part of a cell: no minimum, convex (at most one minimum), or undecided.
+// Result of the sign tests in a part of a cell: no minimum, convex (at most one minimum), or undecided.
 enum class CellClass : unsigned char { excluded, convex, undecided };
 
 // Bernstein coefficients of several squares in SIMD registers.
@@ -165,7 +167,8 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
   const P max_abs_xy = xy_high > -xy_low ? xy_high : -xy_low;
   const auto zero_slope = (x_low <= slack) & (x_high >= -slack) & (y_low <= slack) & (y_high >= -slack);
   const auto curved_up = (xx_high > 2.0 * slack) & (yy_high > 2.0 * slack);
-  const auto no_saddle = 36.0 * xx_high * yy_high >= 81.0 * min_abs_xy * min_abs_xy;  // a saddle everywhere is excluded
+  // exclude parts that are a saddle everywhere
+  const auto no_saddle = 36.0 * xx_high * yy_high >= 81.0 * min_abs_xy * min_abs_xy;
   const auto possible = zero_slope & curved_up & no_saddle & (low <= zero + max_value);
   const auto convex = (xx_low > zero) & (yy_low > zero) & (36.0 * xx_low * yy_low > 81.0 * max_abs_xy * max_abs_xy);
   for (std::size_t k = 0; k < Width; ++k) {
@@ -175,7 +178,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
 
 template <class P>
 STICTION_INLINE void to_bernstein(P& c0, P& c1, P& c2, P& c3) {
-  // Multiplications, because divisions would dominate the run time.
+  // Multiplications are used, because divisions would dominate the run time.
   constexpr double third = 1.0 / 3.0;
   constexpr double sixth = 1.0 / 6.0;
   const P a = sixth * (c0 + 4.0 * c1 + c2);
@@ -189,7 +192,7 @@ STICTION_INLINE void to_bernstein(P& c0, P& c1, P& c2, P& c3) {
 }
 
 // Convert B-spline coefficients to Bernstein coefficients in place, and classify the cells. Also returns the round-off
-// of the values of each cell.
+// of the values in each cell.
 template <std::size_t Width>
 STICTION_INLINE void classify_cells_kernel(double* coefficients, double max_value, double* round_off,
                                            CellClass* classes) {
@@ -219,7 +222,7 @@ STICTION_INLINE void classify_cells_kernel(double* coefficients, double max_valu
 STICTION_KERNEL(classify_cells, (double* coefficients, double max_value, double* round_off, CellClass* classes),
                 (coefficients, max_value, round_off, classes))
 
-// Compute the coefficients of both halves of a cubic (de Casteljau).
+// Compute the Bernstein coefficients of both halves of a cubic (de Casteljau).
 STICTION_INLINE void halve(double a, double b, double c, double d, std::array<double, 4>& first,
                            std::array<double, 4>& second) {
   const double ab = 0.5 * (a + b);
@@ -232,7 +235,7 @@ STICTION_INLINE void halve(double a, double b, double c, double d, std::array<do
   second = {middle, bcd, cd, d};
 }
 
-// Subdivide a part into quarters: left and right of the lower half, then of the upper half.
+// Subdivide a part of a cell into quarters: left and right of the lower half, then left and right of the upper half.
 STICTION_INLINE void quarter(const Net& net, Nets<4>& quarters) {
   std::array<Net, 2> halves;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -296,8 +299,8 @@ class Cell {
   Cell(const MatrixView& coefficients, Index row, Index column, double max_value)
       : coefficients_(coefficients), row_(row), column_(column), max_value_(max_value) {}
 
-  // Call visit(minimum) for each minimum. Its value and derivatives are not set, and u and v may lie slightly outside
-  // the cell.
+  // Call visit(minimum) for each minimum. The value and the derivatives of the minimum are not set, and u and v may lie
+  // slightly outside the cell.
   template <class Visit>
   void search(const Net& net, double round_off, CellClass cell_class, const Visit& visit) const {
     search_part(net, 0.0, 0.0, 1.0, round_off, cell_class, visit);
@@ -310,7 +313,7 @@ class Cell {
     constexpr double smallest = 1.0 / 64.0;
     const bool is_smallest = size <= smallest;
     if (cell_class == CellClass::convex || is_smallest) {
-      const double margin = is_smallest ? size : beyond;
+      const double margin = is_smallest ? size : max_overshoot;
       const auto minimum = newton(u + 0.5 * size, v + 0.5 * size, size, round_off);
       if (minimum && minimum->u >= u - margin && minimum->u <= u + size + margin && minimum->v >= v - margin &&
           minimum->v <= v + size + margin) {
@@ -335,7 +338,7 @@ class Cell {
     }
   }
 
-  static bool inside(double t) { return t >= -beyond && t <= 1.0 + beyond; }
+  static bool inside(double t) { return t >= -max_overshoot && t <= 1.0 + max_overshoot; }
 
   std::optional<Minimum> newton(double u, double v, double size, double round_off) const {
     for (int i = 0; i < 30; ++i) {
@@ -347,7 +350,7 @@ class Cell {
       double du = (at.xy * at.y - at.yy * at.x) / determinant;
       double dv = (at.xy * at.x - at.xx * at.y) / determinant;
       const double length = larger(std::abs(du), std::abs(dv));
-      // On a nearly level floor, round-off keeps the steps from becoming shorter.
+      // On a nearly level floor, round-off prevents the steps from becoming shorter.
       if (length <= 1e-12 || larger(std::abs(at.x), std::abs(at.y)) <= round_off) {
         return Minimum{row_, column_, u + du, v + dv, {}};
       }
@@ -374,7 +377,7 @@ class Cell {
 
 // Move a minimum close to the right or upper side of its cell to the neighbouring cell.
 void move_to_owner(double& fraction, Index& cell, Index cells) {
-  if (fraction >= 1.0 - same && cell + 1 < cells) {
+  if (fraction >= 1.0 - merge_distance && cell + 1 < cells) {
     cell += 1;
     fraction -= 1.0;
   }
@@ -392,12 +395,12 @@ Jet at_minimum(const MatrixView& coefficients, const Minimum& minimum) {
 }
 
 bool is_same(const Minimum& first, const Minimum& second) {
-  return std::abs(first.u - second.u) < 2.0 * same && std::abs(first.v - second.v) < 2.0 * same;
+  return std::abs(first.u - second.u) < 2.0 * merge_distance && std::abs(first.v - second.v) < 2.0 * merge_distance;
 }
 
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation) {
-  const Index rows = coefficients.rows() - 3;  // number of cells of the map
+  const Index rows = coefficients.rows() - 3;  // number of cells along a column of the map
   const Index columns = coefficients.cols() - 3;
   const Index stride = coefficients.outerStride();
   std::vector<Minimum> all_minima;
@@ -420,8 +423,9 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
   const auto add_minimum = [&](Minimum minimum) {
     const double x = static_cast<double>(minimum.column) + minimum.u;
     const double y = static_cast<double>(minimum.row) + minimum.v;
-    const bool on_edge =
-        x < same || y < same || x > static_cast<double>(columns) - same || y > static_cast<double>(rows) - same;
+    const bool on_edge = x < merge_distance || y < merge_distance ||
+                         x > static_cast<double>(columns) - merge_distance ||
+                         y > static_cast<double>(rows) - merge_distance;
     if (!on_edge) {
       move_to_owner(minimum.u, minimum.column, columns);
       move_to_owner(minimum.v, minimum.row, rows);
@@ -469,7 +473,8 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
     }
   }
   std::stable_sort(all_minima.begin(), all_minima.end(), precedes);
-  // Remove duplicates found from two cells or from two parts of a cell; they are in the same cell now.
+  // Remove duplicates that were found from two cells or from two parts of a cell. Such duplicates are in the same cell
+  // now.
   std::vector<Minimum> result;
   result.reserve(all_minima.size());
   for (const Minimum& minimum : all_minima) {

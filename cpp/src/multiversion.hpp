@@ -5,8 +5,8 @@
 
 #include <cstddef>
 
-// Disabled if the loader does not support it (other platforms and C libraries), and under sanitizers, whose start-up is
-// incompatible with resolver functions.
+// Multiversioning is disabled if the loader does not support it (other platforms and C libraries), and under
+// sanitizers, whose start-up is incompatible with resolver functions.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 #define STICTION_SANITIZED
 #elif defined(__has_feature)
@@ -15,7 +15,7 @@
 #endif
 #endif
 
-// AVX-512, and AVX2 with FMA. GCC 12 and later accept the x86-64 levels; Clang needs each feature listed.
+// Targets are AVX-512, and AVX2 with FMA. GCC 12 and later accept the x86-64 levels; Clang needs each feature listed.
 #if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && !defined(STICTION_SANITIZED)
 #if defined(__clang__)
 #define STICTION_WIDEST "avx512f,avx512vl,avx512dq,avx512bw,fma"
@@ -26,8 +26,8 @@
 #endif
 #endif
 
-/// Goes before a function of plain loops. Not used with Clang, some versions of which drop functions that such a
-/// function calls.
+/// The macro goes before a function of plain loops. It is not used with Clang, because some versions of Clang drop
+/// functions that such a function calls.
 #if defined(STICTION_WIDE) && !defined(__clang__)
 #define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
 #else
@@ -56,8 +56,8 @@
 
 namespace stiction {
 
-// SIMD types of GCC and Clang, and unaligned versions of them. They are written out for each width, because attributes
-// of types that depend on a template parameter are ignored.
+// SIMD types of GCC and Clang, and their unaligned versions. The types are written out for each width, because
+// attributes of types that depend on a template parameter are ignored.
 template <std::size_t Width>
 struct PackOf;
 template <>
@@ -82,13 +82,13 @@ struct PackOf<8> {
   };
 };
 
-/// Doubles that one SIMD instruction processes.
+/// Number of doubles that one SIMD instruction processes.
 template <std::size_t Width>
 using Pack = typename PackOf<Width>::Type;
 
 inline constexpr std::size_t widest_pack = 8;
 
-// Load without alignment. GCC would split a memcpy before it knows the instruction set.
+// Load a register from unaligned memory. GCC would split a memcpy before it knows the instruction set.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {
   return reinterpret_cast<const typename PackOf<Width>::Unaligned*>(values)->pack;

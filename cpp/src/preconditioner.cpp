@@ -9,10 +9,10 @@
 namespace stiction {
 namespace {
 
-// Maximum number of conjugate-gradient steps for the blocks, and the relative squared residual at which they stop.
+// Maximum number of conjugate-gradient steps for the blocks, and the relative squared residual at which the steps stop.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
-// Relative change of the number of free points up to which the foundation stiffness is reused.
+// Largest relative change of the number of free points at which the foundation stiffness is reused.
 constexpr double max_foundation_change = 0.02;
 // Free points per task.
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
@@ -107,7 +107,7 @@ std::span<const float> Preconditioner::operator()(std::span<const std::int32_t> 
 
 void Preconditioner::update_foundation(std::span<const std::int32_t> free_points, const ThreadPool& pool) {
   for (const std::int32_t point : free_points) {
-    remainder_[static_cast<std::size_t>(point)] = 1.0F;  // operator() overwrites it
+    remainder_[static_cast<std::size_t>(point)] = 1.0F;  // operator() overwrites this value
   }
   apply_stencil(free_points, remainder_, pool);
   sum_on_blocks(free_points, foundation_, pool);
@@ -161,8 +161,8 @@ void Preconditioner::sum_on_blocks(std::span<const std::int32_t> free_points, st
   }
 }
 
-// Solve the block system by conjugate gradients. The preconditioner is a half-space on a uniform foundation; its
-// stiffness is rounded to a power of two, so that few different filters are needed.
+// Solve the block system by conjugate gradients. The preconditioner is a half-space on a uniform foundation. The
+// stiffness of this foundation is rounded to a power of two, so that few different filters are needed.
 void Preconditioner::solve_blocks(Workspace& workspace, const ThreadPool& pool) {
   const std::size_t size = loads_.size();
   const double mean = std::accumulate(foundation_.begin(), foundation_.end(), 0.0) / static_cast<double>(size);

@@ -15,22 +15,21 @@
 namespace stiction {
 namespace {
 
-// If the optimal step length is below or above the trial length by more than these factors, shorten this step or
-// lengthen the next one.
+// Limits of the optimal step length over the trial length. Beyond these factors, this step is shortened, or the next
+// step is lengthened.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
-constexpr double max_recovery_factor = 100.0;  // limit of the lengthening after failed steps
-// After this many consecutive failed preconditioned steps, the number of steepest-descent steps in between stops
-// doubling.
+constexpr double max_recovery_factor = 100.0;  // limit of the factor by which steps are lengthened after failed steps
 constexpr int max_failed_steps = 6;
-// Factor of the step length after a failed step.
+// Factor by which the step length is reduced after a failed step.
 constexpr double failure_factor = 0.25;
-// Upper limit of (change at a free point) / (load of all free points). Beyond it round-off would be visible in the
-// load. Steps that hit a bound are always too short, so that without this limit the step length would grow without end.
+// Upper limit of the change at a free point over the load of all free points. Beyond this limit round-off would be
+// visible in the load. Steps that hit a bound are always too short, so that without this limit the step length would
+// grow without end.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t lanes = 8;
-// Grid points per task, and free points per task.
+// Number of grid points per task, and of free points per task.
 constexpr std::size_t grid_points_per_task = std::size_t{1} << 16;
 constexpr std::size_t free_points_per_task = std::size_t{1} << 16;
 
@@ -52,7 +51,7 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
     const double p = pressure[i];
     const double gap = potential[i] - approach;
     const bool loaded = p > 0.0;
-    // Branchless: these branches would be mispredicted.
+    // The loop has no branches, because the processor would mispredict them.
     const bool is_free = (loaded & ((p < bound[i]) | (gap > 0.0))) | (!loaded & (bound[i] > 0.0) & !(gap >= 0.0));
     marks[i] = static_cast<std::uint8_t>(is_free);
     any |= marks[i];
@@ -95,11 +94,11 @@ Moments moments(const float* values, std::int32_t first, std::int32_t count) {
 }
 
 struct SplitLoad {
-  double between = 0.0;   // of points below their bound
-  double at_bound = 0.0;  // of points at their bound
+  double between = 0.0;   // sum of the pressures of points below their bound
+  double at_bound = 0.0;  // sum of the pressures of points at their bound
 };
 
-// Sum the pressures of a block. As below, several partial sums allow vectorisation.
+// Sum the pressures of a block in several partial sums, which allow vectorisation.
 STICTION_MULTIVERSION
 SplitLoad split_load(const double* pressure, const double* bound, std::size_t size) {
   std::array<double, lanes> between{};
@@ -187,7 +186,8 @@ double shift_to_sum(std::span<const double> pressure, std::span<const double> bo
     }
     (excess > 0.0 ? left : right) = shift;
     double next = current.between > 0.0 ? shift + excess / current.between : left + 0.5 * (right - left);
-    if (!std::isfinite(next)) {  // no pressure between the bounds, and the bracket is open on one side
+    // No pressure lies between the bounds, and the bracket is open on one side.
+    if (!std::isfinite(next)) {
       const auto [lowest, highest] = std::minmax_element(pressure.begin(), pressure.end());
       const double max_bound = *std::max_element(bound.begin(), bound.end());
       left = std::isfinite(left) ? left : *lowest - (std::isfinite(max_bound) ? max_bound : sum);
@@ -226,7 +226,7 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
   if (!(total > 0.0) || !(total < max_total)) {
     throw std::invalid_argument("ProjectedCgSolver: total must be positive and below the sum of the bounds");
   }
-  // Change all points if those under pressure cannot support the total.
+  // All points change if the points under pressure cannot support the total.
   const auto include = [&](std::size_t i) {
     stepped_points_.push_back(static_cast<std::int32_t>(i));
     target_.push_back(pressure_[i]);
@@ -288,7 +288,7 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
       }
     });
   }
-  // Every point strictly between its bounds was part of the last step.
+  // Every point strictly between its bounds took part in the last step.
   const float* response = pending_fraction_ != 0.0 ? pending_response_.data() : residual_.data();
   const ClippedSum between =
       sum_chunks<ClippedSum>(stepped_points_.size(), pool, [&](std::size_t first, std::size_t last) {
@@ -296,7 +296,7 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
         for (std::size_t k = first; k < last; ++k) {
           const std::size_t i = point(stepped_points_, k);
           const double p = pressure_[i];
-          const bool is_between = (p > 0.0) & (p < bound_at(i));  // branchless: it would be mispredicted
+          const bool is_between = (p > 0.0) & (p < bound_at(i));  // without a branch, which would be mispredicted
           partial.sum += is_between ? potential_[i] + pending_fraction_ * static_cast<double>(response[i]) : 0.0;
           partial.between += is_between ? 1.0 : 0.0;
         }
@@ -374,8 +374,8 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 }
 
 // Return the approach if no pressure lies strictly between the bounds. Points at their bound must not have a gap, and
-// points without pressure must not overlap. If this is possible, the approach is the highest potential under pressure;
-// otherwise it lies midway, so that both kinds of points become free.
+// points without pressure must not overlap. If both conditions can be met, the approach is the highest potential under
+// pressure. Otherwise the approach lies midway, so that points of both kinds become free.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();
@@ -460,7 +460,8 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   restrict_to_free_points(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
   struct Products {
-    double load = 0.0;  // of the free points, which a step must keep: an error would grow with longer steps
+    // Load of the free points. A step must keep this load, because an error would grow with longer steps.
+    double load = 0.0;
     double value = 0.0;
     double step = 0.0;
     double response = 0.0;
@@ -606,8 +607,8 @@ bool ProjectedCgSolver::advance(std::span<const float> response, const ThreadPoo
     conjugate_ = false;
     return false;
   }
-  // A full step that hits bounds is accepted if it lowers the energy: a fraction of it would leave some pressure on
-  // points that it should release.
+  // A full step that hits bounds is accepted if it lowers the energy. A fraction of the step would leave some pressure
+  // on points where the full step removes all pressure.
   const double fraction = clipped_
                               ? (optimum >= min_length_factor ? 1.0 : optimum)
                               : (optimum <= 1.0 ? optimum : std::min(optimum, std::max(max_feasible_fraction(), 1.0)));

@@ -63,7 +63,7 @@ double last_slope(Values heights, double curvature_before, double spacing) {
 
 // ---- Superposition --------------------------------------------------------------------------------------------------
 
-// Points on each side beyond which the curvature of a unit load is negligible, 0.268^28 = 1e-16.
+// Number of points on each side beyond which the curvature of a unit load is negligible, 0.268^28 = 1e-16.
 constexpr Index reach = 28;
 // Curvatures are computed in multiples of `stride`, and in chunks of `chunk` points plus one on each side.
 constexpr Index stride = 32;
@@ -139,7 +139,8 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
   const double* y = heights.data();
   const double scale = load_scale(spacing);
   const Index last = size - 1;
-  // At an end without curvature the load has odd symmetry: beyond the end it is the mirror image with opposite sign.
+  // At an end without curvature the load has odd symmetry. Beyond the end, the load is the mirror image with opposite
+  // sign.
   const auto load_at = [&](Index j) {
     const Index i = (j % (2 * last) + 2 * last) % (2 * last);
     const Index image = i > last ? 2 * last - i : i;
@@ -150,7 +151,7 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
     return i > last ? -load : load;
   };
   std::array<double, chunk + 2 + 2 * reach> load;
-  std::array<double, chunk + 2> curvatures;  // curvatures, starting one point before the chunk
+  std::array<double, chunk + 2> curvatures;  // curvatures at the points of a chunk, starting one point before the chunk
   for (Index done = 0; done < points; done += chunk) {
     const Index count = std::min(chunk, points - done);
     const Index begin = first + done;
@@ -170,7 +171,7 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
     superpose(load.data() + reach, unit_load().data(), static_cast<std::size_t>(padded), curvatures.data());
 
     std::copy_n(curvatures.data() + 1, count, curvature.data() + done);
-    const Index first_inner = begin == 0 ? 1 : 0;  // first point with neighbours on both sides
+    const Index first_inner = begin == 0 ? 1 : 0;  // first point of the chunk with neighbours on both sides
     const Index last_inner = begin + count == size ? count - 1 : count;
     slopes(y + begin + first_inner, curvatures.data() + 1 + first_inner, last_inner - first_inner, spacing,
            slope.data() + done + first_inner);

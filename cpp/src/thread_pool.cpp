@@ -11,8 +11,8 @@
 
 namespace stiction {
 
-// A round is the set of tasks of one call. A round ends without waiting for threads that never started on it; a thread
-// that wakes late finds the round over, and waits for the next one.
+// A round is the set of tasks of one call. A round ends without waiting for threads that never started on it. A thread
+// that wakes late finds that the round is over, and waits for the next round.
 struct ThreadPool::Workers {
   using Work = std::function<void(std::size_t, std::size_t)>;
 
@@ -26,7 +26,7 @@ struct ThreadPool::Workers {
   std::condition_variable round_started;
   std::condition_variable round_finished;
   Round round;
-  std::atomic<std::uint64_t> next_task{0};  // number of the round in the upper half, next task in the lower half
+  std::atomic<std::uint64_t> next_task{0};  // number of the round in the upper 32 bits, next task in the lower 32 bits
   std::atomic<std::uint32_t> finished_tasks{0};
   std::atomic<bool> stopped{false};
   std::exception_ptr exception;
@@ -79,7 +79,7 @@ struct ThreadPool::Workers {
     }
   }
 
-  // Run tasks of a round until none is left. After an exception the remaining tasks are only counted.
+  // Run tasks of a round until no task is left. After an exception the remaining tasks are only counted.
   void run_tasks(const Round& current, std::size_t thread, const CancellationCheck& check_cancellation) {
     std::uint64_t ticket = next_task;
     while (ticket >> 32 == current.number && static_cast<std::uint32_t>(ticket) < current.tasks) {

@@ -36,7 +36,7 @@ Matrix paraboloid(Index rows, Index columns, double along_x, double along_y) {
 }  // namespace
 
 TEST_CASE("contact_geometry: relative curvatures are measured in the tangent plane") {
-  // On a slope p along x, a curvature along x is divided by q³, and one across it by q.
+  // On a slope p along x, a curvature along x is divided by q³, and a curvature across x by q.
   constexpr double tolerance = 1e-14;
   const double p = 0.75;
   const double q = 1.25;
@@ -55,7 +55,8 @@ TEST_CASE("contact_geometry: relative curvatures are measured in the tangent pla
 }
 
 TEST_CASE("areal press: a paraboloid on a flat is one elliptic contact for all directions and sliding rules") {
-  constexpr double tolerance = 1e-7;  // the spline has zero curvature at the edges, 15 points away: 0.268^15
+  // The spline has zero curvature at the edges, 15 points away, which changes the result by a fraction of 0.268^15.
+  constexpr double tolerance = 1e-7;
   const Matrix upper = paraboloid(31, 41, 3.0, 1.0);
   const Matrix lower = Matrix::Zero(31, 41);
   const ArealCandidates all_candidates = candidates({upper, lower, {spacing, spacing}}, 0.01, Curvature::signed_);
@@ -82,8 +83,8 @@ TEST_CASE("areal press: a paraboloid on a flat is one elliptic contact for all d
 }
 
 TEST_CASE("tangent: consistent with the contact sums, also at walls along the motion") {
-  // Walls that lean by 1e-12, rotated by `turn` from the motion. t is almost across the motion, where (s·n) n - s
-  // cancels.
+  // Walls that lean by 1e-12 and are rotated by `turn` from the motion. The tangent t is almost perpendicular to the
+  // motion, so that (s·n) n - s cancels.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {
     for (const double up : {1e-12, 1e-3, 0.5}) {
       const double level = std::sqrt(1.0 - up * up);
@@ -100,7 +101,7 @@ TEST_CASE("tangent: consistent with the contact sums, also at walls along the mo
 }
 
 TEST_CASE("areal press: an ellipse much larger than the map contributes the area of the map") {
-  // To full relative accuracy, however small the part of the ellipse is.
+  // The fractions have full relative accuracy, however small the part of the ellipse inside the map is.
   const Matrix upper = paraboloid(31, 41, 1e4, 1e4);
   const Matrix lower = Matrix::Zero(31, 41);
   const ArealCandidates all_candidates = candidates({upper, lower, {spacing, spacing}}, 1e9, Curvature::signed_);
@@ -108,7 +109,7 @@ TEST_CASE("areal press: an ellipse much larger than the map contributes the area
   for (const double approach : {1e3, 1e6, 1e9}) {
     const auto table = stiction::contacts(all_candidates, approach, stiction::HertzSphere{10.0}, {1.0, 0.0});
     REQUIRE(table.size() == 1);
-    // The area of the map, and this area times the pressure at the centre, 2 E* (d / R)^(1/2) / π.
+    // Expected are the area of the map, and this area times the pressure at the centre, 2 E* (d / R)^(1/2) / π.
     const double area = 40.0 * 30.0 * spacing * spacing;
     CHECK(table[0].area == doctest::Approx(area).epsilon(1e-12));
     const double radius = std::sqrt(table[0].radii.major * table[0].radii.minor);

@@ -13,7 +13,7 @@
 
 namespace {
 
-// Sinusoids of 1 µm wavelength above a flat.
+// Sinusoids with a wavelength of 1 µm above a flat.
 std::vector<double> sinusoid(std::size_t size) {
   std::vector<double> heights(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -28,12 +28,14 @@ struct Cancelled {};
 }  // namespace
 
 TEST_CASE("gap_minimum: finds the minimum of a parabola and no other stationary point") {
-  // g' = 2 (t - 0.3): slopes -0.6 and 1.4 at the ends of [0, 1).
+  // The gap has the slope g' = 2 (t - 0.3), which is -0.6 and 1.4 at the ends of [0, 1).
   CHECK(*stiction::gap_minimum(-0.6, 2.0, 1.4, 2.0, 1.0) == doctest::Approx(0.3).epsilon(1e-15));
   CHECK_FALSE(stiction::gap_minimum(0.6, -2.0, -1.4, -2.0, 1.0).has_value());  // a maximum
-  CHECK_FALSE(stiction::gap_minimum(0.6, 2.0, 2.6, 2.0, 1.0).has_value());     // minimum to the left of the interval
+  // the minimum lies to the left of the interval
+  CHECK_FALSE(stiction::gap_minimum(0.6, 2.0, 2.6, 2.0, 1.0).has_value());
   CHECK(*stiction::gap_minimum(0.0, 2.0, 2.0, 2.0, 1.0) == 0.0);
-  CHECK_FALSE(stiction::gap_minimum(0.0, 2.0, 2.0, 2.0, 1.0, true).has_value());  // the first point is never a minimum
+  // the first point of a profile is never a minimum
+  CHECK_FALSE(stiction::gap_minimum(0.0, 2.0, 2.0, 2.0, 1.0, true).has_value());
 }
 
 TEST_CASE("ranges_within: contain every point within the given gap") {
@@ -106,7 +108,7 @@ TEST_CASE("tangent: opposes the motion, in the plane of the motion and the norma
     CHECK(tangent.norm() == doctest::Approx(1.0).epsilon(1e-15));
     CHECK(tangent.head<2>().dot(direction) < 0.0);
   }
-  // σ (-n_z, n_x) on a profile, bit by bit.
+  // The tangent of a profile is σ (-n_z, n_x), bit by bit.
   const stiction::Vector3 lean(0.28, 0.0, 0.96);
   CHECK(stiction::tangent(lean, {-1.0, 0.0}) == stiction::Vector3(0.96, 0.0, -0.28));
 }

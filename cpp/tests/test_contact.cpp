@@ -16,7 +16,7 @@ namespace {
 
 const ContactModel hertz{HertzSphere{10.0}};
 
-// An arc of a circle. `sign` is +1 for a bump of the lower surface and -1 for a bump of the upper one.
+// An arc of a circle. `sign` is +1 for a bump of the lower surface and -1 for a bump of the upper surface.
 std::vector<double> arc(double apex, double radius, double spacing, std::size_t size, double sign) {
   std::vector<double> heights(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -56,8 +56,8 @@ TEST_CASE("press and contacts: agree for a single contact") {
     const double opposing = contact.opposing ? 1.0 : 0.0;
     CHECK(sums.normal_frictional == opposing * contact.force * contact.tangent.z());
     CHECK(sums.tangential_adhesive == opposing * -shear * contact.area * contact.tangent.x());
-    // The upper arc touches with its right flank, the lower one with its left flank: the contact opposes a motion along
-    // -x.
+    // The upper arc touches with its right flank, and the lower arc with its left flank. Therefore the contact opposes
+    // a motion along -x.
     CHECK(contact.opposing == (shear * contact.normal.x() < 0.0));
     CHECK(contact.normal.dot(contact.tangent) == doctest::Approx(0.0));
   }

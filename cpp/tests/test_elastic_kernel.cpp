@@ -19,7 +19,7 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double modulus = 10.0;
 constexpr double round_off = 1e-12;
-constexpr double single_tolerance = 2e-6;  // error of transforms in single precision
+constexpr double single_tolerance = 2e-6;  // relative error of transforms in single precision
 
 // Pseudo-random numbers.
 std::vector<double> pseudo_random(std::size_t count) {
@@ -30,7 +30,7 @@ std::vector<double> pseudo_random(std::size_t count) {
   return result;
 }
 
-// Reference: multiply each Fourier component by factor(|k|), by direct summation.
+// Reference result: each Fourier component is multiplied by factor(|k|), and the components are summed directly.
 template <class Factor>
 std::vector<double> filter_directly(const Grid& grid, const std::vector<double>& values, Factor factor) {
   std::vector<double> result(values.size(), 0.0);
@@ -38,7 +38,7 @@ std::vector<double> filter_directly(const Grid& grid, const std::vector<double>&
     const auto signed_i = static_cast<double>(i) - (2 * i > count ? static_cast<double>(count) : 0.0);
     return 2 * pi * signed_i / (static_cast<double>(count) * spacing);
   };
-  std::vector<double> shape(values.size(), 0.0);  // response to a 1 at the first point
+  std::vector<double> shape(values.size(), 0.0);  // response to a value of 1 at the first point
   for (std::size_t i = 0; i < grid.rows; ++i) {
     for (std::size_t j = 0; j < grid.columns; ++j) {
       const double ky = grid.line ? 0.0 : wave(i, grid.rows, grid.spacing_y);
@@ -66,7 +66,7 @@ std::vector<double> filter_directly(const Grid& grid, const std::vector<double>&
   return result;
 }
 
-// Reference: direct summation over cells, each a uniformly loaded rectangle, or a segment of a line.
+// Reference result: direct summation over cells. Each cell is a uniformly loaded rectangle, or a segment of a line.
 std::vector<double> displacement_directly(const Grid& grid, const std::vector<double>& values) {
   const auto corner = [&](double x, double y) {
     if (grid.line) {

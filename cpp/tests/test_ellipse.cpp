@@ -35,7 +35,8 @@ TEST_CASE("hertz_ellipse: equal and nearly equal radii approach the sphere") {
   CHECK(sphere.major == doctest::Approx(2.5).epsilon(1e-15));
   CHECK(sphere.minor == doctest::Approx(2.5).epsilon(1e-15));
   CHECK(sphere.force_radius == doctest::Approx(2.5).epsilon(1e-15));
-  // b/a = ratio^(2/3) to first order. Area and force equal those of the geometric mean radius to second order.
+  // To first order b/a = ratio^(2/3). To second order, area and force equal those of the sphere with the geometric mean
+  // radius.
   for (const double excess : {1e-3, 1e-6, 1e-12}) {
     const Ellipse near = hertz_ellipse(1.0 + excess, 1.0);
     CHECK(std::abs(std::sqrt(near.minor / near.major) - (1.0 - 2.0 / 3.0 * excess)) < excess * excess + 1e-15);
@@ -45,7 +46,7 @@ TEST_CASE("hertz_ellipse: equal and nearly equal radii approach the sphere") {
 }
 
 TEST_CASE("hertz_ellipse: matches the asymptotic formula for very long ellipses") {
-  // For k -> 0: K = ln(4/k), so ratio = k² (K - 1), a² = 2 d longer (1 - 1/K), b² = 2 d shorter / K.
+  // For k -> 0, K = ln(4/k), so ratio = k² (K - 1), a² = 2 d longer (1 - 1/K), b² = 2 d shorter / K.
   for (const double k : {1e-7, 1e-20, 1e-100}) {
     const double first = std::log(4.0 / k);
     const double shorter = 0.7;

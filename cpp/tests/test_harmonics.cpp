@@ -21,7 +21,7 @@ Matrix random_phases(Index directions, Index frequencies) {
   return phases;
 }
 
-// Reference: Eq. 1 evaluated term by term, with phases in extended precision.
+// Reference result: Eq. 1 evaluated term by term, with phases in extended precision.
 double direct_sum(const Matrix& phases, const std::vector<double>& weights, const HarmonicGrid& grid, Index point) {
   constexpr long double pi = std::numbers::pi_v<long double>;
   long double sum = 0.0L;
@@ -47,7 +47,7 @@ double direct_sum(const Matrix& phases, const std::vector<double>& weights, cons
 
 TEST_CASE(
     "harmonic_profiles: matches the direct sum for odd and even numbers of directions, with and without aliasing") {
-  // Round-off of a recurrence of block / lanes steps, times the sum of a few hundred unit amplitudes.
+  // Tolerance for the round-off of a recurrence of block / lanes steps, times the sum of a few hundred unit amplitudes.
   constexpr double tolerance = 2e-13;
   for (const Index directions : {1, 2, 7, 40}) {
     for (const bool band_limited : {false, true}) {

@@ -20,14 +20,14 @@ constexpr stiction::Radii unit{1.0, 1.0};
 }  // namespace
 
 TEST_CASE("HertzSphere: force and area follow from the contact radius") {
-  // With a = sqrt(R overlap): F = 4 E* a³ / (3 R) and A = π a². Here a = 2.
+  // With a = sqrt(R overlap), F = 4 E* a³ / (3 R) and A = π a². Here a = 2.
   const auto [force, area] = HertzSphere{3.0}(0.5, {8.0, 8.0});
   CHECK(force == doctest::Approx(4.0).epsilon(round_off));
   CHECK(area == doctest::Approx(4.0 * std::numbers::pi).epsilon(round_off));
 }
 
 TEST_CASE("HertzCylinder: force and area follow from the half-width") {
-  // Johnson 4.45: a² = 4 F R / (π E* w); A = 2 a w. Here a = 2.
+  // Johnson 4.45 gives a² = 4 F R / (π E* w) and A = 2 a w. Here a = 2.
   const auto [force, area] = HertzCylinder{3.0, 5.0}(0.5, {8.0, 8.0});
   CHECK(4.0 * force * 8.0 / (std::numbers::pi * 3.0 * 5.0) == doctest::Approx(4.0).epsilon(round_off));
   CHECK(area == doctest::Approx(20.0).epsilon(round_off));
@@ -42,17 +42,17 @@ TEST_CASE("JacksonGreen: equals Hertz below yield and tends to the hardness far 
     CHECK(law(ratio * critical, unit).force == hertz(ratio * critical, unit).force);
     CHECK(law(ratio * critical, unit).area == hertz(ratio * critical, unit).area);
   }
-  // At the transition the load of the fit is within 1 % of Hertz, and the area is continuous.
+  // At the transition the fitted load is within 1 % of Hertz theory, and the area is continuous.
   const ForceArea below = law(1.9 * critical * (1.0 - 1e-12), unit);
   const ForceArea above = law(1.9 * critical * (1.0 + 1e-12), unit);
   CHECK(std::abs(above.force / below.force - 1.0) < 0.01);
   CHECK(above.area == doctest::Approx(below.area).epsilon(1e-11));
-  // The mean pressure tends to the hardness, 2.84 S_y for small contacts. The fit reproduces it to within 5 %.
+  // The mean pressure of small contacts tends to the hardness, 2.84 S_y. The fit reproduces the hardness to within 5 %.
   const ForceArea plastic = law(1000.0 * critical, unit);
   const double contact_radius = std::sqrt(plastic.area / std::numbers::pi);
   const double hardness = 2.84 * 0.2 * (1.0 - std::exp(-0.82 * std::pow(contact_radius, -0.7)));
   CHECK(plastic.force / plastic.area == doctest::Approx(hardness).epsilon(0.05));
-  // Load and area increase with the overlap, the load more slowly than for Hertz.
+  // Load and area increase with the overlap, but the load increases more slowly than in Hertz theory.
   double force = 0.0;
   double area = 0.0;
   for (double ratio = 0.5; ratio < 2000.0; ratio *= 1.5) {

@@ -49,7 +49,7 @@ TEST_CASE("patch_sums: a patch on a slope opposes the upward motion, with fricti
   const std::vector<std::array<double, 2>> ways = {{1, 0}, {0, 1}};
   const std::vector<std::int32_t> patch = {1, 1};
   const auto sums = stiction::patch_sums(force, area, {}, rise, patch, ways);
-  CHECK(sums.area[0] == 5.0);  // 1.25 times the projected area
+  CHECK(sums.area[0] == 5.0);  // the contact area is 1.25 times the projected area
   CHECK(sums.leaning == std::vector<double>{2.25, 0});
   CHECK(sums.upward == std::vector<double>{-2.25, 0});
   CHECK(sums.forward == std::vector<double>{3, 3.75});

@@ -24,7 +24,7 @@ struct Fixture {
   Workspace workspace;
 };
 
-// Points of discs on a square lattice that cover a fraction of the area.
+// Free points: discs on a square lattice that cover a fraction of the area.
 std::vector<std::int32_t> lattice_of_discs(double fraction) {
   std::vector<std::int32_t> points;
   const double radius = 12.0 * std::sqrt(fraction / std::numbers::pi);
@@ -81,7 +81,7 @@ TEST_CASE("Preconditioner: recovers pressures of long wavelength from their disp
       std::vector<float> displacement(area.size());
       fixture.kernel.displacement(pressure, displacement, fixture.workspace);
       const auto recovered = fixture.preconditioner(points, restricted_to(points, displacement), fixture.workspace);
-      // The stencil alone would overcorrect the longest wavelength by a factor of 3 to 20.
+      // With the stencil alone, the longest wavelength would be overestimated by a factor of 3 to 20.
       const double ratio = product(points, recovered, pressure) / product(points, pressure, pressure);
       CHECK(ratio > 0.5);
       CHECK(ratio < 2.0);
@@ -104,7 +104,7 @@ TEST_CASE("Preconditioner: symmetric and positive, to the tolerance of the block
 }
 
 TEST_CASE("Preconditioner: applies the stencil periodically at each free point") {
-  // With weights of sum 0 the block correction vanishes.
+  // With weights whose sum is 0, the block correction vanishes.
   const Grid small{3, 4, 0.1, 0.1, false, true};
   const ElasticKernel blocks(Preconditioner::block_grid(small), modulus);
   const std::vector<double> stencil{0.0, 0.0, 0.0, -3.0, 0.0, 1.0, 0.0, 2.0, 0.0};

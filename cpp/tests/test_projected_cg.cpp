@@ -12,10 +12,10 @@ using stiction::ProjectedCgSolver;
 
 namespace {
 
-constexpr double round_off = 1e-6;  // error of steps in single precision
+constexpr double round_off = 1e-6;  // relative error of steps in single precision
 const std::vector<double> none{std::numeric_limits<double>::infinity()};
 
-// Independent springs, K p = p / stiffness. The exact preconditioner is the stiffness itself.
+// Independent springs, for which K p = p / stiffness. The exact preconditioner is the stiffness itself.
 struct Springs {
   std::vector<double> gap;
   double stiffness;
@@ -54,7 +54,8 @@ struct Springs {
 }  // namespace
 
 TEST_CASE("ProjectedCgSolver: independent springs under pressure reach the same potential") {
-  // Gaps 0, 1, 2, 9 and stiffness 2 at a load of 10: (δ + δ - 1 + δ - 2) 2 = 10 gives δ = 8/3.
+  // With gaps of 0, 1, 2 and 9 and a stiffness of 2, a load of 10 requires (δ + δ - 1 + δ - 2) 2 = 10. This gives δ =
+  // 8/3.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, none, line);
     const std::array<double, 4> expected{16.0 / 3.0, 10.0 / 3.0, 4.0 / 3.0, 0.0};
@@ -68,7 +69,7 @@ TEST_CASE("ProjectedCgSolver: independent springs under pressure reach the same 
 }
 
 TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry the rest") {
-  // The first spring carries 4; (δ - 1 + δ - 2) 2 = 6 gives δ = 3.
+  // The first spring carries 4, so (δ - 1 + δ - 2) 2 = 6. This gives δ = 3.
   const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, {4.0}, false);
   const std::array<double, 4> expected{4.0, 4.0, 2.0, 0.0};
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -77,7 +78,8 @@ TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry
 }
 
 TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
-  // The second spring carries nothing and the third 1: (δ + δ - 4) 2 = 9 gives δ = 4.25, and both of them overlap.
+  // The second spring carries nothing and the third carries 1, so (δ + δ - 4) 2 = 9. This gives δ = 4.25, and both
+  // springs overlap.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 4.0}, 2.0}.solve(10.0, {100.0, 0.0, 1.0, 9.0}, line);
     const std::array<double, 4> expected{8.5, 0.0, 1.0, 0.5};
@@ -93,7 +95,7 @@ TEST_CASE("ProjectedCgSolver: moves a load that is entirely at the bounds to the
   ProjectedCgSolver solver = start;
   solver.restart(std::vector<double>{0.0, 5.0, 2.0});
   CHECK(solver.update_free_points() ==
-        doctest::Approx(2.5));  // midway between the loaded point and the point that overlaps most
+        doctest::Approx(2.5));  // the approach lies midway between the loaded point and the point that overlaps most
   CHECK(solver.approach() == doctest::Approx(2.5));
   solver.restart(std::vector<double>{3.0, 1.0, 2.0});
   CHECK(solver.update_free_points() == 0.0);
@@ -102,7 +104,7 @@ TEST_CASE("ProjectedCgSolver: moves a load that is entirely at the bounds to the
 
 TEST_CASE("ProjectedCgSolver: steps that all hit the bounds keep the load") {
   ProjectedCgSolver solver(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
-  // The gap drives the pressure from one point to the other with little compliance, so that the optimal step length
+  // The gap drives the pressure from one point to the other with little compliance. Therefore the optimal step length
   // grows with each step.
   for (int count = 0; count < 100; ++count) {
     const bool odd = count % 2 == 1;

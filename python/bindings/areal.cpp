@@ -11,7 +11,7 @@
 namespace stiction::python {
 namespace {
 
-// pybind11's conversion to an Eigen reference would also accept non-contiguous arrays, by copying them.
+// pybind11's conversion to an Eigen reference would copy non-contiguous arrays and accept the copies.
 Eigen::Map<const Matrix> to_map(const Array& array) {
   if (array.ndim() != 2) {
     throw py::value_error("expected an array of 2 dimensions, got " + std::to_string(array.ndim()));
@@ -73,7 +73,7 @@ void bind_areal(py::module_& module) {
         }
         return all;
       },
-      "Return name, unit and description of the contact sums that only areal contact has.");
+      "Return name, unit and description of the contact sums that exist only for areal contact.");
   module.def(
       "candidates",
       [](const Array& upper, const Array& lower, const std::array<double, 2>& spacing, double deepest,

@@ -1,4 +1,4 @@
-// NumPy arrays in the bindings: arguments are views of exact type and layout, and results take over the memory of C++
+// NumPy arrays in the bindings. Arguments are views of exact type and layout, and results take over the memory of C++
 // vectors.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace stiction::python {
 
 namespace py = pybind11;
 
-// Arguments are bound with .noconvert(): the Python package converts arrays explicitly.
+// Arguments are bound with .noconvert(), because the Python package converts arrays explicitly.
 using Array = py::array_t<double, py::array::c_style>;
 
 // Named columns of equal length.

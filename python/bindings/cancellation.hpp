@@ -1,4 +1,4 @@
-// Cancellation of library calls by Ctrl-C. Python runs signal handlers in the main thread only.
+// Cancellation of library calls by Ctrl-C. Python runs signal handlers only in the main thread.
 #pragma once
 
 #include "stiction/cancellation.hpp"
@@ -9,8 +9,8 @@
 
 namespace stiction::python {
 
-/// Return a check that runs Python's signal handlers, at most ten times a second; an empty check outside the main
-/// thread. Create it while holding the GIL; the check acquires the GIL itself.
+/// Return a check that runs Python's signal handlers, at most ten times a second. Outside the main thread, the check is
+/// empty. The caller must hold the GIL; the check acquires the GIL itself.
 inline CancellationCheck keyboard_interrupt_check() {
   namespace py = pybind11;
   const py::object thread = py::module_::import("threading");

@@ -52,7 +52,7 @@ HalfSpaceSolution solve(std::size_t threads, const Progress& progress, Search se
   return search(ThreadPool(threads, check_cancellation), report);
 }
 
-// Reshape to (directions, patches).
+// Reshape the sums to (directions, patches).
 py::array_t<double> by_direction(std::vector<double>&& values, py::ssize_t directions) {
   return to_array(std::move(values)).reshape({directions, py::ssize_t{-1}});
 }
@@ -98,7 +98,8 @@ void bind_half_space(py::module_& module) {
             return std::pair(pressure, response.compliance);
           },
           py::arg("in_contact").noconvert(), py::kw_only(), py::arg("threads") = 1,
-          "Compute pressures [GPa] of sum 1 that displace all contact points equally, and their displacement [µm].");
+          "Return pressures [GPa] with a sum of 1 that displace all contact points equally, and the displacement "
+          "[µm].");
 
   py::class_<HalfSpaceSolution>(module, "HalfSpaceSolution",
                                 "Pressure field, approach [µm], relative error and number of iterations.")
@@ -127,7 +128,8 @@ void bind_half_space(py::module_& module) {
         py::arg(targets), py::kw_only(), py::arg("near").noconvert() = py::none(), py::arg("threads") = 1,
         py::arg("progress") = py::none(), description);
   };
-  py::class_<HalfSpaceSolver> solver(module, "HalfSpaceSolver", "Solver for one gap at successive loads.");
+  py::class_<HalfSpaceSolver> solver(module, "HalfSpaceSolver",
+                                     "Solver for the contact of one gap at successive loads.");
   solver.def(py::init([](const Array& gap, std::shared_ptr<HalfSpaceGrids> grids, const Array& bound, double tolerance,
                          std::size_t threads) {
                const auto heights = grid(gap);
@@ -139,11 +141,10 @@ void bind_half_space(py::module_& module) {
              }),
              py::keep_alive<1, 2>(), py::arg("gap").noconvert(), py::arg("grids"), py::kw_only(),
              py::arg("bound").noconvert(), py::arg("tolerance"), py::arg("threads") = 1);
-  bind_at(
-      solver, "at", &HalfSpaceSolver::at, "mean_pressure",
-      "Solve for a mean pressure over the grid [GPa]. `near` is the pressure at another load, as a starting point.");
+  bind_at(solver, "at", &HalfSpaceSolver::at, "mean_pressure",
+          "Solve for a mean pressure over the grid [GPa]. `near` may be the pressure at another load.");
   bind_at(solver, "at_approach", &HalfSpaceSolver::at_approach, "approach",
-          "Solve for an approach [µm]. `near` is the pressure at another load, as a starting point.");
+          "Solve for an approach [µm]. `near` may be the pressure at another load.");
 
   module.def(
       "patches_of",
@@ -191,7 +192,7 @@ void bind_half_space(py::module_& module) {
       },
       py::arg("force").noconvert(), py::arg("area").noconvert(), py::arg("slope_y").noconvert(),
       py::arg("slope_x").noconvert(), py::arg("patch").noconvert(), py::arg("directions"),
-      "Sum over the points of each patch, also along directions (x, y). Returns a dict of arrays.");
+      "Compute the sums over the points of each patch, some along directions (x, y). Returns a dict of arrays.");
 }
 
 }  // namespace stiction::python

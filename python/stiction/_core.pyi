@@ -49,7 +49,7 @@ class HalfSpaceGrids:
     def displacement(self, pressure: NDArray[float64], *, threads: int = 1) -> NDArray[float64]:
         """Compute the displacement [µm] of each point under a pressure [GPa]."""
     def linear_response(self, in_contact: NDArray[numpy.bool], *, threads: int = 1) -> tuple[NDArray[float64], float]:
-        """Compute pressures [GPa] of sum 1 that displace all contact points equally, and their displacement [µm]."""
+        """Return pressures [GPa] with a sum of 1 that displace all contact points equally, and the displacement [µm]."""
     @property
     def periodic(self) -> bool: ...
 
@@ -65,7 +65,7 @@ class HalfSpaceSolution:
     def pressure(self) -> NDArray[float64]: ...
 
 class HalfSpaceSolver:
-    """Solver for one gap at successive loads."""
+    """Solver for the contact of one gap at successive loads."""
     def __init__(
         self,
         gap: NDArray[float64],
@@ -83,7 +83,7 @@ class HalfSpaceSolver:
         threads: int = 1,
         progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
     ) -> HalfSpaceSolution:
-        """Solve for a mean pressure over the grid [GPa]. `near` is the pressure at another load, as a starting point."""
+        """Solve for a mean pressure over the grid [GPa]. `near` may be the pressure at another load."""
     def at_approach(
         self,
         approach: float,
@@ -92,7 +92,7 @@ class HalfSpaceSolver:
         threads: int = 1,
         progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
     ) -> HalfSpaceSolution:
-        """Solve for an approach [µm]. `near` is the pressure at another load, as a starting point."""
+        """Solve for an approach [µm]. `near` may be the pressure at another load."""
 
 @typing.overload
 def approaches_at(
@@ -136,7 +136,7 @@ def approaches_at(
     """Find the approaches [µm] between `left` and `right` at which candidates of two maps reach the loads [mN]."""
 
 def areal_quantities() -> list[tuple[str, str, str]]:
-    """Return name, unit and description of the contact sums that only areal contact has."""
+    """Return name, unit and description of the contact sums that exist only for areal contact."""
 
 def asperities(
     heights: NDArray[float64], *, spacing: float, side: str
@@ -227,7 +227,7 @@ def patch_sums(
     patch: NDArray[numpy.int32],
     directions: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]],
 ) -> dict[str, typing.Any]:
-    """Sum over the points of each patch, also along directions (x, y). Returns a dict of arrays."""
+    """Compute the sums over the points of each patch, some along directions (x, y). Returns a dict of arrays."""
 
 def patches_of(
     pressure: NDArray[float64], *, periodic: bool, hardness: float

@@ -10,8 +10,8 @@
 
 namespace stiction {
 
-/// Definition of the amplitude. height: highest minus lowest point. ra, rq: mean absolute and root-mean-square
-/// deviation from the mean.
+/// Definition of the amplitude of a profile. `height` is the highest minus the lowest point. `ra` and `rq` are the mean
+/// absolute and the root-mean-square deviation from the mean.
 enum class AmplitudeMeasure { height, ra, rq };
 
 /// Parse a measure: "height", "Ra" or "Rq". Throws std::invalid_argument for any other name.
@@ -50,8 +50,8 @@ struct Scaling {
   double factor;
 };
 
-/// Return the scaling that gives heights with these statistics the amplitude `amplitude` [µm]; none for a flat profile,
-/// which cannot be scaled.
+/// Return the scaling that gives a profile with these statistics the amplitude `amplitude` [µm]. Returns nothing for a
+/// flat profile, which cannot be scaled.
 std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
                                     const HeightStatistics& statistics);
 

@@ -6,8 +6,8 @@
 // normal with increasing overlap is of second order in overlap/radius and is neglected.
 //
 // If the edge of the map cuts a contact ellipse, only the part inside the map counts: the Hertzian pressure is
-// integrated over it. Force and area of a contact therefore grow with the approach, and a long valley contributes only
-// the part that lies on the map.
+// integrated over this part. Force and area of a contact therefore grow with the approach, and a long valley
+// contributes only the part that lies on the map.
 //
 // Rules for cases that round-off would otherwise decide; a rotated, mirrored, swapped or shifted pair gives the same
 // result. Curvatures and slopes are in units of the grid spacing, and count as zero below 2^-26 of the range of the
@@ -44,36 +44,38 @@ struct SurfacePair {
 /// Hessian `xx, xy, yy` [1/µm]. The relative curvatures are the eigenvalues of the Hessian over q = sqrt(1 + p²), in
 /// the metric I + p pᵀ of the tangent plane.
 struct ContactGeometry {
-  Vector3 normal;  ///< from the lower to the upper surface, (-p, 1)/q
-  Radii radii;     ///< of the relative curvature, both > 0
-  Vector3 along;   ///< unit vector in the tangent plane along which the radius is the larger one
+  Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/q
+  Radii radii;     ///< principal radii of the relative curvature, both > 0
+  Vector3 along;   ///< unit vector in the tangent plane, along which the radius is larger
 };
 
 /// Compute the contact geometry for a positive definite Hessian.
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy);
 
-/// A local minimum of the gap. It is a contact at approaches above `gap`.
+/// A local minimum of the gap. It is in contact at approaches larger than `gap`.
 struct ArealCandidate {
-  Index row;         ///< row of the first grid point of the cell that contains it
-  Index column;      ///< column of that grid point
-  Vector3 position;  ///< of the lower surface at the minimum [µm]
-  double gap;  ///< above first contact of grid points [µm]; slightly negative if the spline dips below the grid points
+  Index row;         ///< row of the first grid point of the cell that contains the minimum
+  Index column;      ///< column of the first grid point of the cell that contains the minimum
+  Vector3 position;  ///< position of the minimum on the lower surface [µm]
+  /// Gap at the minimum above first contact of grid points [µm]. It is slightly negative if the spline dips below the
+  /// grid points.
+  double gap;
   double edge_overlap;  ///< overlap [µm] at which the elastic ellipse reaches the edge of the map
   Vector3 normal;
   Radii radii;
-  Vector3 along;    ///< direction of the larger semi-axis
-  Ellipse ellipse;  ///< of elastic contact
+  Vector3 along;    ///< direction of the larger semi-axis of the ellipse
+  Ellipse ellipse;  ///< contact ellipse of elastic bodies
 
   double overlap(double approach) const { return (approach - gap) * normal.z(); }
 };
 
 /// Contact candidates of two maps, valid for any number of approaches up to `deepest`.
 struct ArealCandidates {
-  std::vector<ArealCandidate> all;  ///< in the order of their cells, row by row
-  std::vector<double> grid_minima;  ///< gaps [µm] at the grid points with no lower neighbour, increasing
-  std::vector<double> unanswered;   ///< subset of grid_minima without a spline minimum in the four adjacent cells
+  std::vector<ArealCandidate> all;  ///< candidates in the order of their cells, row by row
+  std::vector<double> grid_minima;  ///< gaps [µm] at the grid points without a lower neighbour, in increasing order
+  std::vector<double> unanswered;   ///< gaps of grid minima without a spline minimum in the four adjacent cells
   double deepest;                   ///< largest approach [µm]
-  Vector2 spacing;                  ///< distance of columns and of rows [µm]
+  Vector2 spacing;                  ///< distance of columns and of rows of the maps [µm]
   Index rows;                       ///< number of rows of the maps
   Index columns;                    ///< number of columns of the maps
 };
@@ -82,25 +84,25 @@ struct ArealCandidates {
 /// heights, of their difference, or of the spline.
 inline constexpr double round_off_fraction = 0x1p-46;
 
-/// Relative tolerance for level valleys: a rise between neighbouring points below this fraction of the gap's range
-/// counts as zero. A minimum is then located to about 1e-8 of a spacing at best.
+/// Relative tolerance for level valleys: a rise between neighbouring points below this fraction of the range of the gap
+/// counts as zero. With this tolerance, a minimum is located to about 1e-8 of a spacing at best.
 inline constexpr double level_fraction = 0x1p-26;
 
-/// Find all contact candidates with a gap of at most `deepest` [µm] >= 0. `convex` requires both surfaces to be
-/// summits, `signed_` only a minimum of the gap. The maps must have equal shapes of at least 4 by 4 finite heights, and
-/// must not be parallel. Throws std::invalid_argument.
+/// Find all contact candidates with a gap of at most `deepest` [µm] >= 0. The curvature rule `convex` requires both
+/// surfaces to be summits; `signed_` requires only a minimum of the gap. The maps must have equal shapes of at least 4
+/// by 4 finite heights, and must not be parallel. Throws std::invalid_argument.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const CancellationCheck& check_cancellation = {});
 
 /// Contact sums of a pair of maps. Lateral means the horizontal direction 90 degrees to the left of the motion.
 struct ArealSums : Sums {
-  double lateral_elastic = 0.0;     ///< -Σ F c·n [mN], c being the lateral unit vector
+  double lateral_elastic = 0.0;     ///< -Σ F c·n [mN], where c is the lateral unit vector
   double lateral_frictional = 0.0;  ///< -Σ F c·t [mN] per unit mu0
   double lateral_adhesive = 0.0;    ///< -Σ A c·t [mN] per GPa of tau0
   double load_overlapping = 0.0;    ///< Σ F n_z [mN] of contacts whose ellipse overlaps another one
   double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
-  Index grid_minimum_count = 0;     ///< grid points within the approach that have no lower neighbour
-  Index unanswered_count = 0;       ///< the subset of these points without a spline minimum next to them
+  Index grid_minimum_count = 0;     ///< number of grid points within the approach without a lower neighbour
+  Index unanswered_count = 0;       ///< number of these grid points without a spline minimum next to them
 };
 
 /// Name, unit and description of a member that `ArealSums` adds to `Sums`.

@@ -9,7 +9,7 @@
 
 namespace stiction {
 
-/// Which solid a profile bounds: `lower` is solid below the profile, `upper` solid above it.
+/// Side of a profile on which its solid lies: `lower` is solid below the profile, `upper` is solid above the profile.
 enum class Side { lower, upper };
 
 /// Parse a side: "lower" or "upper". Throws std::invalid_argument for any other name.
@@ -17,8 +17,8 @@ Side side(std::string_view name);
 
 /// The osculating sphere of a profile at one point.
 struct Asperity {
-  Vector3 normal;  ///< unit vector out of the solid, (n_x, 0, n_z)
-  double radius;   ///< R [µm], positive where the solid is convex; infinite where the curvature is zero
+  Vector3 normal;  ///< unit normal that points out of the solid, (n_x, 0, n_z)
+  double radius;   ///< Radius R [µm], positive where the solid is convex and infinite where the curvature is zero.
 
   /// Return the sphere centre relative to the point on the profile [µm]; not finite if the radius is infinite.
   Vector3 centre_offset() const { return {-radius * normal.x(), 0.0, -radius * normal.z()}; }
@@ -34,7 +34,7 @@ struct Asperities {
   std::vector<double> curvature;  ///< f'' [1/µm]
   std::vector<Vector3> normal;    ///< [-]
   std::vector<double> radius;     ///< R [µm]
-  std::vector<Vector3> centre;    ///< [µm]; point j of the profile lies at (j Δx, 0, z_j)
+  std::vector<Vector3> centre;    ///< sphere centres [µm]; point j of the profile lies at (j Δx, 0, z_j)
 };
 
 /// Compute the asperities of a profile of heights [µm], spacing [µm] > 0.

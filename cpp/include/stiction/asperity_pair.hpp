@@ -1,9 +1,9 @@
 // Asperity pairs, and their contact point at an approach (Eqs. 4 and 5 of Hanaor, Gan & Einav, Tribol. Int. 93 (2016)
 // 229).
 //
-// Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`; other code uses
-// nothing else. Positions are relative to the point of the lower surface at which the asperities face each other. The
-// approach [µm] is the displacement of the upper surface towards the lower one since first contact of the surfaces.
+// Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`; other code uses only
+// these two members. Positions are relative to the point of the lower surface at which the asperities face each other.
+// The approach [µm] is the displacement of the upper surface towards the lower one since first contact of the surfaces.
 // `gap` [µm] is the height difference of the two points at first contact.
 #pragma once
 
@@ -19,7 +19,7 @@ namespace stiction {
 /// Principal radii [µm] of the relative curvature of two surfaces at a point. For two spheres both are the effective
 /// radius, 1/R = 1/R_u + 1/R_l.
 struct Radii {
-  double major;  ///< the larger one
+  double major;  ///< the larger radius
   double minor;
 
   /// Return the radius of the sphere with the same Gaussian curvature. Equal radii skip the square roots, so that a
@@ -30,43 +30,45 @@ struct Radii {
 /// Geometry of a contact at an approach.
 struct ContactPoint {
   Vector3 normal;  ///< unit vector from the lower to the upper surface
-  Vector3 centre;  ///< of the contact [µm]
-  double overlap;  ///< [µm], along the normal; not positive if the asperities are separated
+  Vector3 centre;  ///< position of the contact centre [µm]
+  /// Overlap of the asperities along the normal [µm]. It is not positive if the asperities are separated.
+  double overlap;
 };
 
-/// Which pairs of curvatures may form a contact. `convex`: both surfaces convex. `signed_`: also a sphere in a larger
-/// concave one.
+/// Rule for the curvatures of two asperities that may form a contact. `convex` requires both surfaces to be convex.
+/// `signed_` also allows a sphere in a larger concave one.
 enum class Curvature { convex, signed_ };
 
-/// Two spheres, at most one of them concave (Eq. 4). With the penetration p = δ - gap of the two surface points, the
-/// vector between the centres is X = -p e_z + R_l n_l - R_u n_u. The overlap, R_u + R_l less the signed length of X, is
-/// evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|): the direct difference cancels if a surface is nearly flat.
-/// For the same reason the contact centre is measured from the smaller sphere.
+/// Two spheres, at most one of which is concave (Eq. 4). With the penetration p = δ - gap of the two surface points,
+/// the vector between the centres is X = -p e_z + R_l n_l - R_u n_u. The overlap is R_u + R_l minus the signed length
+/// of X. It is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|), because the direct difference cancels if a
+/// surface is nearly flat. For the same reason the contact centre is measured from the smaller sphere.
 struct SpherePair {
   Vector3 separation;      ///< X at p = 0 [µm]
   double gap;              ///< [µm]
   double radius_sum;       ///< |R_u + R_l| [µm]
-  double sign;             ///< of R_u R_l
-  double misalignment;     ///< R_u R_l |n_u + n_l|² [µm²], zero if the slopes are equal
+  double sign;             ///< sign of R_u R_l
+  double misalignment;     ///< R_u R_l |n_u + n_l|² [µm²], which is zero if the slopes are equal
   double radius;           ///< effective radius [µm]
   Vector3 smaller_centre;  ///< centre of the smaller sphere, relative to its surface point [µm]
   double smaller_radius;
-  bool smaller_is_lower;  ///< the smaller sphere belongs to the lower surface
+  bool smaller_is_lower;  ///< true if the smaller sphere belongs to the lower surface
 
   /// Compute the contact point at an approach [µm].
   ContactPoint contact_at(double approach) const;
-  bool is_separated(double approach) const;  ///< contact_at(approach).overlap <= 0, without division or square root
+  /// Return whether contact_at(approach).overlap <= 0, without division or square root.
+  bool is_separated(double approach) const;
   /// Return (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
   double overlap_numerator(double penetration) const {
     return sign * (misalignment + penetration * (2.0 * separation.z() - penetration));
   }
 };
 
-/// A sphere and a flat: the limit of an infinite radius, in which the contact normal is that of the flat.
+/// A sphere and a flat. This is the limit of an infinite radius, in which the contact normal is the normal of the flat.
 struct SphereOnFlat {
-  Vector3 normal;        ///< of the flat, pointing upwards
-  Vector3 centre;        ///< of the sphere, relative to its surface point [µm]
-  bool sphere_is_lower;  ///< the sphere is below the flat
+  Vector3 normal;        ///< normal of the flat, pointing upwards
+  Vector3 centre;        ///< centre of the sphere, relative to its surface point [µm]
+  bool sphere_is_lower;  ///< true if the sphere is below the flat
   double gap;            ///< [µm]
   double radius;         ///< [µm]
 
@@ -77,22 +79,22 @@ struct SphereOnFlat {
 /// Any type of asperity pair.
 using AsperityPair = std::variant<SpherePair, SphereOnFlat>;
 
-/// Return the pair of two spheres; none if rule 3 excludes it: the effective radius must be positive and finite, and
-/// the curvatures must be allowed.
+/// Return the pair of two spheres. Returns nothing if rule 3 excludes the pair: the effective radius must be positive
+/// and finite, and the curvature rule must allow both curvatures.
 std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& lower, double gap, Curvature allowed);
 
-/// Return the pair of a sphere and a flat; none if the sphere is not convex.
+/// Return the pair of a sphere and a flat. Returns nothing if the sphere is not convex.
 std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_side, const Asperity& flat, double gap);
 
 /// Return the relative radii of an asperity pair.
 Radii radii(const AsperityPair& asperity_pair);
 
-/// Class of a contact point. `crossed`: the normal does not point upwards, because the sphere centres have passed each
-/// other.
+/// Class of a contact point. `crossed` means that the normal does not point upwards, because the sphere centres have
+/// passed each other.
 enum class ContactClass { no_contact, crossed, contact };
 
-/// Classify a contact point by rules 1, 2 and 4. In a contact the asperities overlap, and the centre lies in
-/// [-half_cell, half_cell) along x (Eq. 5); an infinite `half_cell` disables that rule.
+/// Classify a contact point by rules 1, 2 and 4. In a contact the asperities overlap, and the contact centre lies in
+/// [-half_cell, half_cell) along x (Eq. 5). An infinite `half_cell` disables the rule for the centre.
 inline ContactClass classify(const ContactPoint& contact_point, double half_cell) {
   if (!(contact_point.overlap > 0.0 && contact_point.centre.x() >= -half_cell &&
         contact_point.centre.x() < half_cell)) {
@@ -120,7 +122,8 @@ inline bool SpherePair::is_separated(double approach) const { return !(overlap_n
 
 inline ContactPoint SphereOnFlat::contact_at(double approach) const {
   const double penetration = approach - gap;
-  // Height of the sphere's pole above its surface point, plus the penetration of the surface points, along the normal.
+  // Height of the sphere's pole above its surface point plus the penetration of the two surface points, both measured
+  // along the normal.
   const double overlap = radius + (sphere_is_lower ? 1.0 : -1.0) * centre.dot(normal) + penetration * normal.z();
   const double depth = radius - 0.5 * overlap;
   if (sphere_is_lower) {

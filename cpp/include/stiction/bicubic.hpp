@@ -18,7 +18,7 @@ void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 void natural_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Ref<Matrix> along_x,
                     Eigen::Ref<Matrix> along_y);
 
-/// Value and derivatives of a spline at a point; derivatives with respect to x and y in units of the spacings.
+/// Value and derivatives of a spline at a point. The derivatives with respect to x and y are in units of the spacings.
 struct Jet {
   double value;  ///< [µm]
   double x;

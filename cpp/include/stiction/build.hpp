@@ -7,12 +7,14 @@ namespace stiction {
 
 /// Build information.
 struct Build {
-  std::string compiler;         ///< name and version
-  std::string instruction_set;  ///< of the hot loops, selected at load time: "AVX-512", "AVX2, FMA", "SSE2", "NEON"
-  std::string gsl;              ///< version of the linked GNU Scientific Library
+  std::string compiler;  ///< name and version of the compiler
+  /// Instruction set of the hot loops, selected at load time: "AVX-512", "AVX2, FMA", "SSE2" or "NEON".
+  std::string instruction_set;
+  std::string gsl;  ///< version of the linked GNU Scientific Library
 };
 
-/// Return the build information. Results of builds that differ in it agree to round-off, but not bit by bit.
+/// Return the build information. Results of builds with different information agree to within round-off, but not bit by
+/// bit.
 Build build();
 
 }  // namespace stiction

@@ -1,4 +1,4 @@
-// Cancellation of long calculations from outside, for example by Ctrl-C.
+// Cancellation of a running calculation by the caller, for example after Ctrl-C.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ class CancellationCheck {
   CancellationCheck() = default;
   explicit CancellationCheck(std::function<void()> callback) : callback_(std::move(callback)) {}
 
-  /// Run the callback on every 32nd call, because it takes longer than some of the steps.
+  /// Run the callback only on every 32nd call, because the callback takes longer than some of the steps.
   void operator()() const {
     if (callback_ && ++calls_ % 32 == 0) {
       callback_();

@@ -1,4 +1,4 @@
-// Contact candidates of two profiles: the points where they may touch, whatever the contact law.
+// Contact candidates of two profiles: the points where the profiles may touch, whatever the contact law.
 //
 // Both profiles share one grid. The approach is the displacement of the upper surface towards the lower one, measured
 // from first contact of grid points. A profile whose points lie on a straight line, to within round-off of its heights,
@@ -16,9 +16,9 @@
 
 namespace stiction {
 
-/// Method of contact detection. cell (Eq. 5): at grid points, if the contact centre lies within half a spacing of the
-/// point. gap_minimum: at the local minima of the splined gap, each of which is one candidate for all approaches. The
-/// result does not depend on the grid if the grid resolves the surfaces.
+/// Method of contact detection. `cell` (Eq. 5) tests grid points: a point is in contact if the contact centre lies
+/// within half a spacing of the point. `gap_minimum` tests the local minima of the splined gap, each of which is one
+/// candidate for all approaches. Its result does not depend on the grid if the grid resolves the surfaces.
 enum class Detection { cell, gap_minimum };
 
 /// Parse "cell" or "gap-minimum", and "convex" or "signed". Throws std::invalid_argument for any other name.
@@ -34,16 +34,21 @@ struct ProfilePair {
 
 /// Two asperities that face each other. They touch at approaches of at least `gap`, subject to the rules of `classify`.
 struct Candidate {
-  Index index;       ///< grid point (cell), or the grid point to the left of the minimum (gap_minimum)
-  Vector3 position;  ///< of the lower surface at the candidate [µm], in the frame of the lower profile
-  double gap;        ///< above first contact of grid points [µm]; negative if a minimum between grid points lies lower
-  Radii radii;       ///< of the relative curvature
-  AsperityPair asperity_pair;  ///< its contact points are relative to `position`
+  /// Index of the grid point (cell), or of the grid point to the left of the minimum (gap_minimum).
+  Index index;
+  /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
+  Vector3 position;
+  /// Gap at the candidate above first contact of grid points [µm]. It is negative if a minimum between grid points lies
+  /// lower.
+  double gap;
+  Radii radii;                 ///< principal radii of the relative curvature
+  AsperityPair asperity_pair;  ///< asperity pair, whose contact points are relative to `position`
 };
 
 /// Call visit(candidate) for every candidate of a pair with a gap of at most `deepest` [µm] >= 0, from left to right.
-/// With Detection::cell, candidates that cannot touch in their cell at any approach up to `deepest` may be skipped.
-/// Heights must be finite, at least 4, and equally many; spacing [µm] > 0. Throws std::invalid_argument.
+/// With Detection::cell, the function may skip candidates that cannot touch in their cell at any approach up to
+/// `deepest`. There must be at least 4 heights, all finite, and equally many in both profiles; spacing [µm] > 0. Throws
+/// std::invalid_argument.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});
@@ -51,7 +56,7 @@ void for_each_candidate(const ProfilePair& pair, double deepest, Detection detec
 /// Run the prefilter on a pair. Throws std::invalid_argument if the numbers of points differ.
 Prefilter run_prefilter(const ProfilePair& pair);
 
-/// Call visit(candidate) as above, for a pair whose prefilter is already available.
+/// Call visit(candidate) for every candidate of a pair whose prefilter is already available.
 void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, double deepest, Detection detection,
                         Curvature curvature, const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});
@@ -60,10 +65,10 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
 struct Candidates {
   std::vector<Candidate> all;
   double deepest;  ///< largest approach [µm]
-  double spacing;  ///< of the grid [µm]
+  double spacing;  ///< spacing of the grid [µm]
 };
 
-/// Find the gap-minimum candidates of two profiles. These do not depend on the approach.
+/// Find the gap-minimum candidates of two profiles. The candidates do not depend on the approach.
 Candidates candidates(const ProfilePair& pair, double deepest, Curvature curvature,
                       const CancellationCheck& check_cancellation = {});
 

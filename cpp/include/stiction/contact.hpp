@@ -19,23 +19,23 @@ struct ContactModel {
   Law law;
   Detection detection = Detection::cell;
   Curvature curvature = Curvature::convex;
-  Vector2 direction = {1.0, 0.0};  ///< motion of the upper surface, a horizontal unit vector
+  Vector2 direction = {1.0, 0.0};  ///< direction in which the upper surface moves, a horizontal unit vector
   Sliding sliding = Sliding::opposing;
 };
 
 /// One contact. Positions are in the frame of the lower surface.
 struct Contact {
-  Index index;      ///< of the candidate
+  Index index;      ///< index of the candidate
   Vector3 centre;   ///< [µm]
   Vector3 normal;   ///< unit vector from the lower to the upper surface
   Vector3 tangent;  ///< unit vector of the friction force on the upper surface
-  Radii radii;      ///< of the relative curvature
-  Vector2 axes;     ///< semi-axes of the contact patch [µm], the larger first
-  Vector3 along;    ///< unit vector of the larger semi-axis; y on profiles
+  Radii radii;      ///< principal radii of the relative curvature
+  Vector2 axes;     ///< semi-axes of the contact patch [µm], the larger one first
+  Vector3 along;    ///< unit vector of the larger semi-axis, which is y on profiles
   double overlap;   ///< [µm]
   double force;     ///< normal force [mN]
   double area;      ///< [µm²]
-  bool opposing;    ///< the normal force opposes the motion
+  bool opposing;    ///< true if the normal force opposes the motion
 };
 
 /// List the contacts at one approach [µm] >= 0, in the order of the grid. Throws std::invalid_argument for arguments

@@ -1,5 +1,5 @@
-// Vectorised passes over two profiles that select the few points at which a contact is possible. Heights [µm] of both
-// profiles are finite and equally many.
+// Vectorised passes over two profiles that select the few points at which a contact is possible. The heights [µm] of
+// both profiles must be finite and equally many.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -13,14 +13,15 @@
 
 namespace stiction {
 
-/// Results of one pass over a pair: first contact, and the smallest gap of each block, which shows which blocks can
-/// come into contact.
+/// Results of one pass over a pair of profiles: the smallest gap on the grid, and the smallest gap of each block of
+/// points. The latter shows which blocks can come into contact.
 struct Prefilter {
   static constexpr std::size_t block = 64;
 
-  double min_gap = std::numeric_limits<double>::infinity();  ///< smallest difference upper - lower on the grid [µm]
-  std::vector<double> block_min_gap;                         ///< smallest difference in each `block` of points [µm]
-  bool upper_finite = true;                                  ///< no height is NaN or infinite
+  /// Smallest difference of heights, upper minus lower, on the grid [µm].
+  double min_gap = std::numeric_limits<double>::infinity();
+  std::vector<double> block_min_gap;  ///< smallest difference of heights in each `block` of points [µm]
+  bool upper_finite = true;           ///< true if no height of the upper profile is NaN or infinite
   bool lower_finite = true;
   double upper_max_abs = 0.0;  ///< largest |height| [µm]
   double lower_max_abs = 0.0;
@@ -42,16 +43,16 @@ struct IndexRange {
 /// `max_gap` [µm].
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
-/// Return an upper bound of how far the splined gap dips below its values on the grid [µm]: 3/8 of the largest second
-/// difference. |f''| of a natural spline is at most 3 second differences per Δx², and a cubic dips below its end points
-/// by at most |f''| Δx² / 8.
+/// Return an upper bound [µm] of the depth by which the splined gap dips below its values on the grid: 3/8 of the
+/// largest second difference. |f''| of a natural spline is at most 3 second differences per Δx², and a cubic dips below
+/// its end points by at most |f''| Δx² / 8.
 double max_dip(Values upper, Values lower);
 
 /// Return whether the points of a profile lie on a straight line, to within round-off of its largest |height|
 /// `max_abs` [µm].
 bool is_straight(Values heights, double max_abs);
 
-/// Slopes [-] and curvatures [1/µm] of both profiles at consecutive points.
+/// Slopes [-] and curvatures [1/µm] of both profiles at consecutive points of the grid.
 struct Derivatives {
   const double* upper_slope;
   const double* upper_curvature;
@@ -60,20 +61,20 @@ struct Derivatives {
 };
 
 /// Mark the points at which both profiles are convex and the contact centre passes through the cell between first
-/// contact and `max_approach` [µm]. The marks may include other points, but miss none. The centre moves in one
-/// direction as the distance of the sphere centres decreases, so its two end positions decide. `zero` is the gap at
-/// first contact [µm].
+/// contact and `max_approach` [µm]. The marks may include other points, but omit no such point. The centre moves in one
+/// direction as the distance of the sphere centres decreases, so the two end positions of the centre are sufficient for
+/// the decision. `zero` is the gap at first contact [µm].
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
 
 /// Mark intervals [x_i, x_(i+1)) in which the splined gap may have a minimum, from the signs of its derivatives at both
-/// ends. The derivatives have one point more than there are intervals.
+/// ends. The derivatives are given at one point more than there are intervals.
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
 /// Return the position of the local minimum of the splined gap in an interval [0, spacing) [µm], if there is one, from
-/// the slopes [-] and curvatures [1/µm] of the gap at its ends. It is the root of the slope, a quadratic, at which the
-/// gap is convex. A minimum at a grid point belongs to the interval on its right; the first point of a profile is never
-/// one.
+/// the slopes [-] and curvatures [1/µm] of the gap at the ends of the interval. The slope is a quadratic; the minimum
+/// is the root of the slope at which the gap is convex. A minimum at a grid point belongs to the interval on its right;
+/// the first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
 
@@ -91,10 +92,10 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
     return std::nullopt;
   }
   const double root = std::sqrt(discriminant);
-  // The root at which the quadratic increases, in the form without cancellation.
+  // Root at which the quadratic increases, in the form without cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
-    // The signs guarantee a root in the interval; only round-off can place it outside.
+    // The signs at the ends guarantee a root in the interval. Only round-off can place the computed root outside.
     return std::clamp(t, 0.0, spacing);
   }
   return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;

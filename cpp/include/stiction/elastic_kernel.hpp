@@ -12,14 +12,14 @@
 
 namespace stiction {
 
-/// Grid on the surface of a half-space: an area, or a line, which is a single row of cells of 1 µm width.
+/// Grid on the surface of a half-space. It is either an area or a line, which is a single row of cells of 1 µm width.
 struct Grid {
   std::size_t rows = 1;
   std::size_t columns = 1;
   double spacing_y = 1.0;
   double spacing_x = 1.0;
   bool line = true;
-  bool periodic = false;  ///< periodic continuation; otherwise there is no load outside the grid
+  bool periodic = false;  ///< True for periodic continuation. Otherwise there is no load outside the grid.
 
   std::size_t size() const { return rows * columns; }
 };
@@ -27,7 +27,7 @@ struct Grid {
 /// Return the smallest length >= `points` without prime factors other than 2, 3 and 5, for which FFTs are fast.
 std::size_t fast_length(std::size_t points);
 
-/// Buffers that successive transforms of one calculation share.
+/// Buffers that successive transforms of one calculation reuse.
 class Workspace {
  public:
   Workspace();
@@ -43,10 +43,10 @@ class Workspace {
 
 /// Displacement [µm] of a half-space of effective modulus E* [GPa] > 0 under pressures [GPa] on a grid.
 ///
-/// Periodic grids multiply each Fourier component by 2/(E*|k|), and by 0 for k = 0. Free grids superpose the
-/// displacements of uniformly loaded cells on a grid of twice the size (Love 1929; Johnson, Contact Mechanics (1985),
-/// eq. 3.25; a logarithm on lines). The approximate inverse E*|k|/2 is periodic in both cases: this halves the size of
-/// the transform, and the interaction of opposite edges does no harm in a preconditioner.
+/// On a periodic grid, each Fourier component is multiplied by 2/(E*|k|), and by 0 for k = 0. On a free grid, the
+/// displacements of uniformly loaded cells are superposed on a grid of twice the size (Love 1929; Johnson, Contact
+/// Mechanics (1985), eq. 3.25; a logarithm on lines). The approximate inverse E*|k|/2 is periodic in both cases. This
+/// halves the size of the transform, and the interaction of opposite edges does no harm in a preconditioner.
 class ElasticKernel {
  public:
   /// Compute the influence coefficients. Throws std::invalid_argument if the grid is empty, or if a spacing or the

@@ -1,4 +1,4 @@
-// Normal contact of an elastic half-space with a rigid rough surface, solved from coarse grids to fine ones.
+// Normal contact of an elastic half-space with a rigid rough surface, solved on successively finer grids.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -23,7 +23,7 @@ class HalfSpaceGrids {
   /// Kernels of a grid, for its points and for its blocks.
   struct Kernels {
     std::shared_ptr<const ElasticKernel> points;
-    std::shared_ptr<const ElasticKernel> blocks;  ///< for areas, see Preconditioner
+    std::shared_ptr<const ElasticKernel> blocks;  ///< kernels of the blocks of an area, see Preconditioner
   };
 
   /// Set up the grids; kernels are computed on first use. Throws std::invalid_argument as ElasticKernel does.
@@ -56,37 +56,39 @@ struct HalfSpaceSolution {
   std::vector<double> pressure;
   double approach = 0.0;
   double error = 0.0;
-  std::int64_t iterations = 0;  ///< on the finest grid
+  std::int64_t iterations = 0;  ///< number of iterations on the finest grid
 };
 
 /// Progress callback, called in each iteration on the finest grid with its number and the error. An exception that it
 /// throws ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
-/// Solves one gap at successive loads: minimum energy at a given total load, 0 <= p <= bound.
+/// Solver for the contact of one gap at successive loads. It minimises the energy at a given total load, with 0 <= p <=
+/// bound.
 ///
-/// Projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver), started from the
-/// solution on every second point, and preconditioned by an approximate inverse on the free points: E*|k|/2 on lines,
-/// Preconditioner on areas. The error is the largest remaining distance, either a gap under pressure or an overlap,
-/// relative to `scale`.
+/// The method is that of projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
+/// It starts from the solution on every second point. The preconditioner is an approximate inverse on the free points:
+/// E*|k|/2 on lines, Preconditioner on areas. The error is the largest remaining distance, either a gap under pressure
+/// or an overlap, relative to `scale`.
 class HalfSpaceSolver {
  public:
-  /// Set up the solver. `gap` [µm] must outlive it; a gap of 0 everywhere defines a traction problem instead of a
-  /// contact. `bound` [GPa] has one value for all points, which may be infinite, or one for each; points with a bound
-  /// of 0 carry no pressure and may overlap. Throws std::invalid_argument for wrong sizes and a tolerance that is not
-  /// positive.
+  /// Set up the solver. `gap` [µm] must outlive the solver; a gap of 0 everywhere defines a traction problem instead of
+  /// a contact. `bound` [GPa] has one value for all points, which may be infinite, or one value for each point. Points
+  /// with a bound of 0 carry no pressure and may overlap. Throws std::invalid_argument for wrong sizes and for a
+  /// tolerance that is not positive.
   HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrids> grids, Values bound, double tolerance,
                   const ThreadPool& pool = ThreadPool());
 
-  /// Return the length [µm] to which errors are relative: the root-mean-square deviation of the gap or, if larger, that
-  /// of the displacements under the mean pressure [GPa].
+  /// Return the length [µm] to which errors are relative. It is the root-mean-square deviation of the gap or, if
+  /// larger, the root-mean-square deviation of the displacements under the mean pressure [GPa].
   double scale(double mean_pressure) const;
 
-  /// Solve for a mean pressure over the grid [GPa]. `near` may be the pressure at another load, as a starting point.
+  /// Solve for a mean pressure over the grid [GPa]. `near` may be the pressure at another load, from which the solver
+  /// then starts.
   HalfSpaceSolution at(double mean_pressure, Values near = {}, const ThreadPool& pool = ThreadPool(),
                        const HalfSpaceProgress& progress = {}) const;
 
-  /// Solve for an approach [µm]. Takes about six solutions, because the load that belongs to the approach is found by
+  /// Solve for an approach [µm]. This takes about six solutions, because the load for the approach is found by
   /// iteration.
   HalfSpaceSolution at_approach(double approach, Values near = {}, const ThreadPool& pool = ThreadPool(),
                                 const HalfSpaceProgress& progress = {}) const;
@@ -109,14 +111,14 @@ class HalfSpaceSolver {
   double displacement_scale_ = 0.0;
 };
 
-/// Linear response of a fixed contact area to a normal load: all contact points have the same displacement.
+/// Linear response of a fixed contact area to a normal load that moves all contact points by the same displacement.
 struct LinearResponse {
-  double compliance = 0.0;       ///< dδ/dp [µm/GPa] for the sum of the pressures; 0 at full contact
-  std::vector<double> pressure;  ///< on the grid, of sum 1
+  double compliance = 0.0;       ///< dδ/dp [µm/GPa], where p is the sum of the pressures; 0 at full contact
+  std::vector<double> pressure;  ///< pressure on the grid, with a sum of 1
 };
 
-/// Compute the linear response of the contact area `in_contact`. The relative error of the compliance is about 1e-7: it
-/// is an energy, so its error is the square of that of the pressures.
+/// Compute the linear response of the contact area `in_contact`. The relative error of the compliance is about 1e-7.
+/// The compliance is an energy, so its error is the square of the error of the pressures.
 LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool> in_contact,
                                const ThreadPool& pool = ThreadPool());
 

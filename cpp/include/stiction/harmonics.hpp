@@ -49,7 +49,7 @@ inline Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const Har
 struct HarmonicArea {
   double spacing_y;           ///< Δy [µm] > 0
   double spacing_x;           ///< Δx [µm] > 0
-  double length_scale = 1.0;  ///< as for HarmonicGrid
+  double length_scale = 1.0;  ///< longest wavelength L [µm] > 0
   double gamma = 1.5;
   bool band_limited = false;  ///< omit harmonics whose wavenumber along x or y exceeds π/Δx or π/Δy
 };

@@ -25,7 +25,7 @@ struct ForceArea {
   double area;   ///< [µm²]
 };
 
-/// Parameter of a law: finite, and between `low` and `high`. `inclusive` allows the limits themselves.
+/// Parameter of a law. Its value must be finite and between `low` and `high`; `inclusive` allows the limits themselves.
 template <class L>
 struct Parameter {
   std::string_view name;
@@ -51,10 +51,11 @@ struct HertzSphere {
 
 /// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). The overlap is that of
 /// the undeformed circles, a²/R. Johnson, Contact Mechanics (1985), eq. 4.45 with contact width 2a. The force at a
-/// given half-width is exact for a << R; the approach of distant points in a line contact is unbounded.
+/// given half-width is exact for a << R. The approach of distant points in a line contact is unbounded, so it cannot
+/// define the overlap.
 struct HertzCylinder {
   double effective_modulus;  ///< E* [GPa] > 0
-  double width;              ///< w [µm] > 0, along the cylinders
+  double width;              ///< width w [µm] > 0 along the cylinders
 
   static constexpr std::string_view name = "hertz-cylinder";
   static constexpr auto parameters() {
@@ -65,13 +66,13 @@ struct HertzCylinder {
   Vector2 semi_axes(double overlap, const Radii& radii) const;
 };
 
-/// A sphere that yields: elastic, perfectly plastic. Jackson & Green, J. Tribol. 127 (2005) 343: the critical
-/// interference, and their fit above 1.9 times it; Hertz below. The fit to finite elements reaches a contact radius of
-/// 0.41 R. The load jumps by less than 1 % at the transition.
+/// An elastic, perfectly plastic sphere. Jackson & Green, J. Tribol. 127 (2005) 343, give the critical interference,
+/// and a fit to finite elements above 1.9 times the critical interference; below, Hertz theory applies. The fit reaches
+/// a contact radius of 0.41 R. The load jumps by less than 1 % at the transition.
 struct JacksonGreen {
   double effective_modulus;  ///< E* [GPa] > 0
-  double yield_strength;     ///< S_y [GPa] of the softer body, above 0 and below E*/10
-  double poisson_ratio;      ///< of the softer body, from 0 to 0.5
+  double yield_strength;     ///< yield strength S_y [GPa] of the softer body, above 0 and below E*/10
+  double poisson_ratio;      ///< Poisson's ratio of the softer body, from 0 to 0.5
 
   static constexpr std::string_view name = "jackson-green";
   static constexpr auto parameters() {
@@ -81,21 +82,23 @@ struct JacksonGreen {
   }
   ForceArea operator()(double overlap, const Radii& radii) const;
   Vector2 semi_axes(double overlap, const Radii& radii) const;
-  void check() const;  ///< check conditions that involve several parameters
+  /// Check the conditions that involve several parameters.
+  void check() const;
 };
 
-/// Every law of the library. The call operator of a law takes an overlap [µm] > 0 and the principal radii [µm] > 0 of
-/// an asperity pair. These three laws treat the pair as spheres of the mean radius.
+/// Any contact law of the library. The call operator of a law takes an overlap [µm] > 0 and the principal radii [µm] >
+/// 0 of an asperity pair. All laws here treat the pair as spheres of the mean radius.
 using Law = std::variant<HertzSphere, HertzCylinder, JacksonGreen>;
 
-/// Return a law by name, with all of its parameters by name. Throws std::invalid_argument that names the unknown,
+/// Return a law by name, with all of its parameters by name. Throws std::invalid_argument with the name of the unknown,
 /// missing or invalid parameter.
 Law law(std::string_view name, const std::map<std::string, double>& parameters);
 
-/// Check the parameters of a law. Throws std::invalid_argument that names a parameter out of range.
+/// Check the parameters of a law. Throws std::invalid_argument with the name of a parameter out of range.
 void check(const Law& law);
 
-// Inline, because it is called for every contact and approach: an out-of-line call costs 6 % of the total time.
+// Inline, because the call operator runs for every contact and approach: an out-of-line call costs 6 % of the total
+// time.
 inline ForceArea HertzSphere::operator()(double overlap, const Radii& radii) const {
   const double radius = radii.mean();
   return {4.0 / 3.0 * effective_modulus * std::sqrt(radius * overlap) * overlap, std::numbers::pi * radius * overlap};

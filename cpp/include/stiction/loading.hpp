@@ -12,14 +12,15 @@
 
 namespace stiction {
 
-/// A function evaluated at several increasing arguments in one call.
+/// A function that is evaluated at several increasing arguments in one call.
 using BatchFunction = std::function<std::vector<double>(Values)>;
 
-/// Find where a function crosses levels from below: for each level the first argument found at which the function is
-/// not below the level, between `left`, where it is below, and `right`, where it is not. `tolerance` is relative to the
-/// argument. If the function jumps over the level, the result is the argument just behind the jump. The method combines
-/// inverse quadratic interpolation and bisection: Chandrupatla, Advances in Engineering Software 28 (1997) 145. All
-/// levels advance together, because evaluating many arguments may cost little more than evaluating one.
+/// Find where a function crosses levels from below. For each level, returns the first argument found at which the
+/// function is not below the level. This argument lies between `left`, where the function is below the level, and
+/// `right`, where it is not. `tolerance` is relative to the argument. If the function jumps over the level, the result
+/// is the argument just behind the jump. The method combines inverse quadratic interpolation and bisection:
+/// Chandrupatla, Advances in Engineering Software 28 (1997) 145. All levels advance together, because evaluating the
+/// function at many arguments may cost little more than at one.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);
 

@@ -11,11 +11,13 @@ namespace stiction {
 
 /// A local minimum of a spline in a cell of its map.
 struct Minimum {
-  Index row;     ///< of the first grid point of the cell
-  Index column;  ///< of that grid point
-  double u;      ///< position in the cell along x, in spacings, from -1e-6 to below 1 - 1e-6
-  double v;      ///< position along y
-  Jet at;        ///< value and derivatives; the first derivatives are zero to within round-off
+  Index row;     ///< row of the first grid point of the cell
+  Index column;  ///< column of the first grid point of the cell
+  /// Position in the cell along x, in spacings. It ranges from -1e-6 to just below 1 - 1e-6.
+  double u;
+  double v;  ///< position in the cell along y, in spacings
+  /// Value and derivatives of the spline at the minimum. The first derivatives are zero to within round-off.
+  Jet at;
 };
 
 /// Range of cells of a map: `rows` by `columns` cells, starting at (`row`, `column`).
@@ -27,13 +29,14 @@ struct CellRange {
 };
 
 /// Find every minimum of at most `max_value` [µm] of the spline with these coefficients (see natural_bicubic) in a
-/// range of cells, in the order of the cells, row by row. Minima on the edge of the map do not count, nor do valleys
-/// whose curvature is round-off. A minimum within 1e-6 of a side belongs to the cell of which that side is the left or
-/// the lower one, which may be a neighbour of the given range.
+/// range of cells, in the order of the cells, row by row. Minima on the edge of the map do not count; neither do
+/// valleys whose curvature is round-off. A minimum within 1e-6 of a side belongs to the cell that has this side on its
+/// left or lower edge. This cell may be a neighbour of the given range.
 ///
-/// The search is exhaustive: a cell is subdivided until the signs of its Bernstein coefficients exclude a minimum in a
-/// part, or show that the spline is convex there, so that Newton's method finds the only possible minimum. Parts of
-/// 1/64 of a cell that remain undecided, for example where a minimum is about to vanish, are left to Newton's method.
+/// The search is exhaustive. A cell is subdivided until the signs of its Bernstein coefficients exclude a minimum in a
+/// part, or show that the spline is convex in this part, so that Newton's method finds the only possible minimum. Parts
+/// of 1/64 of a cell that remain undecided, for example where a minimum is about to vanish, are left to Newton's
+/// method.
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation = {});
 

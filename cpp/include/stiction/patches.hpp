@@ -11,32 +11,33 @@
 
 namespace stiction {
 
-/// The points of a grid under pressure, in increasing order.
+/// Points of a grid under pressure, in increasing order of their indices.
 struct Patches {
-  std::vector<std::int64_t> points;      ///< indices on the grid
+  std::vector<std::int64_t> points;      ///< indices of the points on the grid
   std::vector<double> pressure;          ///< [GPa]
   std::vector<double> contact_fraction;  ///< fraction of the point's cell that is in contact
-  std::vector<std::int32_t> patch;       ///< patch number from 1, in the order of the first points
-  std::int32_t count = 0;                ///< number of patches
+  std::vector<std::int32_t> patch;  ///< number of the patch of each point, from 1, in the order of the first points
+  std::int32_t count = 0;           ///< number of patches
 };
 
-/// Find the connected patches. A point is connected with all its neighbours (eight on areas), also over the edges of a
-/// periodic grid. Each open side reduces the contact area of a cell by 0.19 of the cell on lines, and on areas by
-/// (π - 1 + ln 2)/24 (Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161), but not below
+/// Find the connected patches. A point is connected with all its neighbours (eight on areas), also across the edges of
+/// a periodic grid. Each open side reduces the contact area of a cell by 0.19 of the cell on lines, and on areas by (π
+/// - 1 + ln 2)/24 (Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161). The area does not fall below
 /// pressure/hardness [GPa]; the hardness may be infinite. The edge of the grid is not an open side. Throws
 /// std::invalid_argument if the number of pressures is not that of the grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
-/// Sums for each patch and, along directions, as rows (directions, patches).
+/// Sums over each patch. The sums that depend on the direction are matrices with one row for each direction and one
+/// column for each patch.
 struct PatchSums {
   std::vector<double> force;         ///< Σ F n_z [mN]
-  std::vector<double> area;          ///< along the deformed interface [µm²]
+  std::vector<double> area;          ///< contact area along the deformed interface [µm²]
   std::vector<double> leaning;       ///< -Σ F s·n [mN]
   std::vector<double> upward;        ///< Σ F t_z [mN]
   std::vector<double> forward;       ///< -Σ F s·t [mN]
   std::vector<double> upward_area;   ///< Σ A t_z [µm²]
   std::vector<double> forward_area;  ///< -Σ A s·t [µm²]
-  double steepness = 0.0;            ///< force-weighted root-mean-square slope
+  double steepness = 0.0;            ///< root-mean-square slope, weighted by force
 };
 
 /// Sum over the grid points of each patch. Takes forces [mN], projected contact areas [µm²], slopes of the deformed

@@ -16,12 +16,12 @@ namespace stiction {
 /// Approximate inverse of the elastic kernel: pressures at the free points that produce roughly the given
 /// displacements.
 ///
-/// Short range: a 3 x 3 stencil S on the free points, as if there were no other contact. Long range: the rest of the
-/// area adds a slowly varying displacement, described by the kernel K' on blocks of points, which are connected to the
-/// points by bilinear weights P. So K is about S⁻¹ + P'K'P, and its inverse is S - SP'(K'⁻¹ + PSP')⁻¹PS. On periodic
-/// blocks K'⁻¹ is E*|k|/2, and the system in brackets is a half-space on an elastic foundation whose stiffness on each
-/// block is PS1; a few conjugate-gradient steps solve it. The number of solver iterations then hardly depends on the
-/// grid size.
+/// The short range is described by a 3 x 3 stencil S on the free points, as if there were no other contact. At long
+/// range, the rest of the area adds a slowly varying displacement. It is described by the kernel K' on blocks of
+/// points, which are connected to the points by bilinear weights P. So K is about S⁻¹ + P'K'P, and its inverse is S -
+/// SP'(K'⁻¹ + PSP')⁻¹PS. On periodic blocks K'⁻¹ is E*|k|/2, and the system in brackets is a half-space on an elastic
+/// foundation whose stiffness on each block is PS1. A few conjugate-gradient steps solve this system. The number of
+/// solver iterations then hardly depends on the grid size.
 class Preconditioner {
  public:
   /// Number of points along each side of a block.
@@ -30,8 +30,9 @@ class Preconditioner {
   /// Return the periodic grid of the blocks of an area.
   static Grid block_grid(const Grid& area);
 
-  /// Set up from the stencil of an area and the kernel of its blocks, which must outlive this object. Throws
-  /// std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x 3.
+  /// Set up the preconditioner from the stencil of an area and the kernel of its blocks, which must outlive this
+  /// object. Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x
+  /// 3.
   Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks);
 
   /// Compute pressures [GPa] at the free points (increasing indices) from displacements [µm] on the grid, which must be
@@ -40,19 +41,20 @@ class Preconditioner {
                                     Workspace& workspace, const ThreadPool& pool = ThreadPool());
 
  private:
-  /// Apply the stencil to values on the grid at each free point, periodically over the edges.
+  /// Apply the stencil at each free point to values on the grid, continued periodically beyond the edges.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
-  /// Sum the result on the blocks with the bilinear weights.
+  /// Add up the result on the blocks with the bilinear weights.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);
   /// Compute the foundation stiffness of the blocks.
   void update_foundation(std::span<const std::int32_t> free_points, const ThreadPool& pool);
   /// Solve the system of the blocks for the loads.
   void solve_blocks(Workspace& workspace, const ThreadPool& pool);
 
-  struct Interpolation {  // linear interpolation between blocks along an axis
+  // Weights of the linear interpolation between blocks along an axis.
+  struct Interpolation {
     std::int32_t low;
     std::int32_t high;
-    float fraction;  // weight of the higher block
+    float fraction;  // weight of the block with the higher index
   };
   static std::vector<Interpolation> interpolation(std::size_t points, std::size_t blocks);
 
@@ -62,12 +64,12 @@ class Preconditioner {
   const ElasticKernel& blocks_;
   std::vector<Interpolation> along_y_;
   std::vector<Interpolation> along_x_;
-  std::vector<float> result_;     // on the grid, valid at free points
-  std::vector<float> remainder_;  // on the grid, 0 at points that are not free
+  std::vector<float> result_;     // pressures on the grid, valid at free points only
+  std::vector<float> remainder_;  // displacements minus their block interpolation; 0 at points that are not free
   std::vector<float> foundation_;
-  std::size_t foundation_points_ = 0;          // number of free points for which the foundation was computed
+  std::size_t foundation_points_ = 0;          // number of free points when the foundation was computed
   std::vector<std::vector<float>> task_sums_;  // block sums of each task
-  std::vector<float> loads_;                   // on blocks, like all members below
+  std::vector<float> loads_;                   // loads on the blocks; all members below are on the blocks, too
   std::vector<float> solution_;
   std::vector<float> preconditioned_;
   std::vector<float> direction_;

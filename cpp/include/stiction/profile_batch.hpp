@@ -12,7 +12,7 @@
 
 namespace stiction {
 
-/// Profiles as rows [µm], and the height statistics of each.
+/// Profiles as rows of a matrix [µm], and the height statistics of each profile.
 struct ProfileBatch {
   Eigen::Ref<Matrix> heights;
   std::span<const HeightStatistics> statistics;
@@ -25,9 +25,9 @@ struct Amplitudes {
 };
 
 /// Compute the contact sums of each row of `upper` with the same row of `lower`, scaled to each amplitude, for each
-/// model and approach. The result is in the order (row, amplitude, model, approach). The heights are overwritten: the
-/// last amplitude is scaled in place, which halves the memory traffic, and the others in the two rows of `scratch`.
-/// Throws as `press` does, and for mismatched shapes and flat profiles.
+/// model and approach. The result is in the order (row, amplitude, model, approach). The heights are overwritten:
+/// profiles are scaled in place for the last amplitude, which halves the memory traffic, and in the two rows of
+/// `scratch` for the others. Throws as `press` does, and for mismatched shapes and flat profiles.
 std::vector<Sums> press_profile_batches(ProfileBatch upper, ProfileBatch lower, double spacing,
                                         const Amplitudes& amplitudes, Values approaches,
                                         std::span<const ContactModel> models, Eigen::Ref<Matrix> scratch,

@@ -23,19 +23,19 @@ namespace stiction {
 ///     ->  advance(K step)
 ///
 /// The inverse of K on the free points is the minimum of r·Mr over all continuations of the residual r to the other
-/// points. On areas, continuation by zero is close to that minimum. On lines with short contacts it is not: there the
-/// residual is interpolated linearly between free points, and M r is collected with the transpose of the interpolation.
-/// This includes the edges of the grid, since M is periodic.
+/// points. On areas, continuation by zero is close to that minimum. On lines with short contacts it is far from the
+/// minimum. There the residual is interpolated linearly between free points, and M r is collected with the transpose of
+/// the interpolation. The interpolation includes the edges of the grid, since M is periodic.
 ///
 /// Each step leads from one feasible pressure to another. Only free points change, so that restoring the sum never puts
 /// a small pressure on other points. The scheme is that of Polonsky & Keer, Wear 231 (1999) 206; the energy never
 /// increases.
 class ProjectedCgSolver {
  public:
-  /// Start from `pressure` >= 0, projected onto the bounds and the sum. `line`: the points form a line, so that
-  /// neighbours in memory are neighbours on the grid. `bound` has one value for all points, which may be infinite, or
-  /// one for each; points with a bound of 0 carry no pressure. Throws std::invalid_argument for 2³¹ points or more,
-  /// negative bounds, and a total that is not positive or not below the sum of the bounds.
+  /// Start from `pressure` >= 0, projected onto the bounds and the sum. `line` is true if the points form a line, so
+  /// that neighbours in memory are neighbours on the grid. `bound` has one value for all points, which may be infinite,
+  /// or one value for each point; points with a bound of 0 carry no pressure. Throws std::invalid_argument for 2³¹
+  /// points or more, negative bounds, and a total that is not positive or not below the sum of the bounds.
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line);
 
   /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points:
@@ -43,15 +43,15 @@ class ProjectedCgSolver {
   /// potentials are not finite. Throws std::logic_error before the first `restart`.
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
-  /// Return the residual [µm]: at free points the mean potential of the free points minus the potential; elsewhere its
-  /// continuation, which is 0 on areas.
+  /// Return the residual [µm]. At free points it is the mean potential of the free points minus the potential. At other
+  /// points it is the continuation of the residual, which is 0 on areas.
   std::span<const float> residual(const ThreadPool& pool = ThreadPool());
 
-  /// Return the free points of the last `update_free_points`, in increasing order.
+  /// Return the free points found by the last `update_free_points`, in increasing order.
   std::span<const std::int32_t> free_points() const { return free_points_; }
 
-  /// Return whether the next step is a steepest-descent step, which takes the residual itself instead of M residual and
-  /// is certain to lower the energy.
+  /// Return whether the next step is a steepest-descent step. Such a step takes the residual itself instead of M
+  /// residual, and is certain to lower the energy.
   bool is_steepest_descent() const { return steepest_descent_; }
 
   /// Compute a step of pressure [GPa], 0 at points that are not free. `response` is K times the previous step, or
@@ -76,13 +76,14 @@ class ProjectedCgSolver {
 
   double approach() const { return approach_; }
   Values pressure() const { return pressure_; }
-  /// Move the pressure out of the solver.
+  /// Move the pressure out of the solver, and return it.
   std::vector<double> take_pressure() { return std::move(pressure_); }
-  /// Move the potential out, so that its memory can be reused; `restart` must set it again before `update_free_points`.
+  /// Move the potential out of the solver, so that its memory can be reused. `restart` must set the potential again
+  /// before `update_free_points`.
   std::vector<double> take_potential() { return std::move(potential_); }
 
  private:
-  static constexpr std::size_t block = 64;  // points processed together
+  static constexpr std::size_t block = 64;  // number of points that are processed together
 
   struct Segment {
     std::int32_t first;
@@ -104,8 +105,8 @@ class ProjectedCgSolver {
   std::vector<double> pressure_;
   std::vector<double> potential_;
   double total_;
-  std::array<double, block> uniform_bound_{};  // the uniform bound, if there is one
-  std::vector<double> bounds_;                 // one value for each point, or empty
+  std::array<double, block> uniform_bound_{};  // the bound repeated, if all points share one bound
+  std::vector<double> bounds_;                 // bound of each point; empty if all points share one bound
   bool line_;
   std::vector<std::int32_t> free_points_;     // points where residual_ may differ from 0
   std::vector<std::int32_t> stepped_points_;  // points where step_ may differ from 0
@@ -114,9 +115,10 @@ class ProjectedCgSolver {
   std::vector<double> preconditioned_;        // preconditioned residual at free points
   std::vector<double> target_;                // pressure at free points after a full step
   std::vector<double> free_bounds_;           // bound at free points
-  std::span<const float> pending_response_;   // K times the last step; the potential lacks pending_fraction_ times this
+  // K times the last step. The potential lacks pending_fraction_ times this response.
+  std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
-  std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task
+  std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task of a thread
   double approach_ = 0.0;
   double mean_potential_ = 0.0;           // mean potential of free points
   double step_length_ = 1.0;              // length of the next preconditioned step

@@ -10,9 +10,10 @@ namespace stiction {
 /// the tridiagonal system of the spline. Throws std::invalid_argument, std::runtime_error (GSL).
 void natural_spline(Values heights, double spacing, std::span<double> slope, std::span<double> curvature);
 
-/// Compute slope and curvature only at the points first, first + 1, ...; the outputs set their number. The spline is a
-/// superposition of GSL's splines of a unit load at one point. These decay by 2 - sqrt(3) = 0.268 per point, so only
-/// nearby points contribute. Throws as natural_spline does, and if the points lie beyond the profile.
+/// Compute slope and curvature only at the points first, first + 1, ...; the number of points is the size of
+/// the outputs. The spline is a superposition of GSL's splines of a unit load at one point. Each of these decays by a
+/// factor of 2 - sqrt(3) = 0.268 per point, so only nearby points contribute. Throws as natural_spline does, and if the
+/// points lie beyond the profile.
 void natural_spline_from(Values heights, double spacing, Index first, std::span<double> slope,
                          std::span<double> curvature);
 

@@ -17,8 +17,8 @@
 
 namespace stiction {
 
-/// Which contacts contribute friction. `opposing`: only contacts whose slope opposes the motion, as in the paper.
-/// `all`: every contact; those that slope the other way push forward.
+/// Rule for the contacts that contribute friction. `opposing`: only contacts whose slope opposes the motion, as in the
+/// paper. `all`: every contact; contacts that slope the other way push the body forward.
 enum class Sliding { opposing, all };
 
 /// Parse a sliding rule: "opposing" or "all". Throws std::invalid_argument for any other name.
@@ -35,18 +35,18 @@ struct Sums {
   double normal_adhesive = 0.0;        ///< Σ_sliding A t_z    [mN] per GPa of tau0
   double tangential_adhesive = 0.0;    ///< -Σ_sliding A s·t   [mN] per GPa of tau0
 
-  // Validity of the model: fractions of Σ F n_z. R is the mean radius.
+  // Indicators of the validity of the model, as loads Σ F n_z. R is the mean radius of a contact.
   double overlap_load = 0.0;       ///< Σ F n_z overlap/R                       [mN]
   double load_beyond_hertz = 0.0;  ///< Σ F n_z of contacts with overlap > R/10 [mN]
   double load_below_grid = 0.0;    ///< Σ F n_z of contacts with R < Δx         [mN]
-  Index crossed_count = 0;         ///< overlapping pairs rejected because their sphere centres have crossed
+  Index crossed_count = 0;         ///< number of overlapping pairs rejected because their sphere centres have crossed
 
   /// Add a contact, given its geometry, its force and area, the direction of motion of the upper surface, and the grid
   /// spacing Δx [µm].
   void add(const ContactPoint& contact_point, const Radii& radii, const ForceArea& force_area, const Vector2& direction,
            Sliding sliding, double spacing);
 
-  /// Add the part of a contact that does not depend on the direction. Returns the load F n_z [mN].
+  /// Add the sums of a contact that do not depend on the direction. Returns the load F n_z [mN].
   double add(const Vector3& normal, double overlap, double radius, const ForceArea& force_area, double spacing);
 };
 
@@ -84,12 +84,12 @@ Vector3 tangent(const Vector3& normal, const Vector2& direction);
 /// Return whether the normal force of a contact on the upper surface points against the motion.
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
-/// Force components of a sliding contact on the upper surface: -s·n multiplies its normal force, and t_z and -s·t
-/// multiply its friction.
+/// Force components of a sliding contact on the upper surface. The normal force is multiplied by -s·n, and the friction
+/// force by t_z and -s·t.
 struct SlidingFactors {
   double push;  ///< -s·n
   double lift;  ///< t_z
-  double drag;  ///< -s·t, the length of n without its component along s
+  double drag;  ///< -s·t, the length of the part of n perpendicular to s
 };
 
 /// Compute the force components for a contact normal and a direction of motion.
@@ -99,11 +99,11 @@ SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction);
 double normal_load(const Sums& sums, double mu0, double tau0 = 0.0);
 double tangential_load(const Sums& sums, double mu0, double tau0 = 0.0);
 
-/// Whether a coefficient of friction exists. no_contact: there is no contact. self_locked: friction alone holds the
+/// Existence of a coefficient of friction. `no_contact`: there is no contact. `self_locked`: friction alone holds the
 /// surfaces together, F_N <= 0.
 enum class Status { ok, no_contact, self_locked };
 
-/// Return the status for mu0 [-] and tau0 [GPa].
+/// Return the status of the coefficient of friction for mu0 [-] and tau0 [GPa].
 Status status(const Sums& sums, double mu0, double tau0 = 0.0);
 
 /// Return F_T / F_N; NaN unless the status is `ok`.
@@ -115,11 +115,11 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   const double along = normal.head<2>().dot(direction);
   const double across = normal.y() * direction.x() - normal.x() * direction.y();
   if (across == 0.0) {
-    // In the plane of s and z no normalisation is needed. This covers all profiles.
+    // No normalisation is needed for normals in the plane of s and z, such as those of all profiles.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
-  // Components along s, across it and upwards. The vector form (s·n) n - s would be a difference of nearly equal
-  // vectors at a steep wall.
+  // Components of the tangent along s, across s and upwards. The vector form (s·n) n - s would be a difference of
+  // nearly equal vectors at a steep wall.
   const double length = std::sqrt(normal.z() * normal.z() + across * across);
   const double lateral = along * (across / length);
   return {-length * direction.x() - lateral * direction.y(), -length * direction.y() + lateral * direction.x(),
@@ -133,7 +133,7 @@ inline SlidingFactors sliding_factors(const Vector3& normal, const Vector2& dire
   const double along = normal.head<2>().dot(direction);
   const double across = normal.y() * direction.x() - normal.x() * direction.y();
   if (across == 0.0) {
-    return {-along, along, normal.z()};  // always the case for profiles
+    return {-along, along, normal.z()};  // every profile takes this branch
   }
   const double length = std::sqrt(normal.z() * normal.z() + across * across);
   return {-along, along * (normal.z() / length), length};

@@ -11,9 +11,9 @@
 
 namespace stiction {
 
-/// Pool of `threads` threads, including the caller's; a pool of one starts no thread. Results must not depend on which
-/// thread runs a task, so that they are bit-identical for any number of threads. Only one calculation may use a pool at
-/// a time.
+/// Pool of `threads` threads, including the caller's thread; a pool of one thread starts no other. Results must not
+/// depend on the thread that runs a task, so that they are bit-identical for any number of threads. Only one
+/// calculation may use a pool at a time.
 class ThreadPool {
  public:
   explicit ThreadPool(std::size_t threads = 1, CancellationCheck check_cancellation = {});
@@ -21,11 +21,11 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  /// Return the number of threads, including the caller's.
+  /// Return the number of threads, including the caller's thread.
   std::size_t threads() const;
 
-  /// Run `work(task, thread)` for each task, and return when all are done. The calling thread is number 0 and checks
-  /// for cancellation after each of its tasks. Exceptions of a task or of the check are rethrown.
+  /// Run `work(task, thread)` for each task, and return when all tasks are done. The calling thread is number 0 and
+  /// checks for cancellation after each of its tasks. Exceptions of a task or of the check are rethrown.
   void run(std::size_t tasks, const std::function<void(std::size_t, std::size_t)>& work) const;
 
   /// Run `work(first, last)` on consecutive chunks of at most `chunk` indices.
@@ -41,7 +41,7 @@ class ThreadPool {
  private:
   struct Workers;
   CancellationCheck cancellation_check_;
-  std::unique_ptr<Workers> workers_;  // empty if the caller is the only thread
+  std::unique_ptr<Workers> workers_;  // null if the calling thread is the only thread
 };
 
 }  // namespace stiction

@@ -1,5 +1,5 @@
-// Example program: load and coefficient of static friction of two rough profiles, and Hertzian contact of two smooth
-// arcs.
+// Example program. It computes the load and the coefficient of static friction of two rough profiles, and the Hertzian
+// contact of two smooth arcs.
 #include <stiction/amplitude.hpp>
 #include <stiction/asperity.hpp>
 #include <stiction/contact.hpp>
@@ -30,8 +30,8 @@ std::vector<double> fractal_profile(unsigned seed) {
   return heights;
 }
 
-/// Return an arc of a circle [µm] around the middle of the profile; `sign` is +1 for a bump of the lower surface and -1
-/// for a bump of the upper one.
+/// Return an arc of a circle [µm] around the middle of the profile. `sign` is +1 for a bump of the lower surface and -1
+/// for a bump of the upper surface.
 std::vector<double> arc(double radius, double sign) {
   std::vector<double> heights(points);
   for (stiction::Index i = 0; i < points; ++i) {
@@ -54,7 +54,7 @@ int main() {
                 stiction::friction_coefficient(sums[k], mu0));
   }
 
-  // The arcs touch at their apexes, so the overlap equals the approach: F = 4/3 E* R^(1/2) overlap^(3/2).
+  // The arcs touch at their apexes, so the overlap equals the approach, and F = 4/3 E* R^(1/2) overlap^(3/2).
   const std::vector<double> upper = arc(3.0, -1.0);
   const std::vector<double> lower = arc(6.0, +1.0);
   const double overlap = 0.002;
