@@ -1,4 +1,4 @@
-"""Fixtures for tests of stores and of parts."""
+"""Fixtures for tests of stored results and of runs that compute a part of a result."""
 
 import pytest
 from stiction import run
@@ -8,19 +8,19 @@ from support.generated_studies import TINY
 
 @pytest.fixture
 def blocks_of_four(monkeypatch):
-    """Blocks of a result hold four members."""
+    """Make stored results write blocks of four members."""
     monkeypatch.setattr(runner, "choose_block_size", lambda study: 4)
 
 
 @pytest.fixture(scope="session")
-def undisturbed():
-    """Result of `TINY`; tests must not change it."""
+def uninterrupted_dataset():
+    """Return the dataset of the study `TINY`, computed in one run; tests must not change it."""
     return run(TINY).dataset
 
 
 @pytest.fixture
-def computed(monkeypatch):
-    """List of the repetitions that are computed."""
+def computed_repetitions(monkeypatch):
+    """Return a list to which each computed repetition is appended."""
     numbers, sums = [], runner.member_sums
 
     def record(study, number):

@@ -1,4 +1,4 @@
-"""Studies of surfaces and by the half-space, from the study file to the figures."""
+"""Test studies of generated surfaces, and of profiles in contact as elastic half-spaces."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -23,7 +23,7 @@ from stiction.mechanics.quantities import DIRECTED
 from stiction.studies import store
 from stiction.views.figures.standard import figures_of
 
-FEW = {
+ENSEMBLE_CHANGES = {
     "surfaces.fractal_dimension": [1.2, 1.5],
     "surfaces.amplitude": ["50 nm", "100 nm"],
     "ensemble.repetitions": 3,
@@ -32,7 +32,7 @@ FEW = {
     "contact.sliding": ["opposing", "all"],
 }
 SURFACES = Study().with_changes(
-    FEW
+    ENSEMBLE_CHANGES
     | {
         "surfaces.kind": "surface",
         "surfaces.shape": [24, 32],
@@ -60,7 +60,7 @@ HALF_SPACES = SURFACES.with_changes(
     }
 )
 HALF_PLANES = Study().with_changes(
-    FEW
+    ENSEMBLE_CHANGES
     | {
         "surfaces.points": 512,
         "surfaces.extent": "2 um",
@@ -78,8 +78,8 @@ def result(request):
     return run(STUDIES[request.param]).dataset
 
 
-def curves_of(study, upper, lower):
-    """A curve for each sliding rule, by the functions that a user would call."""
+def compute_curves(study, upper, lower):
+    """Compute the load curve for each sliding rule by calling `press` or `half_space` directly."""
     contact = study.contact
     for rule in contact.rules():
         if contact.mechanics == "asperities":
@@ -93,7 +93,7 @@ def curves_of(study, upper, lower):
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_sums_equal_those_of_each_pair(name):
+def test_study_sums_equal_sums_of_each_pair(name):
     study = STUDIES[name]
     dataset = run(study).dataset
     step = study.contact.step
@@ -102,65 +102,67 @@ def test_sums_equal_those_of_each_pair(name):
             study, r, fractal_dimension=dataset["fractal_dimension"].values[d],
             amplitude=dataset["amplitude"].values[a],
         )  # fmt: skip
-        here = dataset.isel(fractal_dimension=d, amplitude=a, repetition=r)
-        for rule, curve in zip(study.contact.rules(), curves_of(study, *pair), strict=True):
-            for item in study.sums():
-                directed = item in DIRECTED
-                computed = here[item].sel(sliding=rule) if directed else here[item]
-                assert computed.dims == (("direction", step) if directed and "direction" in dataset.dims else (step,))
-                assert computed.values.tobytes() == getattr(curve, item).tobytes(), item
+        member = dataset.isel(fractal_dimension=d, amplitude=a, repetition=r)
+        for rule, curve in zip(study.contact.rules(), compute_curves(study, *pair), strict=True):
+            for quantity in study.sums():
+                is_directed = quantity in DIRECTED
+                computed = member[quantity].sel(sliding=rule) if is_directed else member[quantity]
+                assert computed.dims == (
+                    ("direction", step) if is_directed and "direction" in dataset.dims else (step,)
+                )
+                assert computed.values.tobytes() == getattr(curve, quantity).tobytes(), quantity
     assert (dataset["normal_elastic"].values.max(axis=-1) > 0).all()
 
 
-def test_pairs_have_surfaces_of_their_study():
+def test_pair_of_generates_the_surfaces_of_the_study():
     for body, side in zip(pair_of(SURFACES, 7, fractal_dimension=1.3, amplitude=0.1), ("upper", "lower"), strict=True):
-        alone = weierstrass_mandelbrot_surface(
+        generated_surface = weierstrass_mandelbrot_surface(
             random_phases(2016, repetition=7, side=side), 1.3, shape=(24, 32), extent=(1.5, 2.0), band_limit="nyquist"
         ).with_amplitude(0.1)
         assert isinstance(body, Surface)
-        assert (body.heights.tobytes(), body.spacing) == (alone.heights.tobytes(), (0.0625, 0.0625))
+        assert (body.heights.tobytes(), body.spacing) == (generated_surface.heights.tobytes(), (0.0625, 0.0625))
     _, lower = pair_of(SELF_AFFINE, 7, fractal_dimension=1.3, amplitude=0.02)
-    alone = self_affine_surface(
+    generated_surface = self_affine_surface(
         2016, repetition=7, hurst_exponent=2 - 1.3, rms=1.0, shape=(24, 32), spacing=0.0625, shortest_wavelength=0.25
     ).with_amplitude(0.02, "Sq")
-    assert lower.heights.tobytes() == alone.heights.tobytes()
+    assert lower.heights.tobytes() == generated_surface.heights.tobytes()
 
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_stored_areal_study_is_read_and_continued(name, tmp_path):
     study = STUDIES[name]
-    whole = run(study).dataset
+    expected = run(study).dataset
     with ThreadPoolExecutor(2) as pool:
         run(study.with_changes({"ensemble.repetitions": 1}), store=tmp_path / "r", executor=pool)
         continued = run(study, store=tmp_path / "r", executor=pool).dataset
-    assert continued.identical(whole)
-    assert store.read(tmp_path / "r").identical(whole)
-    other = study.with_changes({"contact.sliding": "all"})
+    assert continued.identical(expected)
+    assert store.read(tmp_path / "r").identical(expected)
+    changed_study = study.with_changes({"contact.sliding": "all"})
     with pytest.raises(store.StoreError, match=r"contact\.sliding = "):
-        run(other, store=tmp_path / "r")
+        run(changed_study, store=tmp_path / "r")
 
 
-def test_maps_equal_maps_of_each_rule_and_direction(result):
+def test_friction_map_of_both_rules_equals_maps_of_each_rule(result):
     elastic = result["normal_elastic"].mean("repetition")
     load = float(elastic.isel({elastic.dims[-1]: -2}).min())
     maps = friction_map(result, [load])
     assert maps.sizes["sliding"] == 2
     for rule in ("opposing", "all"):
-        one = result.sel(sliding=rule)
-        assert friction_map(one, [load]).equals(maps.sel(sliding=rule))
+        result_of_rule = result.sel(sliding=rule)
+        assert friction_map(result_of_rule, [load]).equals(maps.sel(sliding=rule))
     assert (maps["status"] == "ok").any()
     assert area_map(result, [load])["contact_area"].dims == maps["friction_coefficient"].dims
-    without = nondimensional(maps)["friction_coefficient"]  # by numbers without units along loads and strengths
-    assert np.array_equal(without.values, maps["friction_coefficient"].values, equal_nan=True)
+    nondimensional_coefficient = nondimensional(maps)["friction_coefficient"]
+    assert np.array_equal(nondimensional_coefficient.values, maps["friction_coefficient"].values, equal_nan=True)
 
 
 def test_friction_map_of_half_space_is_ratio_of_means():
-    """Without friction in the normal load (mu0 = tau0 = 0) a load of the study is reached exactly at its own step."""
+    """Compare with the ratio at solved loads; mu0 = tau0 = 0, so that friction does not change the normal load."""
     dataset = run(HALF_SPACES).dataset
     loads = HALF_SPACES.contact.steps()
     maps = friction_map(dataset, loads[1:-1], mu0=[0.0], tau0=[0.0]).squeeze(["mu0", "tau0"])
     expected = dataset["tangential_elastic"].mean("repetition") / dataset["normal_elastic"].mean("repetition")
-    # To round-off of the loads; the last one may be missed by that.
+    # The last solved load is left out: round-off may put a requested load above it.
     assert np.allclose(
         maps["friction_coefficient"].transpose(*expected.dims).values, expected.values[..., 1:-1], rtol=1e-6, atol=1e-9
     )
@@ -176,7 +178,7 @@ def test_stiffness_map_of_half_space_is_derivative_of_approach():
         stiffness_map(run(HALF_PLANES), [0.01])
 
 
-def test_figures_exist_for_each_rule_and_direction():
+def test_standard_figures_exist_for_each_rule_and_direction():
     names = {f"{kind}_{rule}_{angle}" for kind in ("friction_mu0_0.4", "area")
              for rule in ("opposing", "all") for angle in (0, 90)}  # fmt: skip
     assert {name for name, _ in figures_of(run(SURFACES))} == names

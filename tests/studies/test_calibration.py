@@ -1,4 +1,4 @@
-"""mu0 and tau0 from friction tests: against least squares and brute force, known truths, and refusals."""
+"""Test `calibrate` against least squares, brute force and known true values, and its rejection of bad input."""
 
 from __future__ import annotations
 
@@ -27,14 +27,16 @@ from support.rough_surfaces import rough_maps
 
 BALL = Ball("5 mm", "3 GPa")
 LOADS = np.geomspace(5.0, 2000.0, 8)
-MU0, TAU0, ERROR = 0.15, 0.012, 0.03
+MU0, TAU0, RELATIVE_ERROR = 0.15, 0.012, 0.03
 
-MONTE_CARLO = 0.04
-"""Relative tolerance of ends of intervals, in widths: 4000 draws have that scatter at 95 %, and grids less."""
+SAMPLING_TOLERANCE = 0.04
+"""Tolerance of interval ends as a fraction of the width: the scatter of 95 % intervals from 4000 samples."""
 
 
-def ball_tests(*, mu0: float = MU0, tau0: float = TAU0, seed: int = 3, error: float = ERROR) -> list[FrictionTest]:
-    """Eight tests with a relative error, drawn."""
+def simulate_ball_tests(
+    *, mu0: float = MU0, tau0: float = TAU0, seed: int = 3, error: float = RELATIVE_ERROR
+) -> list[FrictionTest]:
+    """Return eight friction tests on a ball with random relative errors."""
     random = np.random.default_rng(seed)
     truth = [mu0 + tau0 * BALL.area_per_load(load) for load in LOADS]
     return [
@@ -43,8 +45,8 @@ def ball_tests(*, mu0: float = MU0, tau0: float = TAU0, seed: int = 3, error: fl
     ]
 
 
-def least_squares(tests: list[FrictionTest]) -> tuple[np.ndarray, np.ndarray]:
-    """Best (mu0, tau0) and its covariance, where bounds are far."""
+def fit_least_squares(tests: list[FrictionTest]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the least-squares estimate of (mu0, tau0) and its covariance, without bounds."""
     error = np.array([test.uncertainty for test in tests])
     matrix = np.array([[1.0, BALL.area_per_load(float(test.load))] for test in tests]) / error[:, np.newaxis]
     covariance = np.linalg.inv(matrix.T @ matrix)
@@ -52,17 +54,17 @@ def least_squares(tests: list[FrictionTest]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_calibrate_far_from_bounds_equals_least_squares() -> None:
-    tests = ball_tests(seed=4)
+    tests = simulate_ball_tests(seed=4)
     interface = calibrate(tests, common=0.0, sliding="all")
-    best, covariance = least_squares(tests)
-    for place, result in enumerate((interface.mu0, interface.tau0)):
-        deviation = math.sqrt(covariance[place, place])
-        expected = best[place] + 1.96 * deviation * np.array([0, -1, 1])
-        assert result == pytest.approx(expected, abs=MONTE_CARLO * 3.92 * deviation)
+    best, covariance = fit_least_squares(tests)
+    for index, result in enumerate((interface.mu0, interface.tau0)):
+        deviation = math.sqrt(covariance[index, index])
+        expected = best[index] + 1.96 * deviation * np.array([0, -1, 1])
+        assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * 3.92 * deviation)
 
 
 def test_calibrate_at_a_bound_agrees_with_brute_force() -> None:
-    tests = ball_tests(tau0=0.0, seed=11)
+    tests = simulate_ball_tests(tau0=0.0, seed=11)
     interface = calibrate(tests, common=0.0, sliding="all")
     mu0, tau0 = np.meshgrid(np.linspace(0.1, 0.2, 801), np.linspace(0.0, 0.003, 801), indexing="ij")
     log = np.zeros(mu0.shape)
@@ -74,20 +76,20 @@ def test_calibrate_at_a_bound_agrees_with_brute_force() -> None:
     for name, draws, interval in (("mu0", mu0, interface.mu0), ("tau0", tau0, interface.tau0)):
         expected = credible_interval(draws.ravel()[values], 0.0)
         result = credible_interval(interface.draws[name].to_numpy(), 0.0)
-        assert result == pytest.approx(expected, abs=MONTE_CARLO * (expected[2] - expected[1]))
+        assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * (expected[2] - expected[1]))
         assert interval[0] == result[0]
         assert interval[1] <= result[1] < result[2] <= interval[2]
     assert interface.tau0[1] == 0.0
 
 
 def test_common_error_widens_the_identified_interval() -> None:
-    tests = ball_tests()
+    tests = simulate_ball_tests()
     narrow, wide = (calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1))
     assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)
 
 
-def test_one_rough_pair_identifies_the_sum_only() -> None:
-    curve = rough_curve(0.02, 1)
+def test_one_rough_pair_identifies_only_the_sum_of_both_parameters() -> None:
+    curve = compute_rough_curve(0.02, 1)
     tests = [
         FrictionTest(curve, load, coefficient=float(y), uncertainty=0.03 * float(y))
         for load, y in zip(curve.load, curve.friction_coefficient(mu0=0.2, tau0=0.3), strict=True)
@@ -100,8 +102,8 @@ def test_one_rough_pair_identifies_the_sum_only() -> None:
     assert interface.excluded == ()
 
 
-def test_second_finish_separates_parameters_and_predicts_a_third() -> None:
-    curves = [rough_curve(rms, seed) for rms, seed in ((0.01, 1), (0.04, 2))]
+def test_tests_on_two_finishes_separate_parameters_and_predict_a_third_finish() -> None:
+    curves = [compute_rough_curve(rms, seed) for rms, seed in ((0.01, 1), (0.04, 2))]
     random = np.random.default_rng(1)
     tests = [
         FrictionTest(
@@ -114,15 +116,15 @@ def test_second_finish_separates_parameters_and_predicts_a_third() -> None:
     assert interface.separated
     assert interface.mu0[1] < 0.2 < interface.mu0[2]
     assert interface.tau0[1] < 0.3 < interface.tau0[2]
-    third = rough_curve(0.02, 5)
+    third = compute_rough_curve(0.02, 5)
     value, lower, upper = interface.predict(third, float(third.load[1]))
     assert lower < float(third.friction_coefficient(mu0=0.2, tau0=0.3)[1]) < upper
     assert lower < value < upper
     assert list(interface.draws.columns) == ["mu0", "tau0", "hardness"]
 
 
-def rough_curve(rms: float, seed: int):
-    """Rough areas by the half-space, all contacts rubbing."""
+def compute_rough_curve(rms: float, seed: int):
+    """Return the load curve of two rough surfaces as elastic half-spaces, with friction at all contacts."""
     upper, lower = rough_maps(seed, rms=rms, points=64)
     loads = np.geomspace(0.05, 0.4, 4) * 6.4**2
     return half_space(upper, lower, loads, effective_modulus=80.0, sliding="all", boundary="periodic")
@@ -137,50 +139,54 @@ def test_friction_test_accepts_result_of_pair() -> None:
     computed = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["friction_all_round"].sel(sliding="all", statistic="mean")
     truth = float(computed.squeeze())
     tests = [FrictionTest(result, load, coefficient=truth, uncertainty=0.01) for load in ("80 MPa", "2 mN")]
-    assert tests[0].load == pytest.approx(0.08 * result.nominal_area)  # pieces of the maps are pressed
+    assert tests[0].load == pytest.approx(0.08 * result.nominal_area)  # the pressure acts on pieces of the maps
     interface = calibrate(tests)
     assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]
     assert interface.predict(result, "80 MPa")[0] == pytest.approx(truth, rel=0.02)
-    brass = find_inputs(result.study)["hardness"].estimate
-    assert interface.about[HARDNESS_ENTRY] == brass.text
-    assert interface.draws["hardness"].median() == pytest.approx(brass.value, rel=0.1)
+    hardness_of_brass = find_inputs(result.study)["hardness"].estimate
+    assert interface.about[HARDNESS_ENTRY] == hardness_of_brass.text
+    assert interface.draws["hardness"].median() == pytest.approx(hardness_of_brass.value, rel=0.1)
 
 
-def faces(rms: float) -> list[Any]:
+def rough_faces(rms: float) -> list[Any]:
     return rough_maps(1, rms=rms, shortest_wavelength=0.5)
 
 
-PRESSED = {"load": ["20 MPa", "50 MPa"], "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 4,
+PAIR_OPTIONS = {"load": ["20 MPa", "50 MPa"], "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 4,
            "direction": [0.0, 180.0], "onset": 0}  # fmt: skip
 
 
 def test_shared_hardness_cancels_in_prediction(tmp_path) -> None:
-    known = "0.5..1.5 GPa"
-    rough, other = (pair(*faces(rms), hardness=known, **PRESSED) for rms in (0.03, 0.02))
-    tests = [FrictionTest(rough, load, coefficient=0.25, uncertainty=0.005) for load in ("20 MPa", "50 MPa")]
+    hardness = "0.5..1.5 GPa"
+    tested_pair, predicted_pair = (pair(*rough_faces(rms), hardness=hardness, **PAIR_OPTIONS) for rms in (0.03, 0.02))
+    tests = [FrictionTest(tested_pair, load, coefficient=0.25, uncertainty=0.005) for load in ("20 MPa", "50 MPa")]
     strength = calibrate(tests)
     assert strength.draws["hardness"].quantile([0.025, 0.975]).to_numpy() == pytest.approx([0.5, 1.5], rel=0.1)
-    value, lower, upper = strength.predict(other, "50 MPa")
+    value, lower, upper = strength.predict(predicted_pair, "50 MPa")
     assert value == pytest.approx(0.25, rel=0.02)
     assert upper - lower < 0.03
-    softer = pair(*faces(0.02), hardness="0.5..1.51 GPa", **PRESSED)  # of which nothing is common
-    assert np.ptp(strength.predict(softer, "50 MPa")[1:]) > 3 * (upper - lower)
-    # The same in the interval of a whole answer, from the file of the interface.
+    unrelated_pair = pair(
+        *rough_faces(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS
+    )  # another text, so another hardness
+    assert np.ptp(strength.predict(unrelated_pair, "50 MPa")[1:]) > 3 * (upper - lower)
+    # The combined interval of a pair shares the hardness with an interface file, too.
     write_interface(strength, tmp_path / "film.csv")
-    arguments = {name: value for name, value in PRESSED.items() if name not in ("mu0", "tau0")}
-    shared, apart = (
-        pair(*faces(0.02), hardness=text, interface=tmp_path / "film.csv", **arguments)
-        for text in (known, "0.5..1.51 GPa")
+    arguments = {name: value for name, value in PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
+    shared_result, unrelated_result = (
+        pair(*rough_faces(0.02), hardness=text, interface=tmp_path / "film.csv", **arguments)
+        for text in (hardness, "0.5..1.51 GPa")
     )
-    assert np.ptp(shared.interval) < 0.5 * np.ptp(apart.interval)
-    in_words = pair(*faces(0.02), hardness="500..1500MPa", interface=tmp_path / "film.csv", **arguments)
-    assert in_words.interval == pytest.approx(shared.interval, rel=1e-6)
+    assert np.ptp(shared_result.interval) < 0.5 * np.ptp(unrelated_result.interval)
+    result_in_other_unit = pair(
+        *rough_faces(0.02), hardness="500..1500MPa", interface=tmp_path / "film.csv", **arguments
+    )
+    assert result_in_other_unit.interval == pytest.approx(shared_result.interval, rel=1e-6)
 
 
-def test_dwell_times_separate_parameters_of_one_plastic_pair() -> None:
-    rough = pair(*faces(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PRESSED)
-    at, tests = rough.at("20 MPa"), []
-    ratio = (at["contact_area"].sel(statistic="mean") / at["load"]).item()
+def test_tests_at_several_dwell_times_separate_parameters_of_one_plastic_pair() -> None:
+    rough = pair(*rough_faces(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PAIR_OPTIONS)
+    table, tests = rough.at("20 MPa"), []
+    ratio = (table["contact_area"].sel(statistic="mean") / table["load"]).item()
     for wait, seconds in (("1 s", 1.0), ("1 h", 3600.0), ("300 d", 300 * 86400.0)):
         y = 0.2 + 0.05 * ratio * seconds**0.05
         tests.append(FrictionTest(rough, "20 MPa", coefficient=y, uncertainty=0.002, wait=wait))
@@ -190,8 +196,8 @@ def test_dwell_times_separate_parameters_of_one_plastic_pair() -> None:
     assert strength.tau0[0] == pytest.approx(0.05, rel=0.1)
 
 
-def test_calibrate_weighs_ranges_by_the_tests() -> None:
-    # The true value is 1.8 standard deviations from the centre of its range. Precise tests on a second body fix A/F.
+def test_calibrate_updates_a_range_of_modulus_by_the_tests() -> None:
+    # The true modulus is 1.8 standard deviations above the middle of its range; a ball of exact modulus reveals it.
     ranged, exact = Ball("5 mm", "2..4.5 GPa"), Ball("5 mm", "30 GPa")
     modulus = 3.0 * 1.5 ** (1.8 / 1.96)
     truth = Ball("5 mm", modulus)
@@ -205,137 +211,140 @@ def test_calibrate_weighs_ranges_by_the_tests() -> None:
     fit = interface.fits[0]
     (score,) = fit.scores.values()
     assert np.median(score) == pytest.approx(1.8, abs=0.2)
-    assert fit.scale == 1.0  # judged at the best modulus, not at the middle of its range
+    assert fit.scale == 1.0  # the errors fit at the best modulus, though not at the middle of its range
     assert interface.mu0[1] < MU0 < interface.mu0[2]
     assert interface.tau0[1] < TAU0 < interface.tau0[2]
 
 
-def test_calibrate_agrees_with_brute_force_over_a_range() -> None:
-    # Given the modulus the tests are linear; the integral over the modulus by a fine grid.
+def test_calibrate_over_a_range_of_modulus_agrees_with_brute_force() -> None:
     low, high = 2.0, 4.5
     body = Ball("5 mm", f"{low}..{high} GPa")
     tests = [
         FrictionTest(body, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty)
-        for test in ball_tests(seed=4)
+        for test in simulate_ball_tests(seed=4)
     ]
     interface = calibrate(tests, common=0.0)
-    best, covariance = least_squares(tests)
+    best, covariance = fit_least_squares(tests)
     random = np.random.default_rng(0)
-    plain = random.multivariate_normal(best, covariance, 400_000)
-    # A/F goes with E*^(-2/3), and tau0 with its inverse; the flat prior is of tau0 A/F.
+    samples_at_mean_modulus = random.multivariate_normal(best, covariance, 400_000)
+    # A/F is proportional to E*^(-2/3), and the prior is flat in tau0 A/F, so tau0 is proportional to E*^(2/3).
     relative = np.exp(random.standard_normal(400_000) / 1.96 * 0.5 * math.log(high / low))
-    tau0 = plain[:, 1] * relative ** (2 / 3)
-    for result, draws in ((interface.mu0, plain[:, 0]), (interface.tau0, tau0)):
+    tau0 = samples_at_mean_modulus[:, 1] * relative ** (2 / 3)
+    for result, draws in ((interface.mu0, samples_at_mean_modulus[:, 0]), (interface.tau0, tau0)):
         expected = np.quantile(draws, [0.5, 0.025, 0.975])
-        assert result == pytest.approx(expected, abs=MONTE_CARLO * np.ptp(expected))
+        assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * np.ptp(expected))
 
 
-def test_prediction_on_the_tested_pair_uses_its_area_once() -> None:
-    rough = pair(*faces(0.03), hardness="0.8 GPa", **PRESSED)
-    tests = [FrictionTest(rough, "20 MPa", coefficient=0.25, uncertainty=0.0025)] * 4
+def test_prediction_for_the_tested_pair_omits_the_error_of_its_area() -> None:
+    tested_pair = pair(*rough_faces(0.03), hardness="0.8 GPa", **PAIR_OPTIONS)
+    tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)] * 4
     strength = calibrate(tests, common=0.0)
-    again = strength.predict(rough, "20 MPa")
-    other = strength.predict(pair(*faces(0.02), hardness="0.8 GPa", **PRESSED), "20 MPa")
-    assert again == pytest.approx(np.array([1.0, 0.99, 1.01]) * 0.25, abs=0.0004)
-    assert np.ptp(other[1:]) > 2 * np.ptp(again[1:])
+    same_pair = strength.predict(tested_pair, "20 MPa")
+    other_pair = strength.predict(pair(*rough_faces(0.02), hardness="0.8 GPa", **PAIR_OPTIONS), "20 MPa")
+    assert same_pair == pytest.approx(np.array([1.0, 0.99, 1.01]) * 0.25, abs=0.0004)
+    assert np.ptp(other_pair[1:]) > 2 * np.ptp(same_pair[1:])
 
 
-def test_predictions_contain_those_of_mu0_at_its_bound(tmp_path) -> None:
-    tests = ball_tests(mu0=0.0, seed=11)
+def test_predictions_contain_predictions_with_mu0_at_its_bound(tmp_path) -> None:
+    tests = simulate_ball_tests(mu0=0.0, seed=11)
     interface = calibrate(tests, common=0.0, sliding="all")
     assert interface.mu0[1] == 0.0
-    (at_bound,) = [tau0 for mu0, tau0 in interface.at_bounds if not mu0.any()]
-    # Given mu0 = 0 the tests have one unknown, whose estimate is a weighted mean with a normal error.
+    (tau0_at_bound,) = [tau0 for mu0, tau0 in interface.at_bounds if not mu0.any()]
+    # If mu0 is 0, only tau0 is unknown; its estimate is a weighted mean with a normal error.
     ratio = np.array([BALL.area_per_load(float(test.load)) / test.uncertainty for test in tests])
     scaled = np.array([test.coefficient / test.uncertainty for test in tests])
     estimate, error = ratio @ scaled / (ratio @ ratio), 1 / math.sqrt(ratio @ ratio)
-    assert np.median(at_bound) == pytest.approx(estimate, abs=error)
-    far = ball_of(interface.area_per_load / 3)
+    assert np.median(tau0_at_bound) == pytest.approx(estimate, abs=error)
+    distant_ball = load_ball(interface.area_per_load / 3)
     write_interface(interface, tmp_path / "film.csv")
     for strength in (interface, read_interface(tmp_path / "film.csv")):
-        _, low, high = strength.predict(*far)
-        assert low <= np.quantile(at_bound, 0.025) * interface.area_per_load / 3 * 1.000001 < high
-        assert strength.tau0[2] >= np.quantile(at_bound, 0.975) * 0.999999
+        _, low, high = strength.predict(*distant_ball)
+        assert low <= np.quantile(tau0_at_bound, 0.025) * interface.area_per_load / 3 * 1.000001 < high
+        assert strength.tau0[2] >= np.quantile(tau0_at_bound, 0.975) * 0.999999
 
 
-def test_given_mu0_has_no_bound() -> None:
-    interface = calibrate(ball_tests(mu0=0.0), common=0.0, mu0=0.0, sliding="all")
+def test_calibrate_with_given_mu0_has_no_bound() -> None:
+    interface = calibrate(simulate_ball_tests(mu0=0.0), common=0.0, mu0=0.0, sliding="all")
     assert interface.at_bounds == ()
 
 
 def test_area_over_hardness_has_the_error_of_its_members() -> None:
-    rough = pair(*faces(0.03), hardness="0.5..1.5 GPa", **PRESSED)
-    test = FrictionTest(rough, "20 MPa", coefficient=0.25, uncertainty=0.0025)
-    own = test.yields
-    assert own is not None
-    assert own.error in own.names
-    solved = load_areas_over_hardness(rough.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
-    relative = np.log(solved.div(solved[float(rough.study.contact.hardness)], axis=0))
+    tested_pair = pair(*rough_faces(0.03), hardness="0.5..1.5 GPa", **PAIR_OPTIONS)
+    test = FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)
+    yielding = test.yields
+    assert yielding is not None
+    assert yielding.error in yielding.names
+    solved = load_areas_over_hardness(tested_pair.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
+    relative = np.log(solved.div(solved[float(tested_pair.study.contact.hardness)], axis=0))
     expected = relative.sem(axis=0)
     for hardness in expected.index[:-1]:
-        assert own.areas.area_ratio_error(0, np.array([hardness])) == pytest.approx(expected[hardness])
+        assert yielding.areas.area_ratio_error(0, np.array([hardness])) == pytest.approx(expected[hardness])
     fit = calibrate([test] * 4).fits[0]
-    assert own.error in fit.scores
+    assert yielding.error in fit.scores
 
 
-def test_too_small_errors_are_scaled_with_a_note() -> None:
-    tests = ball_tests(error=0.1, seed=2)
-    small = [
+def test_understated_errors_are_scaled() -> None:
+    tests = simulate_ball_tests(error=0.1, seed=2)
+    tests_of_small_errors = [
         FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty / 5) for test in tests
     ]
-    fit = calibrate(small, sliding="all").fits[0]
+    fit = calibrate(tests_of_small_errors, sliding="all").fits[0]
     assert fit.probability < 0.05
     assert fit.scale > 2
     assert calibrate(tests, sliding="all").fits[0].scale == 1.0
 
 
 def test_missing_errors_are_estimated_from_scatter() -> None:
-    tests = ball_tests(seed=4)
-    unsaid = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]
-    message, result = (calibrate(item, sliding="all", common=0.0) for item in (tests, unsaid))
-    ratio = (result.identified[2] - result.identified[1]) / (message.identified[2] - message.identified[1])
-    assert 0.5 < ratio < 2.5  # chi² of six degrees of freedom, and the tail of Student's t
+    tests = simulate_ball_tests(seed=4)
+    tests_without_errors = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]
+    expected, result = (calibrate(item, sliding="all", common=0.0) for item in (tests, tests_without_errors))
+    ratio = (result.identified[2] - result.identified[1]) / (expected.identified[2] - expected.identified[1])
+    assert 0.5 < ratio < 2.5  # a variance of six degrees of freedom and Student's t widen it
 
 
 def test_tests_without_sliding_are_lower_bounds() -> None:
-    slid = ball_tests()
-    weak = calibrate(slid[:2], sliding="all").identified
-    level = slid[0].coefficient * 1.05
-    stored = [FrictionTest(BALL, LOADS[0], coefficient=level, uncertainty=0.01, slid=False)] * 3
-    strong = calibrate([*slid[:2], *stored], sliding="all")
-    top = BALL.area_per_load(LOADS[0])
-    before = np.quantile(calibrate(slid[:2], sliding="all").draws.eval(f"mu0 + tau0 * {top}"), 0.05)
-    after = np.quantile(strong.draws.eval(f"mu0 + tau0 * {top}"), 0.05)
+    sliding_tests = simulate_ball_tests()
+    identified = calibrate(sliding_tests[:2], sliding="all").identified
+    level = sliding_tests[0].coefficient * 1.05
+    static_tests = [FrictionTest(BALL, LOADS[0], coefficient=level, uncertainty=0.01, slid=False)] * 3
+    bounded = calibrate([*sliding_tests[:2], *static_tests], sliding="all")
+    area_per_load = BALL.area_per_load(LOADS[0])
+    before = np.quantile(calibrate(sliding_tests[:2], sliding="all").draws.eval(f"mu0 + tau0 * {area_per_load}"), 0.05)
+    after = np.quantile(bounded.draws.eval(f"mu0 + tau0 * {area_per_load}"), 0.05)
     assert after > before
-    assert weak[0] > 0
+    assert identified[0] > 0
 
 
 # ---- Junction growth -------------------------------------------------------------------------------------------------
 
-GROWING = PRESSED | {"hardness": "0.625 GPa"}
+PLASTIC_PAIR_OPTIONS = PAIR_OPTIONS | {"hardness": "0.625 GPa"}
 STEEL_BALL = Ball("5 mm", "80 GPa")
-MAX_OF_DIRECT = 0.01
-"""Relative difference of a coefficient between nodes of the hardness from a pair that was pressed at H'."""
+HARDNESS_NODE_TOLERANCE = 0.01
+"""Relative tolerance between a coefficient interpolated over hardness and a pair solved at that hardness."""
 
 
 @cache
-def growing(alpha: Any, rms: float = 0.03, hardness: str = "0.625 GPa") -> Any:
-    """Pair whose contacts all yield at 0.625 GPa."""
-    return pair(*faces(rms), **GROWING | {"hardness": hardness}, junction_growth=alpha)
+def plastic_pair(alpha: Any, rms: float = 0.03, hardness: str = "0.625 GPa") -> Any:
+    """Return the result of a pair with junction growth whose contacts all yield at 0.625 GPa."""
+    return pair(*rough_faces(rms), **PLASTIC_PAIR_OPTIONS | {"hardness": hardness}, junction_growth=alpha)
 
 
 @cache
-def direct(mu0: float, tau0: float, alpha: float, rms: float = 0.03, hardness: float = 0.625) -> float:
-    """Coefficient of the same pair at 20 MPa, which was pressed with H' as its hardness."""
+def solve_coefficient(mu0: float, tau0: float, alpha: float, rms: float = 0.03, hardness: float = 0.625) -> float:
+    """Return the coefficient at 20 MPa of the pair that `plastic_pair` returns, solved at its hardness under shear."""
     pressure = float(hardness_under_shear(hardness, mu0, tau0, alpha))
-    result = pair(*faces(rms), **GROWING | {"hardness": pressure, "mu0": mu0, "tau0": tau0}, junction_growth=0)
+    result = pair(
+        *rough_faces(rms), **PLASTIC_PAIR_OPTIONS | {"hardness": pressure, "mu0": mu0, "tau0": tau0}, junction_growth=0
+    )
     return float(result.at("20 MPa")["friction_all_round"].sel(sliding="all", statistic="mean").squeeze())
 
 
-def growing_tests(alpha: Any, truth: float, *, balls: bool = True, mu0: float = 0.2, tau0: float = 0.05) -> list[Any]:
-    """Tests without noise on the plastic pair, and on a ball below yield."""
-    y = direct(mu0, tau0, truth)
-    tests = [FrictionTest(growing(alpha), "20 MPa", coefficient=y, uncertainty=0.01 * y) for _ in range(3)]
+def simulate_tests_with_growth(
+    alpha: Any, truth: float, *, balls: bool = True, mu0: float = 0.2, tau0: float = 0.05
+) -> list[Any]:
+    """Return exact friction tests on a plastic pair, and on a steel ball that does not yield."""
+    y = solve_coefficient(mu0, tau0, truth)
+    tests = [FrictionTest(plastic_pair(alpha), "20 MPa", coefficient=y, uncertainty=0.01 * y) for _ in range(3)]
     for load in (5.0, 50.0, 500.0, 5000.0) if balls else ():
         y = mu0 + tau0 * STEEL_BALL.area_per_load(load)
         tests.append(FrictionTest(STEEL_BALL, load, coefficient=y, uncertainty=0.01 * y))
@@ -343,8 +352,8 @@ def growing_tests(alpha: Any, truth: float, *, balls: bool = True, mu0: float = 
 
 
 @pytest.mark.parametrize("truth", [3.0, 27.0])
-def test_calibrate_with_growth_returns_the_strength_of_the_tests(truth: float) -> None:
-    interface = calibrate(growing_tests(truth, truth), common=0.0, sliding="all")
+def test_calibrate_with_growth_recovers_mu0_and_tau0(truth: float) -> None:
+    interface = calibrate(simulate_tests_with_growth(truth, truth), common=0.0, sliding="all")
     assert interface.mu0[0] == pytest.approx(0.2, abs=0.005)
     assert interface.tau0[0] == pytest.approx(0.05, rel=0.02)
     assert interface.mu0[1] < 0.2 < interface.mu0[2]
@@ -353,98 +362,104 @@ def test_calibrate_with_growth_returns_the_strength_of_the_tests(truth: float) -
 
 
 def test_calibrate_with_growth_agrees_with_brute_force() -> None:
-    tests = growing_tests(27.0, 27.0)
+    tests = simulate_tests_with_growth(27.0, 27.0)
     interface = calibrate(tests, common=0.0, sliding="all")
     axes = np.linspace(0.17, 0.23, 9), np.linspace(0.043, 0.057, 9)
-    at = growing(27.0).at("20 MPa", mu0=axes[0], tau0=axes[1])["friction_all_round"]
-    predict = RegularGridInterpolator(axes, at.sel(sliding="all", statistic="mean").squeeze().values, method="cubic")
+    friction = plastic_pair(27.0).at("20 MPa", mu0=axes[0], tau0=axes[1])["friction_all_round"]
+    predict = RegularGridInterpolator(
+        axes, friction.sel(sliding="all", statistic="mean").squeeze().values, method="cubic"
+    )
     mu0, tau0 = np.meshgrid(*(np.linspace(axis[0], axis[-1], 401) for axis in axes), indexing="ij")
     log = np.zeros(mu0.shape)
-    plastic = predict((mu0, tau0))
+    plastic_coefficient = predict((mu0, tau0))
     for test in tests:
-        predicted = mu0 + tau0 * STEEL_BALL.area_per_load(float(test.load)) if test.result is STEEL_BALL else plastic
+        predicted = (
+            mu0 + tau0 * STEEL_BALL.area_per_load(float(test.load))
+            if test.result is STEEL_BALL
+            else plastic_coefficient
+        )
         log -= 0.5 * ((test.coefficient - predicted) / test.uncertainty) ** 2
     weight = np.exp(log - log.max()).ravel()
     values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
-    for draws, found in ((mu0, interface.mu0), (tau0, interface.tau0)):
+    for draws, computed in ((mu0, interface.mu0), (tau0, interface.tau0)):
         expected = np.quantile(draws.ravel()[values], [0.5, 0.025, 0.975])
-        assert found == pytest.approx(expected, abs=2 * MONTE_CARLO * np.ptp(expected[1:]))
+        assert computed == pytest.approx(expected, abs=2 * SAMPLING_TOLERANCE * np.ptp(expected[1:]))
 
 
-def test_ball_and_plastic_pair_measure_the_growth() -> None:
-    interface = calibrate(growing_tests("0..27", 9.0), common=0.0, sliding="all")
+def test_tests_on_ball_and_plastic_pair_determine_the_growth() -> None:
+    interface = calibrate(simulate_tests_with_growth("0..27", 9.0), common=0.0, sliding="all")
     low, middle, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
     assert low < 9.0 < high
     assert middle == pytest.approx(9.0, abs=1.0)
-    assert high - low < 8.0  # of 25.7 of the range alone
+    assert high - low < 8.0  # the range alone gives 25.7
 
 
-def test_one_plastic_pair_does_not_measure_the_growth() -> None:
-    interface = calibrate(growing_tests("0..27", 9.0, balls=False), sliding="all")
+def test_tests_on_one_plastic_pair_do_not_determine_the_growth() -> None:
+    interface = calibrate(simulate_tests_with_growth("0..27", 9.0, balls=False), sliding="all")
     low, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.975])
     assert low < 1.5
     assert high > 24.0
-    value, *ends = interface.predict(growing("0..27"), "20 MPa")
-    assert value == pytest.approx(direct(0.2, 0.05, 9.0), rel=0.01)
-    assert np.ptp(ends) < 0.12 * value  # the range of α alone is 0.28 to 0.376
+    value, *ends = interface.predict(plastic_pair("0..27"), "20 MPa")
+    assert value == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.01)
+    assert np.ptp(ends) < 0.12 * value  # the range of α alone gives 0.28 to 0.376
 
 
 @pytest.mark.parametrize(("alpha", "truth"), [(9.0, 9.0), ("0..27", 9.0), ("0..27", 20.0)])
 def test_prediction_for_a_harder_pair_covers_its_direct_solution(alpha: Any, truth: float) -> None:
-    interface = calibrate(growing_tests(alpha, truth), sliding="all")
-    expected = direct(0.2, 0.05, truth, 0.02, 1.25)
-    value, low, high = interface.predict(growing(alpha, 0.02, "1.25 GPa"), "20 MPa")
+    interface = calibrate(simulate_tests_with_growth(alpha, truth), sliding="all")
+    expected = solve_coefficient(0.2, 0.05, truth, 0.02, 1.25)
+    value, low, high = interface.predict(plastic_pair(alpha, 0.02, "1.25 GPa"), "20 MPa")
     assert low < expected < high
     assert value == pytest.approx(expected, rel=0.02)
 
 
-def test_growth_that_is_left_out_gives_a_wrong_prediction() -> None:
-    interface = calibrate(growing_tests(0, 20.0), sliding="all")
-    wrong, *_ = interface.predict(growing(0, 0.02, "1.25 GPa"), "20 MPa")
-    assert wrong > 1.05 * direct(0.2, 0.05, 20.0, 0.02, 1.25)
-    assert interface.fits[0].scale > 1.5  # the ball and the pair contradict each other
+def test_prediction_without_growth_differs_from_direct_solution() -> None:
+    interface = calibrate(simulate_tests_with_growth(0, 20.0), sliding="all")
+    predicted, *_ = interface.predict(plastic_pair(0, 0.02, "1.25 GPa"), "20 MPa")
+    assert predicted > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
+    assert interface.fits[0].scale > 1.5  # tests on the ball contradict tests on the pair
     assert interface.about[GROWTH_ENTRY] == "0"
 
 
-def test_predict_warns_where_the_growth_differs_from_that_of_the_tests() -> None:
-    interface = calibrate(growing_tests(9.0, 9.0), sliding="all")
+def test_predict_warns_if_result_and_tests_have_different_growth() -> None:
+    interface = calibrate(simulate_tests_with_growth(9.0, 9.0), sliding="all")
     with pytest.warns(UserWarning, match=r"calibrated with α = 9 .* the result has α = 0"):
-        interface.predict(growing(0), "20 MPa")
-    interface.predict(STEEL_BALL, 50.0)  # which does not yield
+        interface.predict(plastic_pair(0), "20 MPa")
+    interface.predict(STEEL_BALL, 50.0)  # no warning: the ball does not yield
 
 
 def test_tests_below_yield_have_no_growth() -> None:
-    assert GROWTH_ENTRY not in calibrate(ball_tests()).about
+    assert GROWTH_ENTRY not in calibrate(simulate_ball_tests()).about
 
 
-def test_interface_file_and_pair_keep_the_growth_of_the_tests(tmp_path) -> None:
+def test_interface_file_preserves_junction_growth_of_the_tests(tmp_path) -> None:
     path = tmp_path / "film.csv"
-    interface = calibrate(growing_tests("0..27", 9.0), sliding="all")
+    interface = calibrate(simulate_tests_with_growth("0..27", 9.0), sliding="all")
     write_interface(interface, path)
-    again = read_interface(path)
-    assert again.about[GROWTH_ENTRY] == "0..27"
-    assert again.fits[0].junction_growth == pytest.approx(interface.fits[0].junction_growth, rel=1e-6)
-    given = {name: value for name, value in GROWING.items() if name not in ("mu0", "tau0")}
-    applied = pair(*faces(0.03), **given, interface=path)
-    assert applied.study.known.junction_growth == "0..27"
-    assert applied.study.contact.junction_growth == pytest.approx(9.0, abs=1.0)
-    expected = interface.predict(growing("0..27"), "20 MPa")
-    table = applied.at("20 MPa")["friction_combined"].sel(sliding="all").squeeze()
-    assert table.values[0] == pytest.approx(direct(0.2, 0.05, 9.0), rel=0.02)
-    assert np.ptp(table.values[1:]) < 2 * np.ptp(expected[1:])  # of the range alone four times
-    other = pair(*faces(0.03), **given, interface=path, junction_growth=20)
-    assert any("calibrated with α = 0..27" in caveat.text for caveat in other.caveats)
+    stored_interface = read_interface(path)
+    assert stored_interface.about[GROWTH_ENTRY] == "0..27"
+    assert stored_interface.fits[0].junction_growth == pytest.approx(interface.fits[0].junction_growth, rel=1e-6)
+    options = {name: value for name, value in PLASTIC_PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
+    result = pair(*rough_faces(0.03), **options, interface=path)
+    assert result.study.known.junction_growth == "0..27"
+    assert result.study.contact.junction_growth == pytest.approx(9.0, abs=1.0)
+    expected = interface.predict(plastic_pair("0..27"), "20 MPa")
+    table = result.at("20 MPa")["friction_combined"].sel(sliding="all").squeeze()
+    assert table.values[0] == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.02)
+    assert np.ptp(table.values[1:]) < 2 * np.ptp(expected[1:])  # the range alone is four times as wide
+    contradicting_result = pair(*rough_faces(0.03), **options, interface=path, junction_growth=20)
+    assert any("calibrated with α = 0..27" in caveat.text for caveat in contradicting_result.caveats)
 
 
 def test_outlier_does_not_move_a_robust_fit() -> None:
-    tests = ball_tests()
-    wrong = [*tests, FrictionTest(BALL, LOADS[4], coefficient=3 * tests[4].coefficient, uncertainty=0.03)]
-    clean = calibrate(tests, sliding="all").identified
-    robust = calibrate(wrong, sliding="all", outliers=True).identified
-    assert abs(robust[0] - clean[0]) < 0.3 * (clean[2] - clean[1])
+    tests = simulate_ball_tests()
+    tests_with_outlier = [*tests, FrictionTest(BALL, LOADS[4], coefficient=3 * tests[4].coefficient, uncertainty=0.03)]
+    expected = calibrate(tests, sliding="all").identified
+    robust = calibrate(tests_with_outlier, sliding="all", outliers=True).identified
+    assert abs(robust[0] - expected[0]) < 0.3 * (expected[2] - expected[1])
 
 
-def test_runs_share_an_offset() -> None:
+def test_common_error_of_a_run_widens_the_interval() -> None:
     random = np.random.default_rng(8)
     offsets = {run: 0.1 * random.standard_normal() for run in "abcd"}
     tests = [
@@ -456,15 +471,17 @@ def test_runs_share_an_offset() -> None:
         for load in LOADS[::2]
         for y in [MU0 + TAU0 * BALL.area_per_load(load)]
     ]  # fmt: skip
-    apart = [
+    tests_without_runs = [
         FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty) for test in tests
     ]
-    together, alone = (calibrate(item, sliding="all", common=0.0).identified for item in (tests, apart))
-    assert together[2] - together[1] > alone[2] - alone[1]
+    with_runs, without_runs = (
+        calibrate(item, sliding="all", common=0.0).identified for item in (tests, tests_without_runs)
+    )
+    assert with_runs[2] - with_runs[1] > without_runs[2] - without_runs[1]
 
 
-def test_prior_information_is_preserved() -> None:
-    tests = ball_tests()
+def test_calibrate_preserves_given_parameters() -> None:
+    tests = simulate_ball_tests()
     fixed = calibrate(tests[:1], sliding="all", tau0="12 MPa")
     assert fixed.separated
     assert set(fixed.draws["tau0"]) == {0.012}
@@ -472,7 +489,7 @@ def test_prior_information_is_preserved() -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "words"),
+    ("call", "pattern"),
     [
         (lambda: calibrate([]), "must contain a test that slid"),
         (lambda: calibrate([3]), "must be a sequence of FrictionTest"),
@@ -481,42 +498,42 @@ def test_prior_information_is_preserved() -> None:
         (lambda: FrictionTest(BALL, "1 um", coefficient=0.1), "load .* unit"),
         (lambda: FrictionTest(BALL, 1, coefficient=-0.1), "not be negative"),
         (lambda: FrictionTest(BALL, 1, coefficient=1e-310, uncertainty=1e-311), "must be at least 1e-15"),
-        (lambda: calibrate(ball_tests(), common=2), "below 1"),
-        (lambda: calibrate(ball_tests(), tau0="3 um"), "tau0"),
-        (lambda: calibrate([*ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]), "all tests or for none"),
+        (lambda: calibrate(simulate_ball_tests(), common=2), "below 1"),
+        (lambda: calibrate(simulate_ball_tests(), tau0="3 um"), "tau0"),
+        (lambda: calibrate([*simulate_ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]), "all tests or for none"),
     ],
 )
-def test_calibrate_rejects_bad_input(call, words: str) -> None:
-    with pytest.raises(ValueError, match=words):
+def test_calibrate_rejects_bad_input(call, pattern: str) -> None:
+    with pytest.raises(ValueError, match=pattern):
         call()
 
 
 @cache
-def pressed(rms: float, hardness: float | None = None) -> HalfSpaceCurve:
-    """Eight loads on a pair of rough faces."""
-    faces = rough_maps(7, rms=rms, points=64, shortest_wavelength=0.4)
+def load_curve_of_faces(rms: float, hardness: float | None = None) -> HalfSpaceCurve:
+    """Return the load curve of a pair of rough surfaces at eight loads."""
+    surfaces = rough_maps(7, rms=rms, points=64, shortest_wavelength=0.4)
     loads = np.geomspace(0.001, 0.01, 8) * 6.4**2
-    return half_space(*faces, loads, effective_modulus=60.0, boundary="periodic", hardness=hardness, sliding="all")
+    return half_space(*surfaces, loads, effective_modulus=60.0, boundary="periodic", hardness=hardness, sliding="all")
 
 
-def coefficient_of(body: Any, load: float, mu0: float, tau0: float) -> float:
-    """Coefficient of static friction at a load (mN); of a curve that of the model, with the slopes of the surfaces."""
+def true_coefficient(body: Any, load: float, mu0: float, tau0: float) -> float:
+    """Return the coefficient of static friction of a ball or a load curve at a load (mN)."""
     if isinstance(body, Ball):
         return mu0 + tau0 * body.area_per_load(load)
     return float(np.interp(load, body.load, np.ravel(body.friction_coefficient(mu0=mu0, tau0=tau0))))
 
 
-def ball_of(ratio: float) -> tuple[Ball, float]:
-    """A ball and a load (mN) at which it has an A/F (1/GPa)."""
+def load_ball(ratio: float) -> tuple[Ball, float]:
+    """Return a ball and the load (mN) at which its contact area per load is `ratio` (1/GPa)."""
     return BALL, 100.0 * (BALL.area_per_load(100.0) / ratio) ** 3
 
 
-ROUGH, SMOOTH, PLASTIC = (0.003, None), (0.001, None), (0.003, 0.1)  # of gentle slopes
-KINDS: dict[str, Any] = {  # bodies, and what is unlike the usual
+ROUGH, SMOOTH, SOFT = (0.003, None), (0.001, None), (0.003, 0.1)
+TEST_SERIES: dict[str, Any] = {  # bodies and settings of simulated test series
     "ball": ((None,), {}),
     "no adhesion": ((None,), {"tau0": 0.0}),
     "no mu0": ((None,), {"mu0": 0.0}),
-    "one plastic pair": ((PLASTIC,), {}),
+    "one plastic pair": ((SOFT,), {}),
     "one elastic pair": ((ROUGH,), {}),
     "two finishes": ((ROUGH, SMOOTH), {}),
     "ball and pair": ((None, ROUGH), {}),
@@ -524,53 +541,58 @@ KINDS: dict[str, Any] = {  # bodies, and what is unlike the usual
     "two finishes, no mu0": ((ROUGH, SMOOTH), {"mu0": 0.0}),
     "errors understated twice": ((ROUGH, SMOOTH), {"noise": 0.06}),
     "a tenth outliers": ((ROUGH, SMOOTH), {"outliers": 0.1}),
-    "half of them held": ((ROUGH, SMOOTH), {"held": 0.5}),
+    "half without sliding": ((ROUGH, SMOOTH), {"static": 0.5}),
 }
 
 
-def covered(kind: str, count: int) -> np.ndarray:
-    """(count, 3) whether intervals of mu_s hold it at a third of the A/F of the tests, at it and at three times it."""
-    of, unlike = KINDS[kind]
-    bodies = [BALL if item is None else pressed(*item) for item in of]
+def simulate_coverage(kind: str, count: int) -> np.ndarray:
+    """Simulate `count` test series; return whether predicted intervals contain the true mu_s.
+
+    The array of shape (count, 3) has columns for 1/3, 1 and 3 times the area per load of the tests.
+    """
+    sizes, settings = TEST_SERIES[kind]
+    bodies = [BALL if item is None else load_curve_of_faces(*item) for item in sizes]
     loads = [LOADS if item is BALL else item.load for item in bodies]
-    places = [(body, load) for body, item in zip(bodies, loads, strict=True) for load in item[:: len(bodies)]]
-    random, hits = np.random.default_rng(1), []
+    loaded_bodies = [(body, load) for body, item in zip(bodies, loads, strict=True) for load in item[:: len(bodies)]]
+    random, is_covered = np.random.default_rng(1), []
     for _ in range(count):
-        mu0 = unlike.get("mu0", random.uniform(0.05, 0.4))
-        tau0 = unlike.get("tau0", random.uniform(0.005, 0.05))
-        gain, tests = 1 + 0.02 * random.standard_normal(), []
-        for body, load in places:
-            y = coefficient_of(body, load, mu0, tau0) * gain
-            measured = y * (1 + unlike.get("noise", 0.03) * random.standard_normal())
-            if random.random() < unlike.get("outliers", 0.0):
+        mu0 = settings.get("mu0", random.uniform(0.05, 0.4))
+        tau0 = settings.get("tau0", random.uniform(0.005, 0.05))
+        common_factor, tests = 1 + 0.02 * random.standard_normal(), []
+        for body, load in loaded_bodies:
+            y = true_coefficient(body, load, mu0, tau0) * common_factor
+            measured = y * (1 + settings.get("noise", 0.03) * random.standard_normal())
+            if random.random() < settings.get("outliers", 0.0):
                 measured *= random.choice([0.5, 1.5])
-            stored = random.random() < unlike.get("held", 0.0) and any(test.slid for test in tests)
-            measured *= random.uniform(0.6, 0.95) if stored else 1.0
-            tests.append(FrictionTest(body, load, coefficient=measured, uncertainty=0.03 * y, slid=not stored))
-        result: Interface = calibrate(tests, sliding="all", outliers="outliers" in unlike)
+            is_static = random.random() < settings.get("static", 0.0) and any(test.slid for test in tests)
+            measured *= random.uniform(0.6, 0.95) if is_static else 1.0
+            tests.append(FrictionTest(body, load, coefficient=measured, uncertainty=0.03 * y, slid=not is_static))
+        result: Interface = calibrate(tests, sliding="all", outliers="outliers" in settings)
         ratios = result.area_per_load * np.array([1 / 3, 1, 3])
-        ends = [result.predict(*ball_of(ratio))[1:] for ratio in ratios]
-        hits.append([low <= mu0 + tau0 * x <= high for x, (low, high) in zip(ratios, ends, strict=True)])
+        ends = [result.predict(*load_ball(ratio))[1:] for ratio in ratios]
+        is_covered.append([low <= mu0 + tau0 * x <= high for x, (low, high) in zip(ratios, ends, strict=True)])
         assert result.separated == (result.variation >= 0.1)
-    return np.array(hits)
+    return np.array(is_covered)
 
 
-def test_predictions_cover_the_truth() -> None:
-    assert covered("ball", 40)[:, 1].sum() >= 34  # of 40 with a probability of 0.95 each, fewer are as likely as 0.4 %
+def test_predictions_cover_true_friction() -> None:
+    assert (
+        simulate_coverage("ball", 40)[:, 1].sum() >= 34
+    )  # at 95 % coverage, fewer than 34 of 40 have probability 0.4 %
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("kind", KINDS)
-def test_predictions_cover_the_truth_for_every_kind_of_tests(kind: str) -> None:
-    share = covered(kind, 300).mean(axis=0)
-    print(kind, share.round(3))
-    assert share[1] > 0.92
-    assert share.min() > 0.9
+@pytest.mark.parametrize("kind", TEST_SERIES)
+def test_predictions_cover_true_friction_for_every_test_series(kind: str) -> None:
+    coverage = simulate_coverage(kind, 300).mean(axis=0)
+    print(kind, coverage.round(3))
+    assert coverage[1] > 0.92
+    assert coverage.min() > 0.9
 
 
-def test_intervals_agree_with_minos() -> None:
+def test_calibrate_intervals_agree_with_minos() -> None:
     iminuit = pytest.importorskip("iminuit")
-    tests = ball_tests(seed=5)
+    tests = simulate_ball_tests(seed=5)
 
     def chi_squared(mu0: float, tau0: float) -> float:
         predicted = [mu0 + tau0 * BALL.area_per_load(float(test.load)) for test in tests]
@@ -585,4 +607,4 @@ def test_intervals_agree_with_minos() -> None:
         width = minuit.merrors[name].upper - minuit.merrors[name].lower
         value = minuit.values[name]
         expected = value, value + minuit.merrors[name].lower, value + minuit.merrors[name].upper
-        assert result == pytest.approx(expected, abs=MONTE_CARLO * width)
+        assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * width)

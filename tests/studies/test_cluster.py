@@ -1,4 +1,4 @@
-"""The workers of a Dask scheduler."""
+"""Test runs on the workers of a Dask scheduler."""
 
 import contextlib
 import os
@@ -12,7 +12,7 @@ from stiction.studies.values import StudyError
 from support.generated_studies import assert_same_bits
 
 distributed = pytest.importorskip("distributed")
-# distributed leaves sockets and loops to the collector.
+# distributed closes its sockets and event loops late, which gives resource warnings.
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 STUDY = Study().with_changes(
@@ -28,19 +28,19 @@ STUDY = Study().with_changes(
 
 @pytest.fixture(scope="module")
 def scheduler():
-    """A scheduler of two worker processes, as somebody else has started it."""
+    """Return the address of a Dask scheduler with two worker processes."""
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs="CRITICAL"
     ) as running:
         yield running.scheduler_address
 
 
-def test_dask_workers_write_the_bits_of_threads(scheduler, tmp_path, monkeypatch):
-    undisturbed = run(STUDY).dataset
+def test_dask_workers_write_the_same_bits_as_threads(scheduler, tmp_path, monkeypatch):
+    expected = run(STUDY).dataset
     monkeypatch.setattr(runner, "write_block", lambda *_: pytest.fail("written by the process that hands out the work"))
     with executors.connect_cluster(scheduler) as executor:
-        assert_same_bits(run(STUDY, executor=executor).dataset, undisturbed)
-        assert_same_bits(run(STUDY, executor=executor, store=tmp_path).dataset, undisturbed)
+        assert_same_bits(run(STUDY, executor=executor).dataset, expected)
+        assert_same_bits(run(STUDY, executor=executor, store=tmp_path).dataset, expected)
     assert not list(tmp_path.rglob("*.partial"))
 
 
@@ -52,14 +52,14 @@ def test_tasks_of_a_killed_worker_are_computed_again(scheduler, tmp_path, monkey
     ):
         workers = list(client.run(os.getpid).values())
 
-        def kill_one(_):
-            """When the first block is there, and the others are not."""
+        def kill_worker(_):
+            """Kill a worker when the first block is finished."""
             if workers:
                 os.kill(workers.pop(), signal.SIGKILL)
                 workers.clear()
 
         with monkeypatch.context() as patched:
-            patched.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(kill_one))
+            patched.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(kill_worker))
             result = run(study, executor=executor, store=tmp_path).dataset
         assert not workers
     assert_same_bits(result, run(study).dataset)
@@ -75,14 +75,14 @@ def test_worker_with_another_version_is_rejected(scheduler, monkeypatch):
         run(STUDY, executor=executor)
 
 
-def test_absent_scheduler_is_reported(monkeypatch):
+def test_absent_scheduler_is_reported_with_its_address(monkeypatch):
     monkeypatch.setattr(executors, "CONNECTION_TIMEOUT", "1s")
     for address in ("tcp://127.0.0.1:1", "", "host", "tcp://host", "tcp://host:port", "file:///etc"):
         with pytest.raises(ClusterError, match=address or "like tcp://host:8786"), executors.connect_cluster(address):
             pass
 
 
-def test_scheduler_without_workers_is_waited_for_with_a_message():
+def test_scheduler_without_workers_gives_a_warning():
     with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs="CRITICAL") as running:
         address = running.scheduler_address
         with (

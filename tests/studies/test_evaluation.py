@@ -1,4 +1,4 @@
-"""What a result says at a load: the three readings, their means and intervals."""
+"""Test `at_load`: the three readings of friction at a load, their means and their intervals."""
 
 import numpy as np
 import pytest
@@ -14,48 +14,48 @@ ROUND_OFF = 1e-9
 
 
 @pytest.fixture(scope="module")
-def areas(tmp_path_factory):
+def areal_contact(tmp_path_factory):
     folder = tmp_path_factory.mktemp("areas")
     study = study_of(folder, spacing=write_maps(folder), members=5)
     return study, run(study).dataset
 
 
 @pytest.fixture(scope="module")
-def lines(tmp_path_factory):
+def profile_contact(tmp_path_factory):
     folder = tmp_path_factory.mktemp("lines")
     study = study_of(folder, "lines", "asperities", spacing=write_profiles(folder), members=12, load="0.05 mN")
     return study, run(study).dataset
 
 
-def test_at_load_of_profiles_equals_press_of_each_position(lines):
-    study, result = lines
+def test_at_load_of_profiles_equals_press_of_each_position(profile_contact):
+    study, result = profile_contact
     pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
-    order = np.argsort(result["x"].values)  # neighbours share asperities
+    order = np.argsort(result["x"].values)  # the mean depends on the order of positions
     material = {"mu0": 0.3, "tau0": 0.05}
     for load, mu0, tau0 in (("elastic", 0.0, 0.0), ("normal", *material.values())):
-        point = at_load(result, [0.05], reading=load).sel(material).isel(cut_off=0, load=0)
+        table = at_load(result, [0.05], reading=load).sel(material).isel(cut_off=0, load=0)
         for angle, shear in ((0.0, "+x"), (180.0, "-x")):
             model = {"effective_modulus": 100.0, "detection": "gap-minimum", "shear": shear}
             curves = [
                 press(*pair, approach_at_load(*pair, [0.05], mu0=mu0, tau0=tau0, **model), **model) for pair in pairs
             ]
-            own = np.array([curve.friction_coefficient(**material)[0] for curve in curves])[order]
-            computed = point["friction_coefficient"].sel(sliding="opposing", direction=angle).values
-            np.testing.assert_allclose(computed, intervals.neighbors_mean(own), rtol=2e-3)
-        if load == "elastic":  # areas are read off at the elastic load, whatever the reading
+            coefficients = np.array([curve.friction_coefficient(**material)[0] for curve in curves])[order]
+            computed = table["friction_coefficient"].sel(sliding="opposing", direction=angle).values
+            np.testing.assert_allclose(computed, intervals.neighbors_mean(coefficients), rtol=2e-3)
+        if load == "elastic":  # every reading has the area at the elastic load
             area = np.array([curve.contact_area[0] for curve in curves])[order]
-            np.testing.assert_allclose(point["contact_area"], intervals.neighbors_mean(area), rtol=1e-9)
+            np.testing.assert_allclose(table["contact_area"], intervals.neighbors_mean(area), rtol=1e-9)
 
 
-def test_readings_agree_for_small_slopes(areas):
-    _, result = areas
-    round_about = {reading: at_load(result, [2.0], reading=reading) for reading in ("mean", "elastic", "normal")}
-    values = [value["friction_all_round"].sel(statistic="mean").values for value in round_about.values()]
+def test_readings_agree_for_small_slopes(areal_contact):
+    _, result = areal_contact
+    tables = {reading: at_load(result, [2.0], reading=reading) for reading in ("mean", "elastic", "normal")}
+    values = [table["friction_all_round"].sel(statistic="mean").values for table in tables.values()]
     np.testing.assert_allclose(values[1], values[2], rtol=1e-3)
-    np.testing.assert_allclose(values[0], values[1], rtol=2e-3)  # a ratio of means and a mean of ratios
-    assert float(round_about["elastic"]["reading_difference"].max()) < 1e-3
-    assert {name: item.attrs["reading"] for name, item in round_about.items()} == {
-        name: name for name in round_about
+    np.testing.assert_allclose(values[0], values[1], rtol=2e-3)  # a ratio of means differs from a mean of ratios
+    assert float(tables["elastic"]["reading_difference"].max()) < 1e-3
+    assert {name: table.attrs["reading"] for name, table in tables.items()} == {
+        name: name for name in tables
     }  # fmt: skip
 
 
@@ -65,12 +65,12 @@ def test_at_load_of_generated_result_equals_friction_map():
     })  # fmt: skip
     result = run(study).dataset
     load = float(reached_loads(result, 5)[2])
-    point, old = at_load(result, [load]), friction_map(result, [load])
-    np.testing.assert_array_equal(point["friction_coefficient"].sel(statistic="mean"), old["friction_coefficient"])
-    np.testing.assert_array_equal(point["friction_coefficient"].sel(statistic="upper"), old["upper"])
-    assert int(point["members"]) == 4
-    own = at_load(result, [load], reading="elastic")
-    assert own["friction_coefficient"].dims == (
+    table, friction = at_load(result, [load]), friction_map(result, [load])
+    np.testing.assert_array_equal(table["friction_coefficient"].sel(statistic="mean"), friction["friction_coefficient"])
+    np.testing.assert_array_equal(table["friction_coefficient"].sel(statistic="upper"), friction["upper"])
+    assert int(table["members"]) == 4
+    elastic_table = at_load(result, [load], reading="elastic")
+    assert elastic_table["friction_coefficient"].dims == (
         "fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0", "statistic",
     )  # fmt: skip
 
@@ -83,72 +83,77 @@ def test_ensemble_quantities_average_directions_before_intervals():
     })  # fmt: skip
     result = run(study).dataset
     load = [float(reached_loads(result, 5)[2])]
-    point, merged = at_load(result, load), result.mean("direction", keep_attrs=True)
-    for name, whole in (("contact_area", area_map(merged, load)), ("normal_stiffness", stiffness_map(merged, load))):
-        for statistic, other in (("mean", name), ("lower", "lower"), ("upper", "upper")):
-            np.testing.assert_allclose(point[name].sel(statistic=statistic), whole[other], rtol=ROUND_OFF)
+    table, merged = at_load(result, load), result.mean("direction", keep_attrs=True)
+    for name, quantity_map in (
+        ("contact_area", area_map(merged, load)),
+        ("normal_stiffness", stiffness_map(merged, load)),
+    ):
+        for statistic, variable in (("mean", name), ("lower", "lower"), ("upper", "upper")):
+            np.testing.assert_allclose(table[name].sel(statistic=statistic), quantity_map[variable], rtol=ROUND_OFF)
 
 
-def test_measured_quantities_average_directions_before_intervals(areas):
-    _, result = areas
+def test_measured_quantities_average_directions_before_intervals(areal_contact):
+    _, result = areal_contact
     values = member_values(result, [2.0], mu0=0.3)
     point = at_load(result, [2.0], mu0=0.3)
-    one = values["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing")
-    expected = intervals.sample_mean(one.mean("direction").values)
+    friction = values["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing")
+    expected = intervals.sample_mean(friction.mean("direction").values)
     computed = point["friction_all_round"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
     np.testing.assert_allclose(computed, expected, rtol=ROUND_OFF)
-    senses = one.sel(direction=[60.0, 240.0]).mean("direction").values
+    axis_means = friction.sel(direction=[60.0, 240.0]).mean("direction").values
     by_axis = point["friction_by_axis"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", axis=60.0)
-    np.testing.assert_allclose(by_axis, intervals.sample_mean(senses), rtol=ROUND_OFF)
+    np.testing.assert_allclose(by_axis, intervals.sample_mean(axis_means), rtol=ROUND_OFF)
     low, high = (
         float(point[name].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing"))
         for name in ("spread_low", "spread_high")
     )
-    assert (low, high) == pytest.approx(tuple(np.quantile(one.values, [0.1, 0.9])))
+    assert (low, high) == pytest.approx(tuple(np.quantile(friction.values, [0.1, 0.9])))
 
 
 def test_axes_are_pairs_of_opposite_directions():
-    axes, places = axes_of(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
+    axes, indices = axes_of(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
     assert axes.tolist() == [0.0, 30.0]
-    assert places.tolist() == [[1, 4], [0, 2]]
+    assert indices.tolist() == [[1, 4], [0, 2]]
     assert axes_of(np.array([0.0, 45.0]))[0].size == 0
 
 
-def test_unreached_loads_have_status_not_reached(areas, lines):
-    for _, result in (areas, lines):
+def test_unreached_loads_have_status_not_reached(areal_contact, profile_contact):
+    for _, result in (areal_contact, profile_contact):
         highest = float(result["load"][-1])
-        point = at_load(result, [2 * highest])
-        assert np.isnan(point["friction_coefficient"]).all()
-        assert set(np.unique(point["status"])) <= {"not-reached", "not-solved"}
-        assert int(point["ok"].max()) == 0
+        table = at_load(result, [2 * highest])
+        assert np.isnan(table["friction_coefficient"]).all()
+        assert set(np.unique(table["status"])) <= {"not-reached", "not-solved"}
+        assert int(table["ok"].max()) == 0
 
 
-def test_member_without_solution_is_left_out(areas):
-    _, result = areas
-    broken = result.copy(deep=True)
-    broken["normal_elastic"].values[0, 1] = np.nan
-    broken["status"].values[0, 1] = 5
-    point = at_load(broken, [2.0])
-    assert int(point["ok"].max()) == 4
-    assert np.isfinite(point["friction_all_round"]).all()
-    assert member_values(broken, [2.0])["status"].isel(repetition=1).values.ravel()[0] == "not-solved"
+def test_at_load_omits_member_without_solution(areal_contact):
+    _, result = areal_contact
+    incomplete = result.copy(deep=True)
+    incomplete["normal_elastic"].values[0, 1] = np.nan
+    incomplete["status"].values[0, 1] = 5
+    table = at_load(incomplete, [2.0])
+    assert int(table["ok"].max()) == 4
+    assert np.isfinite(table["friction_all_round"]).all()
+    assert member_values(incomplete, [2.0])["status"].isel(repetition=1).values.ravel()[0] == "not-solved"
 
 
 @pytest.mark.parametrize("reading", ["elastic", "normal"])
-def test_unsolved_load_is_not_interpolated(areas, reading):
-    _, result = areas
+def test_unsolved_load_is_not_interpolated(areal_contact, reading):
+    _, result = areal_contact
     step = 1
-    broken = result.copy(deep=True)
-    broken["status"].values[0, 0, step] = STATUSES.index("not-solved")
-    for values in broken.data_vars.values():
+    incomplete = result.copy(deep=True)
+    incomplete["status"].values[0, 0, step] = STATUSES.index("not-solved")
+    for values in incomplete.data_vars.values():
         if values.dtype.kind == "f" and "load" in values.dims:
             values.loc[{"repetition": 0, "load": values["load"][step]}] = np.nan
-    loads = broken["load"].values[step] * np.array([0.9, 1.0])
-    status = member_values(broken, loads, reading=reading)["status"].transpose("repetition", ...)
+    loads = incomplete["load"].values[step] * np.array([0.9, 1.0])
+    status = member_values(incomplete, loads, reading=reading)["status"].transpose("repetition", ...)
     assert (status[0] == "not-solved").all()
     assert (status[1:] == "ok").all()
-    present, every = (member_values(item, result["load"].values[2:3])["contact_area"] for item in (broken, result))
-    np.testing.assert_array_equal(present, every)
+    area_of_incomplete, area_of_complete = (
+        member_values(item, result["load"].values[2:3])["contact_area"] for item in (incomplete, result)
+    )
+    np.testing.assert_array_equal(area_of_incomplete, area_of_complete)
 
 
 def test_load_between_distant_steps_is_not_reached():
@@ -158,19 +163,19 @@ def test_load_between_distant_steps_is_not_reached():
     assert np.isnan(crossing.at(values)).tolist() == [False, True, False, False]
 
 
-def test_ladder_of_areas_has_no_gap_between_given_loads():
+def test_load_ladder_fills_gaps_between_given_loads():
     loads = choose_load_steps([1e-3, 2e-3, 2.0], press="areas", mechanics="half-space")
     assert {1e-3, 2e-3, 2.0} <= set(loads.tolist())
     assert (loads[1:] / loads[:-1]).max() < 1.02 * MAX_AREAL_LOAD_RATIO
-    few = choose_load_steps([1.0, 3.0], press="areas", mechanics="half-space")
-    assert few.size == 4
+    close_loads = choose_load_steps([1.0, 3.0], press="areas", mechanics="half-space")
+    assert close_loads.size == 4
 
 
-def test_at_load_rejects_bad_input(areas):
-    _, result = areas
-    for changes, words in (
+def test_at_load_rejects_bad_input(areal_contact):
+    _, result = areal_contact
+    for changes, pattern in (
         ({"loads": [0.0]}, "loads must be above 0"), ({"mu0": -1.0}, "mu0 must not be negative"),
         ({"reading": "median"}, "reading must be one of"), ({"of": "surrogates"}, "of must not be"),
     ):  # fmt: skip
-        with pytest.raises(ValueError, match=words):
+        with pytest.raises(ValueError, match=pattern):
             at_load(result, **({"loads": [2.0]} | changes))

@@ -1,4 +1,4 @@
-"""Heights times a factor: laws of scale, solutions of scaled bodies, interpolation, and what is stored and resumed."""
+"""Test results with scaled heights: scaling laws, solutions of scaled bodies, interpolation and stored factors."""
 
 from __future__ import annotations
 
@@ -26,40 +26,40 @@ from stiction.views.report import report_page
 from support.generated_studies import TINY
 from support.rough_surfaces import rough_maps
 
-SAME = 1e-9  # relative: the same bodies, made in another way
-SOLUTION_TOLERANCE = 1e-3  # relative, of the true area: equal problems in other units, solved to the same tolerance
-BETWEEN_FRICTION, BETWEEN_AREA = 0.005, 0.02  # relative errors between solved factors
-QUICK = {"load": "20 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 3, "onset": 0}
-HARD = {"hardness": "2 GPa"}
+SCALING_TOLERANCE = 1e-9  # relative; between two ways of scaling the same bodies
+SOLUTION_TOLERANCE = 1e-3  # relative; between solutions of the same problem in different units
+MAX_FRICTION_ERROR, MAX_AREA_ERROR = 0.005, 0.02  # relative errors of interpolation between solved factors
+PAIR_OPTIONS = {"load": "20 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 3, "onset": 0}
+HARDNESS_OPTION = {"hardness": "2 GPa"}
 
 
-def maps(points=48, rms=0.02):
+def smooth_maps(points=48, rms=0.02):
     return rough_maps(7, points=points, rms=rms, shortest_wavelength=0.6)
 
 
-def times(bodies, upper, lower=None):
+def scale_heights(bodies, upper, lower=None):
     factors = upper, upper if lower is None else lower
     return [body.changed(body.heights * factor, "scaled") for body, factor in zip(bodies, factors, strict=True)]
 
 
-def mean(table, rule="all"):
+def mean_values(table, rule="all"):
     table = table.sel(statistic="mean")
     return np.squeeze((table.sel(sliding=rule) if "sliding" in table.dims else table).values)
 
 
-def loads_of(result):
+def study_loads(result):
     return [float(load) for load in result.study.friction.load]
 
 
 @pytest.fixture(scope="module")
 def bodies():
-    return maps()
+    return smooth_maps()
 
 
 @pytest.fixture(scope="module")
 def result(bodies):
-    """A pair in memory with factors 0.5 and 2 of both surfaces, and 2 of the upper one."""
-    computed = pair(*bodies, **QUICK | HARD)
+    """Return the result of a pair, computed also with both surfaces scaled by 0.5 and 2 and the upper scaled by 2."""
+    computed = pair(*bodies, **PAIR_OPTIONS | HARDNESS_OPTION)
     compute_factors(computed.source, [0.5, 2])
     compute_factors(computed.source, [2], "upper")
     return computed
@@ -68,9 +68,9 @@ def result(bodies):
 # ---- Laws ------------------------------------------------------------------------------------------------------------
 
 
-def test_factor_1_equals_the_result(result):
-    at = evaluate_height_scale(result.source, 1, loads_of(result)).isel(height_scale=0)
-    own = add_uncertainty(at_load(result.source, loads_of(result)), result.source).isel(cut_off=0)
+def test_height_scale_1_equals_the_unscaled_result(result):
+    scaled_table = evaluate_height_scale(result.source, 1, study_loads(result)).isel(height_scale=0)
+    expected = add_uncertainty(at_load(result.source, study_loads(result)), result.source).isel(cut_off=0)
     for name in (
         "friction_all_round",
         "friction_combined",
@@ -78,24 +78,31 @@ def test_factor_1_equals_the_result(result):
         "normal_stiffness",
         "rms_gradient",
     ):
-        assert np.array_equal(at[name], own[name].transpose(*at[name].dims), equal_nan=True), name
+        assert np.array_equal(scaled_table[name], expected[name].transpose(*scaled_table[name].dims), equal_nan=True), (
+            name
+        )
 
 
 def test_plastic_contacts_have_equal_area_at_every_factor(bodies):
-    computed = pair(*bodies, **QUICK | {"hardness": "0.1 GPa"})
-    at = computed.at(height_scale=[0.5, 1, 4], compute=True)
-    assert mean(at["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
+    computed = pair(*bodies, **PAIR_OPTIONS | {"hardness": "0.1 GPa"})
+    table = computed.at(height_scale=[0.5, 1, 4], compute=True)
+    assert mean_values(table["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
 
 
 @pytest.mark.parametrize("hardness", [{}, {"hardness": "0.2 GPa"}])
 def test_scaled_heights_equal_scaled_modulus(hardness):
-    flat, kwargs = maps(rms=0.002), QUICK | hardness | {"load": "2 MPa"}  # slopes add 1e-4 to the true area
-    at = pair(*flat, **kwargs).at(height_scale=[0.5, 2], compute=True)
-    for place, factor in enumerate((0.5, 2)):
-        other = pair(*flat, **kwargs | {"effective_modulus": f"{80 * factor} GPa"}).at()
-        assert mean(at["contact_area"])[place] == pytest.approx(mean(other["contact_area"]), rel=SOLUTION_TOLERANCE)
-        stiffness = factor * mean(at["normal_stiffness"])[place]
-        assert stiffness == pytest.approx(mean(other["normal_stiffness"]), rel=SOLUTION_TOLERANCE)
+    flat_surfaces, kwargs = (
+        smooth_maps(rms=0.002),
+        PAIR_OPTIONS | hardness | {"load": "2 MPa"},
+    )  # slopes add 1e-4 to the true area
+    table = pair(*flat_surfaces, **kwargs).at(height_scale=[0.5, 2], compute=True)
+    for index, factor in enumerate((0.5, 2)):
+        stiffer_table = pair(*flat_surfaces, **kwargs | {"effective_modulus": f"{80 * factor} GPa"}).at()
+        assert mean_values(table["contact_area"])[index] == pytest.approx(
+            mean_values(stiffer_table["contact_area"]), rel=SOLUTION_TOLERANCE
+        )
+        stiffness = factor * mean_values(table["normal_stiffness"])[index]
+        assert stiffness == pytest.approx(mean_values(stiffer_table["normal_stiffness"]), rel=SOLUTION_TOLERANCE)
 
 
 # ---- Against scaled bodies -------------------------------------------------------------------------------------------
@@ -103,46 +110,60 @@ def test_scaled_heights_equal_scaled_modulus(hardness):
 
 @pytest.mark.parametrize(("scaled", "factors"), [("both", (2, 2)), ("upper", (2, 1))])
 def test_stored_factor_equals_result_of_scaled_surfaces(bodies, result, scaled, factors):
-    at = evaluate_height_scale(result.source, [2], loads_of(result), scaled=scaled).isel(height_scale=0)
-    other = pair(*times(bodies, *factors), **QUICK | HARD)
-    expected = add_uncertainty(at_load(other.source, loads_of(other)), other.source).isel(cut_off=0)
+    table = evaluate_height_scale(result.source, [2], study_loads(result), scaled=scaled).isel(height_scale=0)
+    scaled_result = pair(*scale_heights(bodies, *factors), **PAIR_OPTIONS | HARDNESS_OPTION)
+    expected = add_uncertainty(at_load(scaled_result.source, study_loads(scaled_result)), scaled_result.source).isel(
+        cut_off=0
+    )
     for name in ("friction_all_round", "friction_combined", "contact_area", "normal_stiffness", "rms_gradient"):
-        np.testing.assert_allclose(at[name], expected[name].transpose(*at[name].dims), rtol=SAME, err_msg=name)
-    assert float(at["upper_rms"]) == pytest.approx(2 * float(result.at(height_scale=1)["upper_rms"][0]), rel=SAME)
+        np.testing.assert_allclose(
+            table[name], expected[name].transpose(*table[name].dims), rtol=SCALING_TOLERANCE, err_msg=name
+        )
+    assert float(table["upper_rms"]) == pytest.approx(
+        2 * float(result.at(height_scale=1)["upper_rms"][0]), rel=SCALING_TOLERANCE
+    )
 
 
-def test_factors_of_files_equal_those_of_surfaces_in_memory(bodies, result, tmp_path):
+def test_scaled_results_of_files_equal_results_of_surfaces_in_memory(bodies, result, tmp_path):
     for side, body in zip(("upper", "lower"), bodies, strict=True):
         write_surface(body, tmp_path / f"{side}.npy")
-    computed = pair(tmp_path / "upper.npy", tmp_path / "lower.npy", **QUICK | HARD)
-    at, other = computed.at(height_scale=2, compute=True), result.at(height_scale=2)
-    np.testing.assert_allclose(at["friction_combined"], other["friction_combined"], rtol=SAME)
+    computed = pair(tmp_path / "upper.npy", tmp_path / "lower.npy", **PAIR_OPTIONS | HARDNESS_OPTION)
+    table_of_files, expected = computed.at(height_scale=2, compute=True), result.at(height_scale=2)
+    np.testing.assert_allclose(
+        table_of_files["friction_combined"], expected["friction_combined"], rtol=SCALING_TOLERANCE
+    )
 
 
-def test_several_scans_are_all_scaled(bodies):
+def test_height_scale_applies_to_every_scan(bodies):
     scans = [bodies, rough_maps(8, shortest_wavelength=0.6)]
     uppers, lowers = ([scan[side] for scan in scans] for side in (0, 1))
-    computed = pair(uppers, lowers, **QUICK | HARD)
-    at = computed.at(height_scale=2, compute=True)
-    others = [times(scan, 2) for scan in scans]
-    other = pair([scan[0] for scan in others], [scan[1] for scan in others], **QUICK | HARD)
-    assert mean(at["contact_area"]) == pytest.approx(mean(other.at()["contact_area"]), rel=SAME)
+    computed = pair(uppers, lowers, **PAIR_OPTIONS | HARDNESS_OPTION)
+    table = computed.at(height_scale=2, compute=True)
+    scaled_scans = [scale_heights(scan, 2) for scan in scans]
+    expected = pair(
+        [scan[0] for scan in scaled_scans], [scan[1] for scan in scaled_scans], **PAIR_OPTIONS | HARDNESS_OPTION
+    )
+    assert mean_values(table["contact_area"]) == pytest.approx(
+        mean_values(expected.at()["contact_area"]), rel=SCALING_TOLERANCE
+    )
 
 
 def test_spectrum_is_scaled_by_square_of_factor():
-    fine = rough_maps(3, points=64, rms=0.02, shortest_wavelength=0.6)[0]
-    spectrum = joined_spectrum([fine])
-    kwargs = QUICK | HARD | {"shifts": None, "direction": [0.0, 180.0]}
+    surface = rough_maps(3, points=64, rms=0.02, shortest_wavelength=0.6)[0]
+    spectrum = joined_spectrum([surface])
+    kwargs = PAIR_OPTIONS | HARDNESS_OPTION | {"shifts": None, "direction": [0.0, 180.0]}
     kwargs = {name: value for name, value in kwargs.items() if value is not None}
     computed = pair(spectrum, spectrum, **kwargs)
-    at = computed.at(height_scale=[1, 2], compute=True)
-    assert mean(at["rms_gradient"])[1] == pytest.approx(2 * mean(at["rms_gradient"])[0], rel=SAME)
-    assert at["upper_rms"].values[1] == pytest.approx(2 * at["upper_rms"].values[0], rel=SAME)
+    table = computed.at(height_scale=[1, 2], compute=True)
+    assert mean_values(table["rms_gradient"])[1] == pytest.approx(
+        2 * mean_values(table["rms_gradient"])[0], rel=SCALING_TOLERANCE
+    )
+    assert table["upper_rms"].values[1] == pytest.approx(2 * table["upper_rms"].values[0], rel=SCALING_TOLERANCE)
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
 def test_profiles_are_scaled_with_both_contact_models(mechanics):
-    lines = [self_affine(2, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side) for side in
+    profiles = [self_affine(2, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side) for side in
              ("upper", "lower")]  # fmt: skip
     kwargs = {
         "load": "0.1 mN",
@@ -152,56 +173,57 @@ def test_profiles_are_scaled_with_both_contact_models(mechanics):
         "offsets": 6,
         "onset": 0,
     }
-    at = pair(*lines, **kwargs).at(height_scale=0.5, compute=True)
-    other = pair(*times(lines, 0.5), **kwargs).at().isel(cut_off=0)
+    table = pair(*profiles, **kwargs).at(height_scale=0.5, compute=True)
+    expected = pair(*scale_heights(profiles, 0.5), **kwargs).at().isel(cut_off=0)
     for name in ("friction_all_round", "contact_area", "rms_gradient"):
-        np.testing.assert_allclose(
-            at[name].isel(height_scale=0), other[name].transpose(*at[name].dims[1:]), rtol=SAME, err_msg=name
-        )  # fmt: skip
+        reference = expected[name].transpose(*table[name].dims[1:])
+        np.testing.assert_allclose(table[name].isel(height_scale=0), reference, rtol=SCALING_TOLERANCE, err_msg=name)
 
 
-def test_adhesive_surfaces_have_no_coefficient_if_pull_off_exceeds_load():
+def test_pull_off_force_decreases_with_height_scale():
     smooth = rough_maps(3, points=40, rms=0.003, spacing=0.01, longest_wavelength=0.2, shortest_wavelength=0.04)
     computed = pair(
         *smooth, load="2 MPa", mu0=0.3, effective_modulus=80.0, shifts=2, onset=0, work_of_adhesion="50 mJ/m^2"
     )
-    at = computed.at(height_scale=[0.25, 1], compute=True)
-    pull_off = mean(at["pull_off"])
+    table = computed.at(height_scale=[0.25, 1], compute=True)
+    pull_off = mean_values(table["pull_off"])
     assert pull_off[0] > pull_off[1] > 0
 
 
 # ---- Between factors -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("hardness", [{}, HARD])
+@pytest.mark.parametrize("hardness", [{}, HARDNESS_OPTION])
 def test_interpolation_between_factors_is_within_stated_error(hardness):
-    computed = pair(*maps(64, rms=0.01), **QUICK | hardness | {"load": "100 MPa"})
+    computed = pair(*smooth_maps(64, rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
     compute_factors(computed.source, "0.25..4")
-    between = np.array([0.6, 1.7])
-    at = computed.at(height_scale=between)
-    for place, factor in enumerate(between):
-        exact = pair(*times(maps(64, rms=0.01), factor), **QUICK | hardness | {"load": "100 MPa"}).at()
-        coefficient, area = mean(at["friction_all_round"])[place], mean(at["contact_area"])[place]
-        assert coefficient == pytest.approx(mean(exact["friction_all_round"]), rel=BETWEEN_FRICTION)
-        assert area == pytest.approx(mean(exact["contact_area"]), rel=BETWEEN_AREA)
-    known = at["friction_combined"]
-    assert (known.sel(statistic="lower") <= known.sel(statistic="mean")).all()
-    assert (known.sel(statistic="mean") <= known.sel(statistic="upper")).all()
+    factors = np.array([0.6, 1.7])
+    table = computed.at(height_scale=factors)
+    for index, factor in enumerate(factors):
+        exact = pair(
+            *scale_heights(smooth_maps(64, rms=0.01), factor), **PAIR_OPTIONS | hardness | {"load": "100 MPa"}
+        ).at()
+        coefficient, area = mean_values(table["friction_all_round"])[index], mean_values(table["contact_area"])[index]
+        assert coefficient == pytest.approx(mean_values(exact["friction_all_round"]), rel=MAX_FRICTION_ERROR)
+        assert area == pytest.approx(mean_values(exact["contact_area"]), rel=MAX_AREA_ERROR)
+    combined = table["friction_combined"]
+    assert (combined.sel(statistic="lower") <= combined.sel(statistic="mean")).all()
+    assert (combined.sel(statistic="mean") <= combined.sel(statistic="upper")).all()
 
 
 def test_missing_factors_are_the_fewest_that_enclose_the_request():
     assert find_missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]
-    fine = np.round(np.geomspace(0.25, 4, 50), 6)
-    assert find_missing_factors(fine, np.ones(1)).tolist() == [
+    fine_factors = np.round(np.geomspace(0.25, 4, 50), 6)
+    assert find_missing_factors(fine_factors, np.ones(1)).tolist() == [
         0.25, 0.353553, 0.5, 0.707107, 1.41421, 2.0, 2.82843, 4.0,
     ]  # fmt: skip
     ends = find_missing_factors(np.geomspace(MIN_FACTOR, MAX_FACTOR, 99), np.ones(1))
     assert (ends[0], ends[-1]) == (MIN_FACTOR, MAX_FACTOR)
 
 
-def test_missing_values_stay_missing_next_to_unsolved_factor():
+def test_interpolation_preserves_missing_values_next_to_unsolved_factor():
     solved = np.array([0.5, 1.0, 2.0])
     values = np.array([[1.0, np.nan], [2.0, 2.0], [4.0, 4.0]])
     assert (
@@ -216,7 +238,7 @@ def test_missing_values_stay_missing_next_to_unsolved_factor():
 # ---- Input -----------------------------------------------------------------------------------------------------------
 
 
-def test_factors_accept_numbers_lists_and_ranges():
+def test_checked_factors_accepts_numbers_lists_and_ranges():
     assert parse_factors("0.5..2").tolist() == [0.5, 0.707107, 1.0, 1.41421, 2.0]
     assert parse_factors("0.3 .. 0.6").tolist() == [0.3, 0.353553, 0.5, 0.6]
     assert parse_factors("2,0.5,1").tolist() == parse_factors([2, 0.5, 1]).tolist() == [0.5, 1.0, 2.0]
@@ -245,7 +267,7 @@ def test_factors_accept_numbers_lists_and_ranges():
         "1..inf",
     ],
 )
-def test_factors_outside_the_range_are_rejected(factors):
+def test_checked_factors_rejects_values_outside_the_range(factors):
     with pytest.raises(ValueError, match="height_scale"):
         parse_factors(factors)
 
@@ -253,7 +275,7 @@ def test_factors_outside_the_range_are_rejected(factors):
 def test_height_scale_rejects_results_that_are_not_stored_pairs(bodies, result):
     with pytest.raises(ValueError, match="two measured surfaces, got generated surfaces"):
         scale_study_heights(TINY, 2.0, "both")
-    gap = pair(gap=bodies[0], **{name: value for name, value in QUICK.items() if name != "shifts"})
+    gap = pair(gap=bodies[0], **{name: value for name, value in PAIR_OPTIONS.items() if name != "shifts"})
     with pytest.raises(ValueError, match="got the gap of one body"):
         gap.at(height_scale=2)
     with pytest.raises(ValueError, match="scaled must be one of"):
@@ -266,7 +288,7 @@ def test_height_scale_rejects_results_that_are_not_stored_pairs(bodies, result):
         scale_study_heights(scale_study_heights(result.study, 50.0, "both"), 4.0, "both")
 
 
-def test_factors_not_computed_raise_error_with_time(result):
+def test_missing_factors_raise_error_with_estimated_time(result):
     with pytest.raises(
         MissingFactorsError, match=r"^height_scale needs .* computed, about .*: give compute=True$"
     ) as caught:
@@ -275,54 +297,58 @@ def test_factors_not_computed_raise_error_with_time(result):
     assert caught.value.seconds > 0
 
 
-# ---- What is stored --------------------------------------------------------------------------------------------------
+# ---- Stored factors --------------------------------------------------------------------------------------------------
 
 
 def test_finished_factors_are_preserved_after_interrupt(bodies, tmp_path):
-    computed = pair(*bodies, directory=tmp_path, **QUICK | HARD)
-    lines = []
+    computed = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
+    announced = []
 
     def interrupt(line):
-        lines.append(line)
-        if len(lines) == 2:
+        announced.append(line)
+        if len(announced) == 2:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         compute_factors(computed.source, [0.5, 2, 4], announce=interrupt)
-    assert lines == ["heights times 0.5 (1 of 3)", "heights times 2 (2 of 3)"]
+    assert announced == ["heights times 0.5 (1 of 3)", "heights times 2 (2 of 3)"]
     assert list(open_stored_factors(computed.source, "both")) == [0.5, 1.0]
-    compute_factors(computed.source, [0.5, 2, 4], announce=lines.append)
-    assert lines[2:] == ["heights times 2 (1 of 2)", "heights times 4 (2 of 2)"]
+    compute_factors(computed.source, [0.5, 2, 4], announce=announced.append)
+    assert announced[2:] == ["heights times 2 (1 of 2)", "heights times 4 (2 of 2)"]
     assert open_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
 
 
-def test_factors_follow_new_friction_and_are_removed_with_new_pair(bodies, tmp_path):
-    kwargs = QUICK | HARD
-    first = pair(*bodies, directory=tmp_path, **kwargs)
-    compute_factors(first.source, [2])
-    other = pair(*bodies, directory=tmp_path, **kwargs | {"mu0": 0.4})
-    at = other.at(height_scale=[1, 2])
-    assert at["mu0"].values.tolist() == [0.4]
-    assert (mean(at["friction_all_round"]) > 0.4).all()
+def test_stored_factors_apply_to_new_mu0_and_are_removed_with_new_modulus(bodies, tmp_path):
+    kwargs = PAIR_OPTIONS | HARDNESS_OPTION
+    first_result = pair(*bodies, directory=tmp_path, **kwargs)
+    compute_factors(first_result.source, [2])
+    result_at_other_mu0 = pair(*bodies, directory=tmp_path, **kwargs | {"mu0": 0.4})
+    table = result_at_other_mu0.at(height_scale=[1, 2])
+    assert table["mu0"].values.tolist() == [0.4]
+    assert (mean_values(table["friction_all_round"]) > 0.4).all()
     stiffer = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
     assert list(open_stored_factors(stiffer.source, "both")) == [1.0]
-    at = stiffer.at(height_scale=2, compute=True)
-    exact = pair(*times(bodies, 2), **kwargs | {"effective_modulus": "160 GPa"}).at()
-    assert mean(at["contact_area"]) == pytest.approx(mean(exact["contact_area"]), rel=SAME)
-
-
-def test_factors_with_range_of_hardness_are_solved_over_it(bodies):
-    kwargs = QUICK | {"hardness": "1..3 GPa"}
-    at = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
-    other = pair(*times(bodies, 2), **kwargs)
-    expected = add_uncertainty(at_load(other.source, loads_of(other)), other.source).isel(cut_off=0)
-    np.testing.assert_allclose(
-        at["friction_combined"], expected["friction_combined"].transpose(*at["friction_combined"].dims)
+    table = stiffer.at(height_scale=2, compute=True)
+    exact = pair(*scale_heights(bodies, 2), **kwargs | {"effective_modulus": "160 GPa"}).at()
+    assert mean_values(table["contact_area"]) == pytest.approx(
+        mean_values(exact["contact_area"]), rel=SCALING_TOLERANCE
     )
 
 
-def test_studies_without_height_factor_are_opened(bodies, tmp_path):
-    computed = pair(*bodies, directory=tmp_path, **QUICK | HARD)
+def test_scaled_surfaces_are_solved_over_a_range_of_hardness(bodies):
+    kwargs = PAIR_OPTIONS | {"hardness": "1..3 GPa"}
+    table = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
+    scaled_result = pair(*scale_heights(bodies, 2), **kwargs)
+    expected = add_uncertainty(at_load(scaled_result.source, study_loads(scaled_result)), scaled_result.source).isel(
+        cut_off=0
+    )
+    np.testing.assert_allclose(
+        table["friction_combined"], expected["friction_combined"].transpose(*table["friction_combined"].dims)
+    )
+
+
+def test_stored_study_without_height_factor_is_opened(bodies, tmp_path):
+    computed = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
     text = (tmp_path / STUDY_FILE).read_text()
     (tmp_path / STUDY_FILE).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))
     assert open_stored(tmp_path).study == computed.study
@@ -333,14 +359,16 @@ def test_studies_without_height_factor_are_opened(bodies, tmp_path):
 # ---- Views -----------------------------------------------------------------------------------------------------------
 
 
-def test_figure_and_report_have_stored_factors(bodies, result, tmp_path):
+def test_figure_and_report_show_stored_factors(bodies, result, tmp_path):
     assert {"height_scale", "height_scale_upper"} <= set(result.figures())
     axes = result.figure("height_scale").axes
-    assert axes[0].lines[0].get_xdata() == pytest.approx(mean(result.at(height_scale=[0.5, 1, 2])["rms_gradient"]))
+    assert axes[0].lines[0].get_xdata() == pytest.approx(
+        mean_values(result.at(height_scale=[0.5, 1, 2])["rms_gradient"])
+    )
     page = report_page(result.source)
     assert "Another finish of both surfaces" in page
     assert "Another finish of the upper surface" in page
     assert "Another finish of the lower surface" not in page
-    alone = pair(*bodies, directory=tmp_path, **QUICK | HARD)
-    assert "height_scale" not in alone.figures()
-    assert "Another finish" not in report_page(alone.source)
+    unscaled_result = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
+    assert "height_scale" not in unscaled_result.figures()
+    assert "Another finish" not in report_page(unscaled_result.source)

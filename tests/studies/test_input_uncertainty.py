@@ -1,4 +1,4 @@
-"""Uncertain inputs: from text to samples, and errors of bad text."""
+"""Test uncertain inputs: parsing of text, distributions and samples, and rejection of bad text."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def test_distribution_has_95_percent_between_its_ends(text, kind, ends, distribu
     assert np.quantile(values, [0.025, 0.975]) == pytest.approx(ends, rel=0.01)
 
 
-def test_samples_are_not_negative() -> None:
+def test_samples_of_mu0_are_not_negative() -> None:
     assert draw_samples({"mu0": parse_input("mu0", "0.01±0.02")})["mu0"].min() >= 0
 
 
 @pytest.mark.parametrize(
-    ("text", "kind", "words"),
+    ("text", "kind", "pattern"),
     [
         ("0.2 MPa±0.02", "", "mu0 must be a number"),
         ("80..20 MPa", "pressure", "smaller to a larger"),
@@ -46,13 +46,13 @@ def test_samples_are_not_negative() -> None:
         (None, "", "must be a number"),
     ],
 )
-def test_parse_input_rejects_bad_text(text, kind, words) -> None:
-    with pytest.raises(ValueError, match=words):
+def test_parse_input_rejects_bad_text(text, kind, pattern) -> None:
+    with pytest.raises(ValueError, match=pattern):
         parse_input("mu0", text, kind)
 
 
 @pytest.mark.parametrize("text", ["150 ± 10 % HV", "150±10% HV", "150 HV ± 10 %", "150 HV10 ± 10 %", "150 ± 15 HV"])
-def test_unit_may_follow_relative_uncertainty(text: str) -> None:
+def test_parse_input_accepts_relative_uncertainty_of_hardness(text: str) -> None:
     result = parse_input("hardness", text, "hardness")
     value = parse_input("hardness", "150 HV", "hardness").value
     assert (result.value, result.low, result.high) == pytest.approx((value, 0.804 * value, 1.196 * value), rel=1e-4)
@@ -60,9 +60,9 @@ def test_unit_may_follow_relative_uncertainty(text: str) -> None:
 
 @pytest.mark.parametrize("text", ["59.9..60.1 HRC", "60±0.05 HRC", "60 HRC ± 0.05", "60 HRC ± 0.1 %"])
 def test_rockwell_range_includes_uncertainty_of_conversion(text: str) -> None:
-    number, result = (parse_input("hardness", item, "hardness") for item in ("60 HRC", text))
-    assert (result.low, result.high) == pytest.approx((number.low, number.high), rel=0.01)
-    assert result.high - result.low >= number.high - number.low - 1e-3
+    plain_number, result = (parse_input("hardness", item, "hardness") for item in ("60 HRC", text))
+    assert (result.low, result.high) == pytest.approx((plain_number.low, plain_number.high), rel=0.01)
+    assert result.high - result.low >= plain_number.high - plain_number.low - 1e-3
     wide = parse_input("hardness", "55..65 HRC", "hardness")
     ends = [parse_input("hardness", f"{end} HRC", "hardness").value for end in (55, 65)]
     assert wide.low < ends[0] < ends[1] < wide.high
@@ -75,15 +75,15 @@ def test_vickers_hardness_accepts_test_load(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "got"),
+    ("name", "text", "quoted_text"),
     [
         ("poisson", "0.3±0.5", "0.3±0.5"), ("poisson", "0.4..0.6", "0.4..0.6"), ("mu0", "0.1..inf", "'inf'"),
         ("mu0", "0.2±1e308", "1e308"), ("tau0", "50 MPa ± 1e-320 %", "larger uncertainty"),
         ("hardness", "70±1 HRC", "70±1 HRC"), ("hardness", "1e300 HV", "1e300"),
     ],
 )  # fmt: skip
-def test_read_known_rejects_impossible_values(name: str, text: str, got: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(got)):
+def test_parse_study_input_rejects_impossible_values(name: str, text: str, quoted_text: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(quoted_text)):
         parse_study_input(name, text)
 
 

@@ -1,4 +1,4 @@
-"""Strengths of interfaces by name or file: into the whole interval of a pair, jointly, and by their ranges alone."""
+"""Test interfaces given by name or by file: their effect on the interval of a pair, and damaged files."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from stiction.studies.input_uncertainty import Z_95
 from stiction.studies.interfaces import find_interface
 from support.command import assert_rejected, call_stiction, check_stiction
 
-KINDS = ("measured", "lumped", "bound")
+INTERFACE_KINDS = ("measured", "lumped", "bound")
 
-BY_DRAWS = 0.04
-"""Largest difference of an end of an interval by draws from the exact one, over its width: 4000 draws scatter so."""
+SAMPLING_ERROR = 0.04
+"""Largest error of an interval end by 4000 random samples, as a fraction of the interval width."""
 
-QUICK = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 4, "onset": 0}
+PAIR_OPTIONS = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 4, "onset": 0}
 
 
-def bodies():
+def rough_surfaces():
     return [
         self_affine_surface(seed, hurst_exponent=0.8, rms=0.005, shape=(48, 48), spacing=0.1, side=side)
         for side, seed in (("upper", 1), ("lower", 2))
@@ -41,8 +41,8 @@ def bodies():
 
 
 @pytest.fixture(scope="module")
-def film(tmp_path_factory):
-    """A strength whose mu0 and tau0 are correlated, from tests on a ball."""
+def film_file(tmp_path_factory):
+    """Return the path of an interface file with correlated mu0 and tau0, calibrated by tests on a ball."""
     path = tmp_path_factory.mktemp("film") / "film"
     ball = Ball("5 mm", "3 GPa")
     tests = [
@@ -55,61 +55,63 @@ def film(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def result(film):
-    return pair(*bodies(), interface=film, **QUICK)
+def result(film_file):
+    return pair(*rough_surfaces(), interface=film_file, **PAIR_OPTIONS)
 
 
-def test_mu0_and_tau0_of_interface_enter_the_interval_jointly(film, result) -> None:
+def test_pair_samples_mu0_and_tau0_of_interface_jointly(film_file, result) -> None:
     _, adhesion, _ = result.summary().points[0].parts
-    fit = interface(film).fits[0]
+    fit = interface(film_file).fits[0]
     area = adhesion / np.median(fit.tau0)
     friction = fit.mu0 + fit.tau0 * area
     relative = np.diff(result.of_positions)[0] / 2 / Z_95 / result.value
     friction = friction * (1 + relative * np.random.default_rng(0).standard_normal(friction.size))
     expected = np.quantile(friction, [0.025, 0.975]) * result.value / np.median(fit.mu0 + fit.tau0 * area)
-    assert result.interval == pytest.approx(expected, abs=BY_DRAWS * np.ptp(expected))
+    assert result.interval == pytest.approx(expected, abs=SAMPLING_ERROR * np.ptp(expected))
     assert result.budget["input"].tolist()[0] == "the interface"
-    left = result.budget.loc[0]
-    assert (left.lower, left.upper) == pytest.approx(result.of_positions, abs=0.1 * np.ptp(result.interval))
-    known = result.study.known
-    apart = pair(*bodies(), mu0=known.mu0, tau0=known.tau0, **QUICK)
-    assert np.ptp(apart.interval) > 1.2 * np.ptp(result.interval)  # correlation is lost
+    interface_row = result.budget.loc[0]
+    assert (interface_row.lower, interface_row.upper) == pytest.approx(
+        result.of_positions, abs=0.1 * np.ptp(result.interval)
+    )
+    inputs = result.study.known
+    uncorrelated_result = pair(*rough_surfaces(), mu0=inputs.mu0, tau0=inputs.tau0, **PAIR_OPTIONS)
+    assert np.ptp(uncorrelated_result.interval) > 1.2 * np.ptp(result.interval)  # the correlation is lost
     assert "interface film (measured)" in result.sentence
 
 
 def test_interface_is_ignored_at_another_mu0(result) -> None:
     study = result.study
-    again = Study.from_toml(result.path / "study.toml")
-    assert find_interface(again) is find_interface(study) is not None
-    assert find_interface(again.with_changes({"friction.mu0": [0.3]})) is None
+    stored_study = Study.from_toml(result.path / "study.toml")
+    assert find_interface(stored_study) is find_interface(study) is not None
+    assert find_interface(stored_study.with_changes({"friction.mu0": [0.3]})) is None
 
 
-def test_missing_interface_file_leaves_the_ranges(film, tmp_path) -> None:
-    copy = shutil.copy(film, tmp_path)
-    result = pair(*bodies(), interface=copy, **QUICK)
-    joint, path = result.interval, result.path
+def test_missing_interface_file_leaves_independent_ranges(film_file, tmp_path) -> None:
+    copy = shutil.copy(film_file, tmp_path)
+    result = pair(*rough_surfaces(), interface=copy, **PAIR_OPTIONS)
+    joint_interval, path = result.interval, result.path
     Path(copy).unlink()
     completed = check_stiction("at", path, "--load", "20 MPa", "--json", cwd=tmp_path)
     (answer,) = json.loads(completed.stdout)["answers"]
     rule = answer["rules"][0] if "rules" in answer else answer
-    assert np.ptp([rule["lower"], rule["upper"]]) > 1.2 * np.ptp(joint)
+    assert np.ptp([rule["lower"], rule["upper"]]) > 1.2 * np.ptp(joint_interval)
     assert "which is missing" in completed.stdout
 
 
 @pytest.mark.parametrize("name", sorted(interfaces()))
 def test_named_interface_has_kind_and_source_and_is_accepted(name) -> None:
-    about = interfaces()[name]
-    assert set(about) == {"kind", "tau0", "mu0", "pressure", "conditions", "motion", "source"}
-    assert about["kind"] in KINDS
-    assert about["motion"] in ("static", "kinetic")
-    assert (about["kind"] == "lumped") == (about["tau0"] == "0 MPa")
-    result = pair(*bodies(), interface=name, **QUICK)
-    assert f"interface {name} ({about['kind']}, {about['motion']}" in result.sentence
+    entry = interfaces()[name]
+    assert set(entry) == {"kind", "tau0", "mu0", "pressure", "conditions", "motion", "source"}
+    assert entry["kind"] in INTERFACE_KINDS
+    assert entry["motion"] in ("static", "kinetic")
+    assert (entry["kind"] == "lumped") == (entry["tau0"] == "0 MPa")
+    result = pair(*rough_surfaces(), interface=name, **PAIR_OPTIONS)
+    assert f"interface {name} ({entry['kind']}, {entry['motion']}" in result.sentence
     assert result.interval[0] <= result.value <= result.interval[1]
 
 
 @pytest.mark.parametrize(
-    ("options", "words"),
+    ("options", "pattern"),
     [
         ({}, "give mu0, or an interface"),
         ({"mu0": 0.2, "interface": "steel on ice"}, "mu0 must not be combined with interface"),
@@ -117,17 +119,17 @@ def test_named_interface_has_kind_and_source_and_is_accepted(name) -> None:
         ({"interface": 3}, "interface must be a name, or a file"),
     ],
 )
-def test_pair_rejects_interface_with_mu0(options, words) -> None:
-    with pytest.raises(ValueError, match=words):
-        pair(*bodies(), **QUICK, **options)
+def test_pair_rejects_interface_with_mu0(options, pattern) -> None:
+    with pytest.raises(ValueError, match=pattern):
+        pair(*rough_surfaces(), **PAIR_OPTIONS, **options)
 
 
-def test_interfaces_command_lists_and_pair_accepts_one(tmp_path) -> None:
-    listed = call_stiction("interfaces", cwd=tmp_path).stdout
+def test_interfaces_command_lists_interfaces_that_pair_accepts(tmp_path) -> None:
+    output = call_stiction("interfaces", cwd=tmp_path).stdout
     record = json.loads(call_stiction("interfaces", "--json", cwd=tmp_path).stdout)
     assert [item["name"] for item in record["interfaces"]] == list(interfaces())
-    assert all(f"{name}\n  {about['kind']}, " in listed for name, about in interfaces().items())
-    for side, body in zip(("upper", "lower"), bodies(), strict=True):
+    assert all(f"{name}\n  {entry['kind']}, " in output for name, entry in interfaces().items())
+    for side, body in zip(("upper", "lower"), rough_surfaces(), strict=True):
         write_surface(body, tmp_path / f"{side}.csv")
     options = ("pair", "upper.csv", "lower.csv", "--load", "20 MPa", "--effective-modulus", "3 GPa", "--shifts", "2")
     completed = check_stiction(*options, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path)
@@ -136,13 +138,13 @@ def test_interfaces_command_lists_and_pair_accepts_one(tmp_path) -> None:
     assert_rejected(call_stiction(*options, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be combined")
 
 
-def test_calibrated_interface_is_accepted_and_stored_alongside(film, result) -> None:
-    in_memory = pair(*bodies(), interface=interface(film), **QUICK)
+def test_calibrated_interface_is_accepted_and_stored_alongside(film_file, result) -> None:
+    in_memory = pair(*rough_surfaces(), interface=interface(film_file), **PAIR_OPTIONS)
     assert in_memory.interval == pytest.approx(result.interval, rel=1e-6)
     assert (in_memory.path / "interface.csv").is_file()
 
 
-DAMAGED = {
+DAMAGES = {
     "a scan": lambda text: "0" * 50_000_001,
     "another first line": lambda text: text.replace("# stiction interface", "# stiction interfaces", 1),
     "an unknown rule": lambda text: text.replace("# sliding: ", "# sliding: sideways "),
@@ -152,25 +154,25 @@ DAMAGED = {
 }
 
 
-@pytest.mark.parametrize("kind", DAMAGED)
-def test_damaged_interface_is_rejected_by_name_and_skipped_in_directory(film, tmp_path, kind) -> None:
-    (tmp_path / "bad").write_text(DAMAGED[kind](film.read_text()))
+@pytest.mark.parametrize("kind", DAMAGES)
+def test_damaged_interface_file_is_rejected_with_its_name_and_not_listed(film_file, tmp_path, kind) -> None:
+    (tmp_path / "bad").write_text(DAMAGES[kind](film_file.read_text()))
     with pytest.raises(ValueError, match=r"bad: is (not an|a damaged) interface"):
         read_interface(tmp_path / "bad")
-    shutil.copy(film, tmp_path / "good")
+    shutil.copy(film_file, tmp_path / "good")
     completed = check_stiction("interfaces", ".", "--json", cwd=tmp_path)
-    assert [load["name"] for load in json.loads(completed.stdout)["interfaces"]] == ["good"]
+    assert [entry["name"] for entry in json.loads(completed.stdout)["interfaces"]] == ["good"]
 
 
-def test_other_kinds_are_rejected_in_one_sentence(film) -> None:
-    for function, words in (
+def test_calibration_functions_reject_wrong_types(film_file) -> None:
+    for function, pattern in (
         (lambda: calibrate(5), "tests must be a sequence of FrictionTest"),
         (lambda: calibrate([5]), "tests must be a sequence of FrictionTest"),
-        (lambda: read_interface(film).predict(3, 5.0), "result must be"),
+        (lambda: read_interface(film_file).predict(3, 5.0), "result must be"),
         (lambda: write_interface("x", "y"), "interface must be an Interface"),
         (lambda: interface(3), "interface must be a name or a path"),
         (lambda: Ball("5 mm", "0 GPa"), "effective_modulus must be above 0"),
         (lambda: FrictionTest(Ball("5 mm", "3 GPa"), 1.0, coefficient=1e300), "coefficient must be"),
     ):
-        with pytest.raises(ValueError, match=words):
+        with pytest.raises(ValueError, match=pattern):
             function()

@@ -5,14 +5,14 @@ import scipy.stats
 from reference.neighbours import judged, of_quantity, traverses
 from stiction.studies.intervals import MIN_NEIGHBORS, neighbors_mean, positions_mean, sample_mean
 
-TRIALS = 500  # the share that covers scatters by 1 %
-WIDEST = 1.5  # median width over that of an interval from the true variance, where 32 values and more are at hand
+TRIALS = 500  # the measured coverage then has a standard error of 1 %
+MAX_WIDTH_RATIO = 1.5  # of the median width to the width for a known variance, with at least 32 values
 
-LEAST_GIVEN = 0.85
-"""In a tenth of the traverses where half are 0 and neighbours are alike all of 16 are, and there is no interval."""
+MIN_DEFINED_FRACTION = 0.85
+"""Fraction of traverses that must have an interval; 16 correlated values of which half are zero may all be zero."""
 
-# What docs/scripts/intervals.py measures with more trials, less 3 of those per cent.
-LEAST_COVERAGE = {
+# Coverage that docs/scripts/intervals.py measures with more trials, minus 0.03, by positions and correlation.
+MIN_COVERAGE = {
     (16, 0.0): 0.95, (16, 0.4): 0.92, (16, 0.8): 0.78,
     (32, 0.0): 0.94, (32, 0.4): 0.90, (32, 0.8): 0.84,
     (64, 0.0): 0.94, (64, 0.4): 0.90, (64, 0.8): 0.87,
@@ -20,28 +20,31 @@ LEAST_COVERAGE = {
 }  # fmt: skip
 
 
-ALWAYS = ((16, 0.8), (64, 0.4), (200, 0.0))  # cases that are no soak
+DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # the other cases run only in the stress suite
 
 
 @pytest.mark.parametrize(
     ("positions", "correlation"),
-    [*ALWAYS, *(pytest.param(*case, marks=pytest.mark.soak) for case in LEAST_COVERAGE if case not in ALWAYS)],
+    [
+        *DEFAULT_CASES,
+        *(pytest.param(*case, marks=pytest.mark.soak) for case in MIN_COVERAGE if case not in DEFAULT_CASES),
+    ],
 )
 @pytest.mark.parametrize("quantity", ["half zeros", "bounded", "lognormal 0.5"])
-def test_intervals_cover_with_nearly_the_best_width(quantity, positions, correlation):
+def test_neighbors_mean_covers_with_nearly_the_smallest_width(quantity, positions, correlation):
     random = np.random.default_rng([positions, int(10 * correlation)])
-    truth, best = of_quantity(quantity, positions, correlation, random)
-    covered, width, arguments = judged(
-        neighbors_mean, traverses(quantity, TRIALS, positions, correlation, random), truth, best
+    truth, smallest_width = of_quantity(quantity, positions, correlation, random)
+    coverage, width_ratio, defined_fraction = judged(
+        neighbors_mean, traverses(quantity, TRIALS, positions, correlation, random), truth, smallest_width
     )
-    assert arguments > LEAST_GIVEN
-    assert covered >= LEAST_COVERAGE[positions, correlation]
-    assert width <= (WIDEST if positions > 16 else 1.2 * WIDEST)
+    assert defined_fraction > MIN_DEFINED_FRACTION
+    assert coverage >= MIN_COVERAGE[positions, correlation]
+    assert width_ratio <= (MAX_WIDTH_RATIO if positions > 16 else 1.2 * MAX_WIDTH_RATIO)
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9])
-def test_interval_of_normal_values_equals_dense_matrices(correlation):
-    """The mixture over correlations with matrices written out; its scale is bent by what skewness chance gives."""
+def test_neighbors_mean_of_normal_values_equals_dense_matrices(correlation):
+    """Compare with the mixture of t distributions over correlations, computed with dense covariance matrices."""
     count = 20
     values = traverses("normal", 1, count, correlation, np.random.default_rng(7))[0]
     rhos = np.arange(20) / 20
@@ -56,17 +59,19 @@ def test_interval_of_normal_values_equals_dense_matrices(correlation):
         weights.append(np.sqrt(1 - rho) / np.sqrt(np.linalg.det(matrix) * inverse.sum()) / squares ** ((count - 1) / 2))
     weights = np.array(weights) / np.sum(weights)
     mean, lower, upper = neighbors_mean(values)
-    bend = scipy.stats.skew(values) / 3 / values.std(ddof=1)
+    skew_factor = scipy.stats.skew(values) / 3 / values.std(ddof=1)
     for end, sign in ((lower, -1), (upper, 1)):
         if end in (values.min(), values.max()):
             continue
-        straight = np.log1p(bend * (end - mean)) / bend
-        assert weights @ scipy.stats.t(count - 1).cdf(sign * straight / np.array(errors)) == pytest.approx(0.975)
+        unskewed_distance = np.log1p(skew_factor * (end - mean)) / skew_factor
+        assert weights @ scipy.stats.t(count - 1).cdf(sign * unskewed_distance / np.array(errors)) == pytest.approx(
+            0.975
+        )
     assert lower < mean < upper
 
 
 @pytest.mark.parametrize("quantity", ["half zeros", "lognormal 0.5", "bounded"])
-def test_interval_is_invariant_under_scale_origin_and_order(quantity):
+def test_neighbors_mean_is_equivariant_under_scale_shift_and_reversal(quantity):
     values = traverses(quantity, 1, 24, 0.4, np.random.default_rng(3))[0]
     expected = np.array(neighbors_mean(values))
     np.testing.assert_allclose(neighbors_mean(1e9 * values), 1e9 * expected, rtol=1e-9)
@@ -76,14 +81,14 @@ def test_interval_is_invariant_under_scale_origin_and_order(quantity):
     np.testing.assert_allclose([-mean, -upper, -lower], expected, rtol=1e-9)
 
 
-def test_interval_of_independent_values_is_students():
+def test_neighbors_mean_of_independent_values_has_students_interval():
     values = np.random.default_rng(8).normal(size=5000)
     half_width = 1.96 * values.std() / np.sqrt(values.size)
     _, lower, upper = neighbors_mean(values)
     assert upper - lower == pytest.approx(2 * half_width, rel=0.05)
 
 
-def test_interval_stays_within_the_values():
+def test_neighbors_mean_interval_stays_within_the_values():
     random = np.random.default_rng(6)
     for quantity in ("half zeros", "bounded", "lognormal 1"):
         for values in traverses(quantity, 50, MIN_NEIGHBORS, 0.6, random):
@@ -91,7 +96,7 @@ def test_interval_stays_within_the_values():
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 
 
-def test_few_or_equal_values_have_no_interval():
+def test_neighbors_mean_of_few_or_equal_values_has_no_interval():
     assert np.isnan(neighbors_mean(np.arange(MIN_NEIGHBORS - 1.0))[1:]).all()
     mean, lower, upper = neighbors_mean(np.zeros(16))
     assert mean == 0
@@ -99,46 +104,46 @@ def test_few_or_equal_values_have_no_interval():
     assert np.isnan(neighbors_mean(np.empty(0))).all()
 
 
-# ---- Over a sample ---------------------------------------------------------------------------------------------------
+# ---- sample_mean ----------------------------------------------------------------------------------------------------
 
 
-def test_sample_interval_has_nominal_coverage():
+def test_sample_mean_interval_has_nominal_coverage():
     generator = np.random.default_rng(11)
     mean, lower, upper = sample_mean(5 + generator.normal(size=(8, 4000)))
-    # 0.95 within three deviations of a count of 4000.
+    # The coverage is 0.95 within three standard errors of 4000 trials.
     assert abs(float(((lower <= 5) & (upper >= 5)).mean()) - 0.95) < 3 * (0.95 * 0.05 / 4000) ** 0.5
     assert mean.mean() == pytest.approx(5, abs=0.05)
 
 
-def test_interval_of_a_sample_of_both_signs_is_symmetric():
+def test_sample_mean_of_both_signs_has_symmetric_interval():
     mean, lower, upper = sample_mean(np.array([-1.0, 2.0, 3.0]))
     assert upper - mean == pytest.approx(mean - lower)
     assert lower < 0
 
 
 @pytest.mark.parametrize("count", [4, 8, 16])
-def test_interval_of_exponential_samples_stays_above_zero_and_covers(count):
+def test_sample_mean_of_exponential_values_covers_and_stays_above_zero(count):
     mean, lower, upper = sample_mean(np.random.default_rng(3).exponential(size=(count, 20_000)))
     assert (lower > 0).all()
-    plain = mean + (mean - lower)  # no symmetric interval that stays above 0 is as wide
-    assert (upper > plain).all()
+    symmetric_upper = mean + (mean - lower)  # the interval is skewed towards large values
+    assert (upper > symmetric_upper).all()
     assert ((lower <= 1) & (upper >= 1)).mean() > 0.925
 
 
-def test_sample_interval_ignores_missing_values():
+def test_sample_mean_ignores_missing_values():
     values = np.array([[1.0, 0.1, np.nan], [2.0, 0.0, 1.0], [3.0, 5.0, np.nan], [np.nan, 0.0, 2.0]])
     mean, lower, upper = sample_mean(values)
     assert mean == pytest.approx([2.0, 1.275, 1.5])
-    half_width = 4.302652730 / 3**0.5  # t of 2
+    half_width = 4.302652730 / 3**0.5  # Student's t of 2 degrees of freedom
     assert (lower[0], upper[0]) == pytest.approx((2 * np.exp(-half_width / 2), 2 * np.exp(half_width / 2)))
     assert 0 < lower[1] < mean[1] < upper[1]
     assert np.isnan([lower[2], upper[2]]).all()
 
 
 @pytest.mark.parametrize("lines", [1, 16])
-def test_interval_does_not_depend_on_other_columns(lines):
+def test_positions_mean_of_a_column_is_independent_of_other_columns(lines):
     values = np.exp(np.random.default_rng(0).normal(size=(64, 50)).cumsum(axis=0) * 0.3)
-    places = np.arange(64) * lines // 64
-    every = np.stack(positions_mean(values, places))
-    alone = [positions_mean(np.ascontiguousarray(column), places) for column in values.T]
-    assert np.array_equal(every, np.array(alone).T)
+    lines_of_positions = np.arange(64) * lines // 64
+    all_columns = np.stack(positions_mean(values, lines_of_positions))
+    single_columns = [positions_mean(np.ascontiguousarray(column), lines_of_positions) for column in values.T]
+    assert np.array_equal(all_columns, np.array(single_columns).T)

@@ -1,4 +1,4 @@
-"""Profiles at listed positions along each other: the same numbers as pressing each position by itself."""
+"""Test pairs of profiles at listed positions against direct solutions at each position, and `paired_lines`."""
 
 import numpy as np
 import pytest
@@ -23,12 +23,12 @@ from stiction.studies import intervals
 from stiction.studies.pair import pair_study
 
 LOADS = [0.003, 0.03]
-FRICTION = {"mu0": 0.3, "tau0": 0.1}
-EXACT = 1e-9  # relative: roots are found to 1e-12 of the approach
-BETWEEN = 2e-3  # relative, of what is read off between two elastic loads that are pressed, and of friction there
+INTERFACE = {"mu0": 0.3, "tau0": 0.1}
+ROOT_TOLERANCE = 1e-9  # relative; the approach at a load is found to 1e-12
+INTERPOLATION_TOLERANCE = 2e-3  # relative; of values that are interpolated between two solved loads
 
 
-def scan(side="lower", *, points=3000, repetition=0, spacing=0.01):
+def rough_profile(side="lower", *, points=3000, repetition=0, spacing=0.01):
     return self_affine(
         5, hurst_exponent=0.8, rms=0.03, points=points, spacing=spacing, shortest_wavelength=20 * spacing,
         longest_wavelength=300 * spacing, side=side, repetition=repetition,
@@ -36,97 +36,107 @@ def scan(side="lower", *, points=3000, repetition=0, spacing=0.01):
 
 
 @pytest.fixture(scope="module")
-def pair():
-    return cropped(flipped(scan("upper")), 0, 20), scan("lower")
+def profile_pair():
+    return cropped(flipped(rough_profile("upper")), 0, 20), rough_profile("lower")
 
 
-STEPS = (0.03, 0.3, 0.6, 0.72, 0.8, 0.87, 0.93, 1.0, 1.07, 1.15, 1.25, 1.4, 1.8, 3.0, 30.0)
-"""Elastic loads over a normal load, close together where friction on slopes adds little."""
+LOAD_RATIOS = (0.03, 0.3, 0.6, 0.72, 0.8, 0.87, 0.93, 1.0, 1.07, 1.15, 1.25, 1.4, 1.8, 3.0, 30.0)
+"""Ratios of solved elastic loads to the requested normal load, closely spaced around 1."""
 
 
-def study_of(upper, lower, loads, **options):
-    """Return the study of a slider, whose heights are upwards, on a counterface, both unchanged."""
+def create_study(upper, lower, loads, **options):
+    """Return the study of a slider on a counterface, without levelling and filtering."""
     unchanged = {"level": "none", "cutoff": "none", "positions": [0.0], "effective_modulus": 10.0}
     return pair_study(flipped(upper), lower, load=list(loads), **unchanged | options)
 
 
 def run_pair(upper, lower, loads, **options):
-    return run(study_of(upper, lower, loads, **options))
+    return run(create_study(upper, lower, loads, **options))
 
 
-def at_positions(result, **arguments):
-    """Return the values of members by the rule of opposing contacts, without dimensions of one element."""
+def read_members(result, **arguments):
+    """Return values of each position with friction at opposing contacts only, and drop dimensions of length one."""
     at = result.at(per_member=True, **arguments).sel(sliding="opposing").isel(cut_off=0)
     return at.swap_dims(repetition="x").squeeze(("mu0", "tau0"))
 
 
 @pytest.fixture(scope="module")
-def result(pair):
-    return run_pair(*pair, LOADS, positions=[0.0, 4.0, 10.0], **FRICTION)
+def result(profile_pair):
+    return run_pair(*profile_pair, LOADS, positions=[0.0, 4.0, 10.0], **INTERFACE)
 
 
 @pytest.mark.parametrize("shear", ["+x", "-x"])
 @pytest.mark.parametrize("offset", [0.0, 4.0, 10.0])
-def test_pair_at_positions_equals_press_at_each(pair, result, shear, offset):
-    upper, lower = pair
-    beneath = cropped(lower, offset, offset + 20)
-    choices = {"detection": "gap-minimum", "shear": shear}
-    where = {"x": offset, "direction": 0.0 if shear == "+x" else 180.0}
-    at = at_positions(result).sel(where)
-    approaches = approach_at_load(upper, beneath, LOADS, mu0=0.0, **choices)
-    curve = press(upper, beneath, approaches, **choices)
-    np.testing.assert_allclose(at["approach"], approaches, rtol=EXACT)
-    np.testing.assert_allclose(at["friction_coefficient"], curve.friction_coefficient(**FRICTION), rtol=EXACT)
-    np.testing.assert_allclose(at["tangential_load"], curve.tangential_load(**FRICTION), rtol=EXACT)
-    np.testing.assert_allclose(at["contact_area"], curve.contact_area, rtol=EXACT)
-    np.testing.assert_array_equal(at["contact_count"], curve.contact_count)
-    np.testing.assert_allclose(at["share_beyond_hertz"], curve.validity.share_beyond_hertz, rtol=EXACT, atol=1e-12)
+def test_pair_at_positions_equals_press_at_each_position(profile_pair, result, shear, offset):
+    upper, lower = profile_pair
+    counterface = cropped(lower, offset, offset + 20)
+    model = {"detection": "gap-minimum", "shear": shear}
+    selection = {"x": offset, "direction": 0.0 if shear == "+x" else 180.0}
+    member = read_members(result).sel(selection)
+    approaches = approach_at_load(upper, counterface, LOADS, mu0=0.0, **model)
+    curve = press(upper, counterface, approaches, **model)
+    np.testing.assert_allclose(member["approach"], approaches, rtol=ROOT_TOLERANCE)
+    np.testing.assert_allclose(
+        member["friction_coefficient"], curve.friction_coefficient(**INTERFACE), rtol=ROOT_TOLERANCE
+    )
+    np.testing.assert_allclose(member["tangential_load"], curve.tangential_load(**INTERFACE), rtol=ROOT_TOLERANCE)
+    np.testing.assert_allclose(member["contact_area"], curve.contact_area, rtol=ROOT_TOLERANCE)
+    np.testing.assert_array_equal(member["contact_count"], curve.contact_count)
+    np.testing.assert_allclose(
+        member["share_beyond_hertz"], curve.validity.share_beyond_hertz, rtol=ROOT_TOLERANCE, atol=1e-12
+    )
     for index, approach in enumerate(approaches):
-        ends = press(upper, beneath, [0.98 * approach, 1.02 * approach], **choices).normal_elastic
-        assert float(at["normal_stiffness"][index]) == pytest.approx((ends[1] - ends[0]) / (0.04 * approach))
-    at = at_positions(result, reading="normal").sel(where)
-    approaches = approach_at_load(upper, beneath, LOADS, **FRICTION, **choices)
-    curve = press(upper, beneath, approaches, **choices)
-    np.testing.assert_allclose(at["friction_coefficient"], curve.friction_coefficient(**FRICTION), rtol=BETWEEN)
-    np.testing.assert_allclose(at["tangential_load"], at["friction_coefficient"] * LOADS, rtol=EXACT)
-    assert (at["status"] == "ok").all()
+        loads_around = press(upper, counterface, [0.98 * approach, 1.02 * approach], **model).normal_elastic
+        assert float(member["normal_stiffness"][index]) == pytest.approx(
+            (loads_around[1] - loads_around[0]) / (0.04 * approach)
+        )
+    member = read_members(result, reading="normal").sel(selection)
+    approaches = approach_at_load(upper, counterface, LOADS, **INTERFACE, **model)
+    curve = press(upper, counterface, approaches, **model)
+    np.testing.assert_allclose(
+        member["friction_coefficient"], curve.friction_coefficient(**INTERFACE), rtol=INTERPOLATION_TOLERANCE
+    )
+    np.testing.assert_allclose(member["tangential_load"], member["friction_coefficient"] * LOADS, rtol=ROOT_TOLERANCE)
+    assert (member["status"] == "ok").all()
 
 
-@pytest.mark.parametrize(("load", "within", "share"), [("elastic", 1e-6, 1.0), ("normal", BETWEEN, 0.75)])
-def test_load_jumps_are_interpolated_linearly(rough_pair, load, within, share):
+@pytest.mark.parametrize(
+    ("load", "tolerance", "quantile_level"), [("elastic", 1e-6, 1.0), ("normal", INTERPOLATION_TOLERANCE, 0.75)]
+)
+def test_friction_is_interpolated_linearly_across_load_jumps(rough_pair, load, tolerance, quantile_level):
     upper, lower = rough_pair(1.5, repetition=1)
     loads = np.geomspace(1e-4, 3e-3, 12)
-    steps = [f"{step} mN" for step in np.unique(np.outer(loads, STEPS))]
-    study = study_of(upper, lower, loads, detection="cell", **FRICTION).with_changes({"contact.load": steps})
-    at = at_positions(run(study), reading=load).isel(x=0)
-    carrying = {"mu0": 0.0} if load == "elastic" else FRICTION
-    off = []
+    steps = [f"{step} mN" for step in np.unique(np.outer(loads, LOAD_RATIOS))]
+    study = create_study(upper, lower, loads, detection="cell", **INTERFACE).with_changes({"contact.load": steps})
+    members = read_members(run(study), reading=load).isel(x=0)
+    strengths = {"mu0": 0.0} if load == "elastic" else INTERFACE
+    errors = []
     for shear, angle in (("+x", 0.0), ("-x", 180.0)):
-        approaches = approach_at_load(upper, lower, loads, detection="cell", shear=shear, **carrying)
-        for place in np.flatnonzero(at["status"].sel(direction=angle) == "ok"):
-            both = approaches[place] * np.array([1 - 1e-10, 1])
-            curve = press(upper, lower, both, detection="cell", shear=shear)
-            normal, tangential = curve.normal_load(**carrying), curve.tangential_load(**FRICTION)
+        approaches = approach_at_load(upper, lower, loads, detection="cell", shear=shear, **strengths)
+        for index in np.flatnonzero(members["status"].sel(direction=angle) == "ok"):
+            close_approaches = approaches[index] * np.array([1 - 1e-10, 1])
+            curve = press(upper, lower, close_approaches, detection="cell", shear=shear)
+            normal, tangential = curve.normal_load(**strengths), curve.tangential_load(**INTERFACE)
             if normal[1] > 1.001 * normal[0]:
-                computed = float(at["tangential_load"].sel(direction=angle)[place])
-                off.append(abs(computed - np.interp(loads[place], normal, tangential)) / loads[place])
-    assert len(off) > 4
-    assert np.quantile(off, share) < within
+                computed = float(members["tangential_load"].sel(direction=angle)[index])
+                errors.append(abs(computed - np.interp(loads[index], normal, tangential)) / loads[index])
+    assert len(errors) > 4
+    assert np.quantile(errors, quantile_level) < tolerance
 
 
-def test_positions_are_rounded_to_the_nearest_point(pair):
-    upper, lower = pair
-    assert 0.29 / 0.01 < 29  # by round-off
-    at = at_positions(run_pair(upper, lower, [0.01], positions=[0.29], **FRICTION)).sel(direction=0.0)
-    beneath = Profile(lower.heights[29 : 29 + len(upper)], spacing=0.01)
-    expected = approach_at_load(upper, beneath, 0.01, detection="gap-minimum", shear="+x", mu0=0.0)
-    assert float(at["approach"].squeeze()) == pytest.approx(float(expected), rel=EXACT)
-    assert float(at["x"].squeeze()) == pytest.approx(0.29)
+def test_positions_are_rounded_to_the_nearest_point(profile_pair):
+    upper, lower = profile_pair
+    assert 0.29 / 0.01 < 29  # 0.29/0.01 must be rounded, not truncated
+    member = read_members(run_pair(upper, lower, [0.01], positions=[0.29], **INTERFACE)).sel(direction=0.0)
+    counterface = Profile(lower.heights[29 : 29 + len(upper)], spacing=0.01)
+    expected = approach_at_load(upper, counterface, 0.01, detection="gap-minimum", shear="+x", mu0=0.0)
+    assert float(member["approach"].squeeze()) == pytest.approx(float(expected), rel=ROOT_TOLERANCE)
+    assert float(member["x"].squeeze()) == pytest.approx(0.29)
 
 
-def test_slider_is_shortened_to_reach_the_last_position(pair):
-    _, lower = pair
-    result = run_pair(flipped(lower), lower, [0.01], positions=[1.0, 12.0], **FRICTION)
+def test_slider_is_shortened_to_reach_the_last_position(profile_pair):
+    _, lower = profile_pair
+    result = run_pair(flipped(lower), lower, [0.01], positions=[1.0, 12.0], **INTERFACE)
     assert result.dataset.attrs["shape"].tolist() == [1800]
     assert float(result.dataset["nominal_area"]) == pytest.approx(18.0)
 
@@ -134,55 +144,67 @@ def test_slider_is_shortened_to_reach_the_last_position(pair):
 def test_stiffness_of_two_arcs_equals_hertz(circular_arc):
     upper, lower = (circular_arc(0.5003, 1.0, 1e-3, 1001, side) for side in ("upper", "lower"))
     load = 0.01
-    at = at_positions(run_pair(upper, lower, [load], mu0=0.0)).isel(x=0, load=0)
+    member = read_members(run_pair(upper, lower, [load], mu0=0.0)).isel(x=0, load=0)
     overlap = (load / (4 / 3 * 10.0 * np.sqrt(0.5))) ** (2 / 3)
-    # dF/dδ = 3/2 F/δ; over 2 % of the approach on both sides it is wrong by 1/24 of their square.
-    np.testing.assert_allclose(at["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
+    # Hertz: dF/dδ = 3/2 F/δ. The central difference over ±2 % of the approach has a relative error below 1e-4.
+    np.testing.assert_allclose(member["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
 
 
 def test_values_of_members_have_units_names_and_history(result):
-    at = result.at(per_member=True)
-    assert at["contact_area"].attrs["units"] == "um^2"
-    assert at["normal_stiffness"].attrs["units"] == "mN/um"
-    assert at["load"].attrs["units"] == "mN"
+    members = result.at(per_member=True)
+    assert members["contact_area"].attrs["units"] == "um^2"
+    assert members["normal_stiffness"].attrs["units"] == "mN/um"
+    assert members["load"].attrs["units"] == "mN"
     assert result.nominal_area == pytest.approx(20.0)
-    assert (float(at["mu0"][0]), float(at["tau0"][0]), float(at["effective_modulus"])) == (0.3, 0.1, 10.0)
+    assert (float(members["mu0"][0]), float(members["tau0"][0]), float(members["effective_modulus"])) == (
+        0.3,
+        0.1,
+        10.0,
+    )
     assert result.study.contact.detection == "gap-minimum"
-    assert "turned over" in at.attrs["upper"]
-    assert at.attrs["stiction_version"] == stiction.__version__
+    assert "turned over" in members.attrs["upper"]
+    assert members.attrs["stiction_version"] == stiction.__version__
 
 
-def test_nondimensional_values_are_invariant_under_scaling(pair):
-    def scaled(bodies, loads, length, **options):
-        at = run_pair(*bodies, loads, detection="gap-minimum", mu0=0.3, **options).at(per_member=True)
-        names = [name for name in at.data_vars if at[name].attrs.get("units") in ("1", "mN", "um", "um^2", "GPa")]
-        return nondimensional(at[names], length=length)
+def test_nondimensional_values_are_invariant_under_scaling(profile_pair):
+    def nondimensional_members(bodies, loads, length, **options):
+        members = run_pair(*bodies, loads, detection="gap-minimum", mu0=0.3, **options).at(per_member=True)
+        names = [
+            name for name in members.data_vars if members[name].attrs.get("units") in ("1", "mN", "um", "um^2", "GPa")
+        ]
+        return nondimensional(members[names], length=length)
 
-    larger = [Profile(3 * item.heights, spacing=3 * item.spacing) for item in pair]
-    one = scaled(pair, [0.01], 1.0, positions=[0.0, 5.0], tau0=0.1)
-    other = scaled(larger, [0.01 * 9 * 2], 3.0, positions=[0.0, 15.0], tau0=0.2, effective_modulus=20.0)
-    assert set(one.variables) == set(other.variables)
-    assert {"friction_coefficient", "normal_load", "contact_area", "approach"} <= set(one.data_vars)
-    for name in one.variables:
-        if one[name].dtype.kind == "f" and name not in ("nominal_area", "contact_area_fraction", "nominal_pressure"):
-            np.testing.assert_allclose(other[name], one[name], rtol=1e-6, atol=1e-12, err_msg=name)
-            assert one[name].attrs["units"] in ("1", "degree")
-    assert one["load"].attrs["long_name"].endswith("/ (E* L²)")
+    scaled_pair = [Profile(3 * item.heights, spacing=3 * item.spacing) for item in profile_pair]
+    original = nondimensional_members(profile_pair, [0.01], 1.0, positions=[0.0, 5.0], tau0=0.1)
+    scaled = nondimensional_members(
+        scaled_pair, [0.01 * 9 * 2], 3.0, positions=[0.0, 15.0], tau0=0.2, effective_modulus=20.0
+    )
+    assert set(original.variables) == set(scaled.variables)
+    assert {"friction_coefficient", "normal_load", "contact_area", "approach"} <= set(original.data_vars)
+    for name in original.variables:
+        if original[name].dtype.kind == "f" and name not in (
+            "nominal_area",
+            "contact_area_fraction",
+            "nominal_pressure",
+        ):
+            np.testing.assert_allclose(scaled[name], original[name], rtol=1e-6, atol=1e-12, err_msg=name)
+            assert original[name].attrs["units"] in ("1", "degree")
+    assert original["load"].attrs["long_name"].endswith("/ (E* L²)")
 
 
 def test_nondimensional_requires_modulus_and_known_units(result):
-    at = result.at(per_member=True)[["contact_area"]]
+    members = result.at(per_member=True)[["contact_area"]]
     with pytest.raises(ValueError, match="length must be given"):
-        nondimensional(at)
+        nondimensional(members)
     with pytest.raises(ValueError, match=r"length must be .* above 0"):
-        nondimensional(at, length=-1.0)
-    without = at.drop_attrs(deep=False).drop_vars("effective_modulus")
+        nondimensional(members, length=-1.0)
+    members_without_modulus = members.drop_attrs(deep=False).drop_vars("effective_modulus")
     with pytest.raises(ValueError, match="effective_modulus must be given"):
-        nondimensional(without, length=1.0)
-    at = at.copy()
-    at["contact_area"].attrs["units"] = "acre"
+        nondimensional(members_without_modulus, length=1.0)
+    members = members.copy()
+    members["contact_area"].attrs["units"] = "acre"
     with pytest.raises(ValueError, match="contact_area has the unknown unit 'acre'"):
-        nondimensional(at, length=1.0)
+        nondimensional(members, length=1.0)
 
 
 # ---- Statuses and means ----------------------------------------------------------------------------------------------
@@ -192,49 +214,53 @@ def test_positions_without_result_have_status_and_are_left_out_of_mean():
     x = np.arange(2001) * 0.01 - 10.0
     flat, ball = Profile(np.zeros(2001), spacing=0.01), Profile(-0.05 * x**2, spacing=0.01)
     reached = run_pair(flat, ball, [1e-3, 1e9], mu0=0.3)
-    assert at_positions(reached)["status"].isel(x=0, direction=0).values.tolist() == ["ok", "not-reached"]
-    nothing = run_pair(flat, flat, [1.0], mu0=0.3)
-    assert (nothing.at(per_member=True)["status"] == "no-contact").all()
-    # Two bows on a slope of 3, up which the upper body is pushed, or down.
-    upper, lower = (Profile(3 * x + bow * x**2, spacing=0.01) for bow in (0.05, -0.05))
-    for mu0, status in ((0.3, "ok"), (0.34, "self-locked")):  # mu0 tan θ = 1 at 1/3
-        at = at_positions(run_pair(upper, lower, [1e-3], mu0=mu0))
-        assert at["status"].isel(x=0).values.ravel().tolist() == [status, "ok"]
+    assert read_members(reached)["status"].isel(x=0, direction=0).values.tolist() == ["ok", "not-reached"]
+    separated = run_pair(flat, flat, [1.0], mu0=0.3)
+    assert (separated.at(per_member=True)["status"] == "no-contact").all()
+    # Two arcs on a slope of 3: the upper body is pushed up the slope in direction 0, and down in direction 180.
+    upper, lower = (Profile(3 * x + curvature * x**2, spacing=0.01) for curvature in (0.05, -0.05))
+    for mu0, status in ((0.3, "ok"), (0.34, "self-locked")):  # self-locking needs mu0 above 1/3
+        members = read_members(run_pair(upper, lower, [1e-3], mu0=mu0))
+        assert members["status"].isel(x=0).values.ravel().tolist() == [status, "ok"]
     grazed = run_pair(flat, Profile(-0.05 * (x - 0.005) ** 2, spacing=0.01), [1e-12], mu0=0.3)
-    at = grazed.at(per_member=True)
-    assert (at["status"] == "below-range").all()
-    assert at["approach"].isnull().all()
+    members = grazed.at(per_member=True)
+    assert (members["status"] == "below-range").all()
+    assert members["approach"].isnull().all()
     mean = reached.at().sel(sliding="opposing", direction=0.0).isel(cut_off=0, mu0=0, tau0=0)
     assert mean["ok"].values.tolist() == [1, 0]
     assert mean["friction_coefficient"][1].isnull().all()
     values = mean["contact_area"][0]
     assert np.isfinite(values[0])
-    assert values[1:].isnull().all()  # one position has no interval
+    assert values[1:].isnull().all()  # a single position has no interval
 
 
-def test_several_materials_equal_single_materials(pair):
-    both = run_pair(*pair, LOADS, mu0=[0.3, 0.5], tau0=[0.0, 0.1], positions=np.arange(9.0))
-    values, mean = both.at(per_member=True), both.at()
+def test_result_at_several_mu0_and_tau0_equals_results_at_each(profile_pair):
+    result = run_pair(*profile_pair, LOADS, mu0=[0.3, 0.5], tau0=[0.0, 0.1], positions=np.arange(9.0))
+    values, mean = result.at(per_member=True), result.at()
     for mu0 in (0.3, 0.5):
         for tau0 in (0.0, 0.1):
-            alone = both.at(mu0=mu0, tau0=tau0, per_member=True)
-            assert values.sel(mu0=[mu0], tau0=[tau0]).identical(alone)
+            single = result.at(mu0=mu0, tau0=tau0, per_member=True)
+            assert values.sel(mu0=[mu0], tau0=[tau0]).identical(single)
             selected = mean.sel(mu0=mu0, tau0=tau0)["friction_coefficient"]
-            np.testing.assert_array_equal(selected, both.at(mu0=mu0, tau0=tau0)["friction_coefficient"][..., 0, 0, :])
+            np.testing.assert_array_equal(selected, result.at(mu0=mu0, tau0=tau0)["friction_coefficient"][..., 0, 0, :])
 
 
-def test_mean_accounts_for_correlated_positions(pair):
-    at = run_pair(*pair, [0.01], positions=np.arange(10.0), **FRICTION)
-    values = at_positions(at)["friction_coefficient"].isel(load=0).sel(direction=0.0).values
-    mean = at.at()["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", direction=0.0)
+def test_mean_accounts_for_correlated_positions(profile_pair):
+    result = run_pair(*profile_pair, [0.01], positions=np.arange(10.0), **INTERFACE)
+    values = read_members(result)["friction_coefficient"].isel(load=0).sel(direction=0.0).values
+    mean = (
+        result.at()["friction_coefficient"]
+        .isel(cut_off=0, load=0, mu0=0, tau0=0)
+        .sel(sliding="opposing", direction=0.0)
+    )
     np.testing.assert_allclose(mean, intervals.neighbors_mean(values))
 
 
 # ---- From scans to pairs ---------------------------------------------------------------------------------------------
 
 
-def test_paired_lines_returns_half_slider_and_track():
-    upper, lower = scan("upper"), scan("lower")
+def test_paired_lines_returns_half_the_slider_and_the_whole_track():
+    upper, lower = rough_profile("upper"), rough_profile("lower")
     (slider,), (track,) = paired_lines(upper, lower)
     whole = levelled(upper, "line")
     np.testing.assert_array_equal(track.heights, levelled(lower, "line").heights)
@@ -242,26 +268,28 @@ def test_paired_lines_returns_half_slider_and_track():
     assert slider.history[-2:] == ("cropped to 0 to 15 µm", "levelled by a line")
     (short,), (track,) = paired_lines(cropped(upper, 0, 5), lower)
     assert (len(short), len(track)) == (500, 3000)
-    (slider,), (track,) = paired_lines(scan("upper", points=800, spacing=0.02), lower)  # on the finer grid of both
+    (slider,), (track,) = paired_lines(
+        rough_profile("upper", points=800, spacing=0.02), lower
+    )  # both are resampled to the finer spacing
     assert (slider.spacing, track.spacing, len(track)) == (0.01, 0.01, 3000)
 
 
-def test_travel_shortens_the_slider():
-    (slider,), (track,) = paired_lines(scan("upper"), scan("lower"), travel=10.0, level=None)
+def test_paired_lines_shortens_the_slider_by_travel():
+    (slider,), (track,) = paired_lines(rough_profile("upper"), rough_profile("lower"), travel=10.0, level=None)
     assert (len(slider), len(track)) == (2000, 3000)
-    np.testing.assert_array_equal(slider.heights, -scan("upper").heights[:2000])
+    np.testing.assert_array_equal(slider.heights, -rough_profile("upper").heights[:2000])
     for travel in (15.5, -1.0, np.nan, 1e9):
         with pytest.raises(ValueError, match="travel"):
-            paired_lines(scan("upper"), scan("lower"), travel=travel)
+            paired_lines(rough_profile("upper"), rough_profile("lower"), travel=travel)
 
 
-def maps():
-    lines = [scan("lower", points=400, repetition=line).heights for line in range(9)]
+def small_map():
+    lines = [rough_profile("lower", points=400, repetition=line).heights for line in range(9)]
     return Surface(lines, spacing=(0.02, 0.01))
 
 
-def test_paired_lines_of_surfaces_are_a_third_of_their_width_apart():
-    surface = maps()
+def test_paired_lines_takes_rows_a_third_of_the_width_apart():
+    surface = small_map()
     uppers, lowers = paired_lines(surface, surface, level=None)
     assert len(uppers) == len(lowers) == 9
     for line in range(9):
@@ -272,37 +300,37 @@ def test_paired_lines_of_surfaces_are_a_third_of_their_width_apart():
     np.testing.assert_array_equal(uppers[1].heights, -surface.heights[:, 100])
     np.testing.assert_array_equal(lowers[1].heights, surface.heights[:, 233])
     np.testing.assert_array_equal(lowers[3].heights, surface.heights[:, 33])
-    for lines in (1, 2):  # never a line with itself
+    for lines in (1, 2):  # a row is not paired with the same row
         uppers, lowers = paired_lines(surface, surface, level=None, lines=lines)
         np.testing.assert_array_equal(uppers[0].heights, -surface.heights[0][: len(uppers[0])])
         np.testing.assert_array_equal(lowers[0].heights, surface.heights[3])
-    two = Surface(surface.heights[:2], spacing=0.01)
-    np.testing.assert_array_equal(paired_lines(two, two, level=None)[1][1].heights, two.heights[0])
-    uppers, lowers = paired_lines(surface, scan("upper"), lines=3)
+    two_rows = Surface(surface.heights[:2], spacing=0.01)
+    np.testing.assert_array_equal(paired_lines(two_rows, two_rows, level=None)[1][1].heights, two_rows.heights[0])
+    uppers, lowers = paired_lines(surface, rough_profile("upper"), lines=3)
     assert len(lowers[0]) == 400
     assert uppers[1].history[:1] == ("row 3",)
 
 
-def test_paired_lines_of_different_lengths_cover_the_longer():
-    surface = maps()
+def test_paired_lines_of_different_lengths_cover_the_longer_profile():
+    surface = small_map()
     for lengths in ((400, 3000), (3000, 400)):
-        bodies = [surface if length == 400 else scan("upper") for length in lengths]
+        bodies = [surface if length == 400 else rough_profile("upper") for length in lengths]
         uppers, lowers = paired_lines(*bodies, level=None, lines=9)
         assert {len(upper) for upper in (*uppers, *lowers)} == {400}
-        longer = np.array([item.heights for item in (uppers if lengths[0] == 3000 else lowers)])
-        whole = scan("upper").heights * (-1 if lengths[0] == 3000 else 1)
-        starts = [int(np.flatnonzero(np.isclose(whole, line[0], rtol=0, atol=0))[0]) for line in longer]
-        np.testing.assert_array_equal(longer, [whole[start : start + 400] for start in starts])
+        pieces = np.array([item.heights for item in (uppers if lengths[0] == 3000 else lowers)])
+        long_heights = rough_profile("upper").heights * (-1 if lengths[0] == 3000 else 1)
+        starts = [int(np.flatnonzero(np.isclose(long_heights, line[0], rtol=0, atol=0))[0]) for line in pieces]
+        np.testing.assert_array_equal(pieces, [long_heights[start : start + 400] for start in starts])
         assert min(starts) == 0
         assert max(starts) > 0.8 * 2600
         assert np.diff(np.sort(starts)).max() < 2 * 2600 / 9
     assert "cropped" in uppers[1].history[-1]
-    leveled, _ = paired_lines(scan("upper"), surface, lines=2)
-    np.testing.assert_allclose(levelled(leveled[1], "line").heights, leveled[1].heights, atol=1e-12)
+    levelled_pieces, _ = paired_lines(rough_profile("upper"), surface, lines=2)
+    np.testing.assert_allclose(levelled(levelled_pieces[1], "line").heights, levelled_pieces[1].heights, atol=1e-12)
 
 
-def test_surrogates_replace_the_selected_surface():
-    upper, lower = scan("upper"), scan("lower")
+def test_paired_lines_with_surrogates_replaces_the_selected_surface():
+    upper, lower = rough_profile("upper"), rough_profile("lower")
     uppers, lowers = paired_lines(upper, lower, surrogates="lower", lines=3, seed=9)
     assert len(uppers) == 3
     np.testing.assert_array_equal(uppers[0].heights, uppers[1].heights)
@@ -314,7 +342,7 @@ def test_surrogates_replace_the_selected_surface():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("arguments", "pattern"),
     [
         ({"positions": [1.0, 1.0]}, "positions must differ"),
         ({"positions": [-1.0]}, "positions must be at least 0"),
@@ -327,15 +355,15 @@ def test_surrogates_replace_the_selected_surface():
         ({"direction": [0]}, "direction is for areas"),
     ],
 )
-def test_pair_rejects_bad_positions_of_profiles(pair, arguments, words):
-    upper, lower = pair
+def test_pair_rejects_bad_positions_of_profiles(profile_pair, arguments, pattern):
+    upper, lower = profile_pair
     options = {"load": [0.01], "mu0": 0.3, "effective_modulus": 10.0, "positions": [0.0]} | arguments
-    with pytest.raises(ValueError, match=words):
+    with pytest.raises(ValueError, match=pattern):
         stiction.pair(Profile(upper.heights, spacing=0.01), lower, **options)
 
 
-def test_study_rejects_members_beyond_its_positions(pair):
-    study = study_of(*pair, [0.01], mu0=0.3, positions=[0.0, 1.0])
+def test_study_rejects_members_beyond_its_positions(profile_pair):
+    study = create_study(*profile_pair, [0.01], mu0=0.3, positions=[0.0, 1.0])
     with pytest.raises(ValueError, match="positions has 2 positions, but member 2 needs position 3"):
         run(study.with_changes({"ensemble.repetitions": 3}))
     with pytest.raises(ValueError, match="must not be given with offsets or travel"):
@@ -343,13 +371,13 @@ def test_study_rejects_members_beyond_its_positions(pair):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"), [({"along": "z"}, "along must be one of"), ({"lines": 0}, "lines must be a whole number")]
+    ("arguments", "pattern"), [({"along": "z"}, "along must be one of"), ({"lines": 0}, "lines must be a whole number")]
 )
-def test_paired_lines_rejects_bad_arguments(arguments, words):
-    with pytest.raises(ValueError, match=words):
-        paired_lines(maps(), maps(), **arguments)
+def test_paired_lines_rejects_bad_arguments(arguments, pattern):
+    with pytest.raises(ValueError, match=pattern):
+        paired_lines(small_map(), small_map(), **arguments)
     with pytest.raises(ValueError, match="upper must be a Profile or a Surface"):
-        paired_lines([1, 2], maps())
+        paired_lines([1, 2], small_map())
 
 
 def two_rough_profiles():
@@ -359,62 +387,70 @@ def two_rough_profiles():
     )
 
 
-def test_opposing_load_fraction_equals_that_of_contacts():
+def test_opposing_load_fraction_equals_sum_over_contacts():
     upper, lower = two_rough_profiles()
     slider = cropped(upper, 0, 15)
-    result = at_positions(run_pair(slider, lower, [0.3], mu0=0.3, positions=[1.0])).isel(x=0, load=0)
+    result = read_members(run_pair(slider, lower, [0.3], mu0=0.3, positions=[1.0])).isel(x=0, load=0)
     for shear, angle in (("+x", 0.0), ("-x", 180.0)):
-        at = result.sel(direction=angle)
-        computed = contacts(slider, cropped(lower, 1, 16), float(at["approach"]), detection="gap-minimum", shear=shear)
-        load = computed.force * computed.normal[:, 2]
-        share = load[computed.opposing].sum() / load.sum()
-        assert 0.05 < share < 0.95
-        assert np.isclose(float(at["share_opposing"]), share, rtol=1e-6)
-    assert float(result["share_opposing"].sum()) == pytest.approx(1.0, abs=0.02)  # but for squares of slopes
+        member = result.sel(direction=angle)
+        contact_list = contacts(
+            slider, cropped(lower, 1, 16), float(member["approach"]), detection="gap-minimum", shear=shear
+        )
+        load = contact_list.force * contact_list.normal[:, 2]
+        fraction = load[contact_list.opposing].sum() / load.sum()
+        assert 0.05 < fraction < 0.95
+        assert np.isclose(float(member["share_opposing"]), fraction, rtol=1e-6)
+    assert float(result["share_opposing"].sum()) == pytest.approx(1.0, abs=0.02)  # exact for small slopes
 
 
 # ---- Half-planes -----------------------------------------------------------------------------------------------------
 
-SAME = 1e-12  # relative: the same solution, summed in the same order
+SUMMATION_TOLERANCE = 1e-12  # relative; between equal sums of the same solution
 
 
 @pytest.fixture(scope="module")
 def small_pair():
-    return cropped(flipped(scan("upper", points=600)), 0, 2), scan("lower", points=600)
+    return cropped(flipped(rough_profile("upper", points=600)), 0, 2), rough_profile("lower", points=600)
 
 
 @pytest.mark.parametrize("sliding", ["opposing", "all"])
 def test_pair_of_half_planes_at_positions_equals_half_space(small_pair, sliding):
     upper, lower = small_pair
     model = {"mechanics": "half-space", "effective_modulus": 8.0}
-    result = run_pair(upper, lower, LOADS, positions=[0.0, 2.5], **FRICTION, **model)
+    result = run_pair(upper, lower, LOADS, positions=[0.0, 2.5], **INTERFACE, **model)
     arguments = {"effective_modulus": 8.0, "sliding": sliding}
     values = result.at(per_member=True).sel(sliding=sliding).isel(cut_off=0, mu0=0, tau0=0).swap_dims(repetition="x")
     assert (values["status"] == "ok").all()
     for offset in (0.0, 2.5):
         for shear, angle in (("+x", 0.0), ("-x", 180.0)):
-            at = values.sel(x=offset, direction=angle)
+            member = values.sel(x=offset, direction=angle)
             steps = [float(load) for load in result.study.contact.load]
             curve = half_space(upper, cropped(lower, offset, offset + 2), steps, direction=shear, **arguments)
-            asked = [steps.index(load) for load in LOADS]
-            np.testing.assert_allclose(at["tangential_load"], curve.tangential_load(**FRICTION)[asked], rtol=SAME)
-            coefficient = curve.friction_coefficient(**FRICTION)[asked]
-            np.testing.assert_allclose(at["friction_coefficient"], coefficient, rtol=SAME)
-            np.testing.assert_allclose(at["contact_area"], curve.contact_area[asked], rtol=SAME)
-            np.testing.assert_array_equal(at["contact_count"], curve.contact_count[asked])
-    both = values["share_opposing"].sum("direction").values
-    np.testing.assert_allclose(both, 1, atol=0.02)  # every patch opposes one of the two, but for squares of slopes
+            load_indices = [steps.index(load) for load in LOADS]
+            np.testing.assert_allclose(
+                member["tangential_load"], curve.tangential_load(**INTERFACE)[load_indices], rtol=SUMMATION_TOLERANCE
+            )
+            coefficient = curve.friction_coefficient(**INTERFACE)[load_indices]
+            np.testing.assert_allclose(member["friction_coefficient"], coefficient, rtol=SUMMATION_TOLERANCE)
+            np.testing.assert_allclose(
+                member["contact_area"], curve.contact_area[load_indices], rtol=SUMMATION_TOLERANCE
+            )
+            np.testing.assert_array_equal(member["contact_count"], curve.contact_count[load_indices])
+    total_fraction = values["share_opposing"].sum("direction").values
+    np.testing.assert_allclose(
+        total_fraction, 1, atol=0.02
+    )  # every contact opposes one direction; exact for small slopes
     for name in ("approach", "normal_stiffness"):
         assert values[name].isnull().all()
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("arguments", "pattern"),
     [
         ({"mechanics": "half-plane"}, "mechanics must be"),
         ({"mechanics": "half-space", "law": "hertz-cylinder"}, "law is for mechanics asperities"),
     ],
 )
-def test_pair_of_half_planes_rejects_asperity_options(small_pair, arguments, words):
-    with pytest.raises(ValueError, match=words):
-        pair_study(*small_pair, load=LOADS, effective_modulus=10.0, **FRICTION, **arguments)
+def test_pair_of_half_planes_rejects_asperity_options(small_pair, arguments, pattern):
+    with pytest.raises(ValueError, match=pattern):
+        pair_study(*small_pair, load=LOADS, effective_modulus=10.0, **INTERFACE, **arguments)

@@ -1,4 +1,4 @@
-"""Two maps at several relative positions: the same numbers as pressing each position by itself."""
+"""Test pairs of maps at several relative positions against direct solutions at each position."""
 
 import numpy as np
 import pytest
@@ -25,88 +25,101 @@ from stiction.surfaces.pairing import MIN_PIECE_POINTS, MapPairs
 from support.rough_surfaces import rough_maps
 
 LOADS = (0.02, 0.1)
-ASPERITIES = {"mechanics": "asperities", "level": "mean", "direction": [0, 45]}
-ROUND_OFF = 1e-9  # of the same sums at an approach that is found to 1e-12, or on lengths that are ten times as large
-SOLVED = 1e-4  # area and friction of two solutions to 1e-6: points at a patch's edge may be in or out
+ASPERITY_OPTIONS = {"mechanics": "asperities", "level": "mean", "direction": [0, 45]}
+ROOT_TOLERANCE = 1e-9  # relative; the approach at a load is found to 1e-12
+SOLUTION_TOLERANCE = 1e-4  # relative; between two solutions, which may differ at the edges of contact patches
 
 
-def surface(side="lower", seed=3, shape=(64, 64), rms=0.02, shortest=0.4):
+def rough_surface(side="lower", seed=3, shape=(64, 64), rms=0.02, shortest=0.4):
     return self_affine_surface(
         seed, hurst_exponent=0.8, rms=rms, shape=shape, spacing=0.1, longest_wavelength=3.2,
         shortest_wavelength=shortest, side=side,
     )  # fmt: skip
 
 
-def pair(**changes):
-    return surface("upper", **changes), surface("lower", **changes)
+def surface_pair(**changes):
+    return rough_surface("upper", **changes), rough_surface("lower", **changes)
 
 
 def run_pair(upper, lower, loads=(0.1,), **options):
-    """Return the result of two surfaces, the heights of both upwards, with all their wavelengths."""
-    chosen = {"mu0": 0.3, "effective_modulus": 10.0, "cutoff": "none"} | options
-    return run(pair_study(flipped(upper), lower, load=list(loads), **chosen))
+    """Return the result of two surfaces without a low-pass filter."""
+    study_options = {"mu0": 0.3, "effective_modulus": 10.0, "cutoff": "none"} | options
+    return run(pair_study(flipped(upper), lower, load=list(loads), **study_options))
 
 
-def members_of(result, of=None):
+def read_members(result, of=None):
     return member_values(result, result.default_loads, of=of).isel(cut_off=0)
 
 
-def map_pairs(upper, lower):
-    """Return the pieces that a study presses: it levels whole maps before it cuts them."""
+def cut_pieces(upper, lower):
+    """Return the pieces of maps that a study brings into contact, cut from the levelled maps."""
     return MapPairs(flipped(levelled(flipped(upper), "plane")), levelled(lower, "plane"))
 
 
-def test_pieces_are_the_overlap_of_shifted_maps():
-    """Rows and columns of the upper that lie on those of the lower, cut to 48 by 48 in the middle."""
-    upper, lower = pair()
+def test_map_pairs_returns_the_overlap_of_shifted_maps():
+    """Compare with the middle 48 by 48 points of the overlap, cut by hand."""
+    upper, lower = surface_pair()
     pairs = MapPairs(upper, lower)
     x, y = pairs.moved(2)
     rows, columns = round(y / 0.1), round(x / 0.1)
     top, left = max(0, rows) + (64 - abs(rows) - 48) // 2, columns + (64 - columns - 48) // 2
-    above = Surface(upper.heights[top - rows : top - rows + 48, left - columns : left - columns + 48], spacing=0.1)
-    below = Surface(lower.heights[top : top + 48, left : left + 48], spacing=0.1)
-    for piece, cut in zip(pairs.pair(2), (above, below), strict=True):
-        np.testing.assert_allclose(levelled(piece, "plane").heights, levelled(cut, "plane").heights, atol=1e-15)
+    upper_piece = Surface(
+        upper.heights[top - rows : top - rows + 48, left - columns : left - columns + 48], spacing=0.1
+    )
+    lower_piece = Surface(lower.heights[top : top + 48, left : left + 48], spacing=0.1)
+    for piece, expected in zip(pairs.pair(2), (upper_piece, lower_piece), strict=True):
+        np.testing.assert_allclose(levelled(piece, "plane").heights, levelled(expected, "plane").heights, atol=1e-15)
 
 
 class TestListedPositions:
-    """Positions (x, y) of the upper map on the lower one."""
+    """Test listed positions (x, y) of the upper map relative to the lower map."""
 
-    def maps(self):
+    def create_maps(self):
         return rough_maps(hurst_exponent=0.8, rms=0.03, shape=(64, 80), spacing=(0.05, 0.04), shortest_wavelength=0.4)
 
     def test_members_equal_press_of_overlaps(self):
-        upper, lower = self.maps()
+        upper, lower = self.create_maps()
         positions = [(0.8, -0.5), (-0.4, 1.0)]
-        result = run_pair(upper, lower, [0.02, 0.1], positions=positions, **ASPERITIES)
+        result = run_pair(upper, lower, [0.02, 0.1], positions=positions, **ASPERITY_OPTIONS)
         assert result.dataset["x"].values.tolist() == [0.8, -0.4]
         assert result.dataset["y"].values.tolist() == [-0.5, 1.0]
-        # Moved by 20 columns to the right and 10 rows down, or 10 columns to the left and 20 rows up; the overlaps
-        # have 54 by 60 and 44 by 70 points, of which the middle 44 by 60 are pressed.
+        # The positions are shifts by (20, -10) and (-10, 20) columns and rows. The overlaps have 54 by 60 and
+        # 44 by 70 points; both pieces are cut to the common size of 44 by 60 points.
         assert result.nominal_area == pytest.approx(44 * 0.05 * 60 * 0.04)
         windows = [
             ((slice(15, 59), slice(0, 60)), (slice(5, 49), slice(20, 80))),
             ((slice(0, 44), slice(15, 75)), (slice(20, 64), slice(5, 65))),
         ]
-        values = members_of(result)
+        values = read_members(result)
         for member, cuts in enumerate(windows):
-            above, below = (
+            upper_piece, lower_piece = (
                 Surface(body.heights[cut], spacing=body.spacing) for body, cut in zip((upper, lower), cuts, strict=True)
             )
             for angle in (0, 45):
-                at = values.isel(repetition=member).sel(direction=angle, sliding="opposing", mu0=0.3).squeeze("tau0")
-                assert (at["status"] == "ok").all()
-                curve = press(above, below, approach_at_load(above, below, [0.02, 0.1], mu0=0.0), direction=angle)
-                np.testing.assert_allclose(curve.friction_coefficient(mu0=0.3), at["friction_coefficient"], rtol=1e-9)
-                np.testing.assert_allclose(curve.lateral_load(mu0=0.3), at["lateral_load"], rtol=1e-9, atol=1e-12)
+                member_values = (
+                    values.isel(repetition=member).sel(direction=angle, sliding="opposing", mu0=0.3).squeeze("tau0")
+                )
+                assert (member_values["status"] == "ok").all()
+                curve = press(
+                    upper_piece,
+                    lower_piece,
+                    approach_at_load(upper_piece, lower_piece, [0.02, 0.1], mu0=0.0),
+                    direction=angle,
+                )
+                np.testing.assert_allclose(
+                    curve.friction_coefficient(mu0=0.3), member_values["friction_coefficient"], rtol=1e-9
+                )
+                np.testing.assert_allclose(
+                    curve.lateral_load(mu0=0.3), member_values["lateral_load"], rtol=1e-9, atol=1e-12
+                )
 
-    def test_one_position_presses_the_whole_overlap(self):
-        result = run_pair(*self.maps(), [0.1], positions=[(0.0, 0.0)], **ASPERITIES)
+    def test_single_position_uses_the_whole_overlap(self):
+        result = run_pair(*self.create_maps(), [0.1], positions=[(0.0, 0.0)], **ASPERITY_OPTIONS)
         assert result.dataset.attrs["shape"].tolist() == [64, 80]
         assert result.dataset.sizes["repetition"] == 1
 
-    def test_flat_list_and_texts_equal_pairs(self):
-        upper, lower = self.maps()
+    def test_positions_accept_lists_texts_and_arrays(self):
+        upper, lower = self.create_maps()
         studies = [
             pair_study(upper, lower, load=[0.1], mu0=0.3, effective_modulus=10.0, positions=positions)
             for positions in ([(0.8, -0.5), (0.0, 1.0)], "0.8 um,-0.5 um,0 um,1 um", np.array([[0.8, -0.5], [0, 1]]))
@@ -114,7 +127,7 @@ class TestListedPositions:
         assert {study.surfaces.positions for study in studies} == {((0.8, -0.5), (0.0, 1.0))}
 
     @pytest.mark.parametrize(
-        ("changes", "words"),
+        ("changes", "pattern"),
         [
             ({"positions": [(2.6, 0.0)]}, "at least 16 rows and columns"),
             ({"positions": [(9.0, 0.0)]}, "overlap of 64 by 0 points"),
@@ -125,13 +138,13 @@ class TestListedPositions:
             ({"direction": "north"}, "direction"),
         ],
     )
-    def test_pair_rejects_bad_positions_of_maps(self, changes, words):
+    def test_pair_rejects_bad_positions_of_maps(self, changes, pattern):
         options = {"load": [0.1], "mu0": 0.3, "effective_modulus": 10.0}
-        with pytest.raises(ValueError, match=words):
-            stiction.pair(*self.maps(), **options | changes)
+        with pytest.raises(ValueError, match=pattern):
+            stiction.pair(*self.create_maps(), **options | changes)
 
-    def test_map_and_profile_are_pressed_as_lines_at_positions(self):
-        upper, lower = self.maps()
+    def test_pair_of_map_and_profile_uses_lines_at_positions(self):
+        upper, lower = self.create_maps()
         options = {"lines": 2, "positions": [0.0, 0.8]}
         study = pair_study(upper, lower.row(0), load=[0.01], mu0=0.3, effective_modulus=10.0, **options)
         result = run(study).dataset
@@ -140,16 +153,18 @@ class TestListedPositions:
         assert result.attrs["shape"].tolist() == [60]
 
 
-def test_gap_has_its_own_slopes():
-    upper, lower = pair()
+def test_member_slopes_equal_slopes_of_the_gap():
+    upper, lower = surface_pair()
     result = run_pair(upper, lower, direction=[0, 45, 90], shifts=2, mechanics="asperities")
-    gap = np.subtract(*(body.heights for body in map_pairs(upper, lower).pair(1)))
+    gap = np.subtract(*(body.heights for body in cut_pieces(upper, lower).pair(1)))
     along_y, along_x = np.gradient(gap, 0.1)
-    at = members_of(result).isel(repetition=1)
-    # Differences of neighbours miss the shortest waves, of four points.
-    assert float(at["rms_gradient"]) == pytest.approx(np.sqrt((along_x**2 + along_y**2).mean()), rel=0.1)
-    assert float(at["rms_slope"][1]) == pytest.approx(np.sqrt(((along_x + along_y) ** 2 / 2).mean()), rel=0.1)
-    assert at["rms_slope"][0] ** 2 + at["rms_slope"][2] ** 2 == pytest.approx(float(at["rms_gradient"]) ** 2)
+    member = read_members(result).isel(repetition=1)
+    # Finite differences underestimate slopes of the shortest wavelength, which has four points.
+    assert float(member["rms_gradient"]) == pytest.approx(np.sqrt((along_x**2 + along_y**2).mean()), rel=0.1)
+    assert float(member["rms_slope"][1]) == pytest.approx(np.sqrt(((along_x + along_y) ** 2 / 2).mean()), rel=0.1)
+    assert member["rms_slope"][0] ** 2 + member["rms_slope"][2] ** 2 == pytest.approx(
+        float(member["rms_gradient"]) ** 2
+    )
     mean = result.at()["gentle_friction"].sel(sliding="opposing", direction=90.0).squeeze()
     slopes = result.at().sel(statistic="mean")
     expected = gentle_friction(
@@ -158,92 +173,94 @@ def test_gap_has_its_own_slopes():
     assert float(mean) == pytest.approx(float(expected))
 
 
-def test_means_have_students_intervals_of_the_logarithm():
-    upper, lower = pair()
+def test_mean_over_positions_has_students_interval_of_the_logarithm():
+    upper, lower = surface_pair()
     result = run_pair(upper, lower, direction=[0, 90], shifts=5, mechanics="asperities")
-    broken = result.dataset.copy(deep=True)
-    for values in broken.data_vars.values():
+    incomplete = result.dataset.copy(deep=True)
+    for values in incomplete.data_vars.values():
         if values.dtype.kind == "f" and "load" in values.dims:
             values.loc[{"repetition": 2}] = np.nan
-    broken["status"].loc[{"repetition": 2}] = 5
-    mean = at_load(broken, [0.1]).isel(cut_off=0)
-    values = np.delete(members_of(result)["friction_coefficient"].values[:, 0, 0, 0, 0, 0], 2)
-    middle, lower_end, upper_end = mean["friction_coefficient"].values[0, 0, 0, 0, 0]
-    half = 3.182446305 * values.std(ddof=1) / 2  # Student's t of 3 degrees of freedom
-    factor = np.exp(half / values.mean())
+    incomplete["status"].loc[{"repetition": 2}] = 5
+    table = at_load(incomplete, [0.1]).isel(cut_off=0)
+    values = np.delete(read_members(result)["friction_coefficient"].values[:, 0, 0, 0, 0, 0], 2)
+    mean_friction, lower_end, upper_end = table["friction_coefficient"].values[0, 0, 0, 0, 0]
+    half_width = 3.182446305 * values.std(ddof=1) / 2  # Student's t of 3 degrees of freedom
+    factor = np.exp(half_width / values.mean())
     assert (values >= 0).all()
-    assert middle == pytest.approx(values.mean())
+    assert mean_friction == pytest.approx(values.mean())
     assert (lower_end, upper_end) == pytest.approx((values.mean() / factor, values.mean() * factor))
-    assert (int(mean["ok"].values[0, 0, 0, 0, 0]), int(mean["members"])) == (4, 5)
-    two = run_pair(upper, lower, shifts=2, mechanics="asperities").at()
-    assert two["contact_area"].sel(statistic="upper").isnull().all()
+    assert (int(table["ok"].values[0, 0, 0, 0, 0]), int(table["members"])) == (4, 5)
+    result_of_two_shifts = run_pair(upper, lower, shifts=2, mechanics="asperities").at()
+    assert result_of_two_shifts["contact_area"].sel(statistic="upper").isnull().all()
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_distributions_are_weighted_by_load(mechanics):
-    upper, lower = pair()
+def test_contact_statistics_equal_direct_computation(mechanics):
+    upper, lower = surface_pair()
     result = run_pair(upper, lower, LOADS, direction=[30], shifts=2, mechanics=mechanics)
-    at = members_of(result).isel(repetition=1).sel(load=0.1)
-    bodies = map_pairs(upper, lower).pair(1)
+    member = read_members(result).isel(repetition=1).sel(load=0.1)
+    bodies = cut_pieces(upper, lower).pair(1)
     if mechanics == "half-space":
         contact = half_space(*bodies, [0.1]).contact(0)
         force = np.bincount(contact.patches.ravel(), weights=contact.pressure.ravel())[1:] * 0.01
         area = np.bincount(contact.patches.ravel(), weights=contact.share.ravel())[1:] * 0.01
     else:
-        touching = contacts(*bodies, float(at["approach"]))
-        force, area = touching.force * touching.normal[:, 2], touching.area
-    assert force.size == int(at["contact_count"])
+        contact_list = contacts(*bodies, float(member["approach"]))
+        force, area = contact_list.force * contact_list.normal[:, 2], contact_list.area
+    assert force.size == int(member["contact_count"])
     assert force.sum() == pytest.approx(0.1, rel=1e-6)
-    # Areas on the ground plan are smaller by the cosines of slopes.
-    assert area.sum() == pytest.approx(float(at["contact_area"]), rel=0.02)
-    assert float(at["share_on_largest"]) == pytest.approx(force.max() / force.sum(), rel=1e-6)
-    assert at["patch_area"].values == pytest.approx(np.quantile(area, STORED_PROBABILITIES), rel=1e-6)
-    middle = float(at["pressure"].sel(fraction_below=0.5, method="nearest"))
-    assert 0 < middle < float(at["pressure"].sel(fraction_below=0.9, method="nearest"))
-    mean = 0.1 / float(at["contact_area"])
+    # A projected area is smaller than the true area by the cosine of the slope.
+    assert area.sum() == pytest.approx(float(member["contact_area"]), rel=0.02)
+    assert float(member["share_on_largest"]) == pytest.approx(force.max() / force.sum(), rel=1e-6)
+    assert member["patch_area"].values == pytest.approx(np.quantile(area, STORED_PROBABILITIES), rel=1e-6)
+    middle = float(member["pressure"].sel(fraction_below=0.5, method="nearest"))
+    assert 0 < middle < float(member["pressure"].sel(fraction_below=0.9, method="nearest"))
+    mean = 0.1 / float(member["contact_area"])
     assert 0.5 * mean < middle < 1.5 * mean
 
 
 def test_load_fraction_on_steepest_slopes_equals_definition():
-    upper, lower = pair()
-    result = members_of(run_pair(upper, lower, direction=[0], shifts=2))
-    bodies = map_pairs(upper, lower).pair(0)
-    first, body = half_space(*bodies, [0.1]).contact(0), bodies[0]
-    steep = np.hypot(*slopes(body.heights, body.spacing, periodic=False))
-    share = first.pressure[steep > np.quantile(steep, 0.9)].sum() / first.pressure.sum()
-    assert float(result["share_on_steepest_upper"][0, 0]) == pytest.approx(share, abs=SOLVED)
+    upper, lower = surface_pair()
+    result = read_members(run_pair(upper, lower, direction=[0], shifts=2))
+    bodies = cut_pieces(upper, lower).pair(0)
+    solution, body = half_space(*bodies, [0.1]).contact(0), bodies[0]
+    gradient = np.hypot(*slopes(body.heights, body.spacing, periodic=False))
+    fraction = solution.pressure[gradient > np.quantile(gradient, 0.9)].sum() / solution.pressure.sum()
+    assert float(result["share_on_steepest_upper"][0, 0]) == pytest.approx(fraction, abs=SOLUTION_TOLERANCE)
     assert 0 <= float(result["share_on_steepest_lower"][0, 0]) < 0.5
 
 
 class TestSurrogates:
     def test_surrogates_leave_shifts_unchanged(self):
-        upper, lower = pair()
-        chosen = {"direction": [0, 30, 90, 180], "mechanics": "asperities"}
-        alone = run_pair(upper, lower, LOADS, shifts=3, **chosen)
-        both = run_pair(upper, lower, LOADS, shifts=3, surrogates=4, seed=7, **chosen)
-        assert both.dataset["surrogate"].values.tolist() == [True] * 4 + [False] * 3
-        shifts, created = members_of(both, "shifts"), members_of(both, "surrogates")
-        for name, expected in members_of(alone).data_vars.items():
+        upper, lower = surface_pair()
+        options = {"direction": [0, 30, 90, 180], "mechanics": "asperities"}
+        result_of_shifts = run_pair(upper, lower, LOADS, shifts=3, **options)
+        result = run_pair(upper, lower, LOADS, shifts=3, surrogates=4, seed=7, **options)
+        assert result.dataset["surrogate"].values.tolist() == [True] * 4 + [False] * 3
+        shifts, surrogate_members = read_members(result, "shifts"), read_members(result, "surrogates")
+        for name, expected in read_members(result_of_shifts).data_vars.items():
             np.testing.assert_array_equal(shifts[name].values, expected.values)
         for index in range(4):
             bodies = [
-                window_of(surrogate(levelled(body, "plane"), 7, repetition=index, side=side))
+                cut_middle(surrogate(levelled(body, "plane"), 7, repetition=index, side=side))
                 for body, side in ((upper, "upper"), (lower, "lower"))
             ]
             approaches = approach_at_load(*bodies, LOADS, mu0=0.0)
             area = press(*bodies, approaches).contact_area
-            assert created["contact_area"].values[index] == pytest.approx(area, rel=ROUND_OFF)
-        means = [at_load(both, LOADS, of=kind) for kind in ("shifts", "surrogates")]
-        assert float(means[1]["contact_area"][0, 0, 0]) == pytest.approx(float(created["contact_area"][:, 0].mean()))
+            assert surrogate_members["contact_area"].values[index] == pytest.approx(area, rel=ROOT_TOLERANCE)
+        means = [at_load(result, LOADS, of=kind) for kind in ("shifts", "surrogates")]
+        assert float(means[1]["contact_area"][0, 0, 0]) == pytest.approx(
+            float(surrogate_members["contact_area"][:, 0].mean())
+        )
         assert [int(mean["members"]) for mean in means] == [3, 4]
-        assert at_load(both, LOADS).equals(means[0])
+        assert at_load(result, LOADS).equals(means[0])
         with pytest.raises(ValueError, match="the result has no such members"):
-            at_load(alone, LOADS, of="surrogates")
+            at_load(result_of_shifts, LOADS, of="surrogates")
 
     def test_surrogates_of_profiles_are_isotropic_surfaces(self):
-        bodies = [surface(side, shape=(64, 512)).row(5) for side in ("upper", "lower")]
-        chosen = {"direction": [0], "mechanics": "asperities", "lay": "isotropic"}
-        result = run_pair(*bodies, [1.0], surrogates=3, seed=5, **chosen)
+        bodies = [rough_surface(side, shape=(64, 512)).row(5) for side in ("upper", "lower")]
+        options = {"direction": [0], "mechanics": "asperities", "lay": "isotropic"}
+        result = run_pair(*bodies, [1.0], surrogates=3, seed=5, **options)
         assert result.dataset["surrogate"].values.all()
         assert result.dataset.attrs["shape"].tolist() == [384, 384]
         upper, lower = (
@@ -251,24 +268,24 @@ class TestSurrogates:
             for body, side in zip(bodies, ("upper", "lower"), strict=True)
         )
         area = press(
-            *(created := (window_of(upper), window_of(lower))), approach_at_load(*created, [1.0], mu0=0.0)
+            *(pieces := (cut_middle(upper), cut_middle(lower))), approach_at_load(*pieces, [1.0], mu0=0.0)
         ).contact_area
-        assert float(members_of(result)["contact_area"][2, 0]) == pytest.approx(float(area[0]), rel=ROUND_OFF)
+        assert float(read_members(result)["contact_area"][2, 0]) == pytest.approx(float(area[0]), rel=ROOT_TOLERANCE)
         assert int(result.at()["members"]) == 3
         with pytest.raises(ValueError, match="shifts is for the areas of two maps"):
-            run_pair(*bodies, [1.0], shifts=3, **chosen)
+            run_pair(*bodies, [1.0], shifts=3, **options)
 
 
-def window_of(body):
-    """The middle three quarters of a surface, level."""
+def cut_middle(body):
+    """Return the middle three quarters of a surface, levelled by a plane."""
     rows, columns = (points - points // 4 for points in body.heights.shape)
     top, left = (body.heights.shape[0] - rows) // 2, (body.heights.shape[1] - columns) // 2
-    cut = Surface(body.heights[top : top + rows, left : left + columns], spacing=body.spacing)
-    return levelled(cut, "plane")
+    middle = Surface(body.heights[top : top + rows, left : left + columns], spacing=body.spacing)
+    return levelled(middle, "plane")
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("changes", "pattern"),
     [
         ({"load": [0.0]}, "load must be"),
         ({"direction": [0, 0]}, "direction"),
@@ -279,9 +296,9 @@ def window_of(body):
         ({"mechanics": "asperities", "hardness": 1.0}, "hardness is for mechanics half-space"),
     ],
 )
-def test_pair_rejects_bad_input_of_maps(changes, words):
-    with pytest.raises(ValueError, match=words):
-        stiction.pair(*pair(), **{"load": [0.1], "mu0": 0.3, "effective_modulus": 10.0} | changes)
+def test_pair_rejects_bad_input_of_maps(changes, pattern):
+    with pytest.raises(ValueError, match=pattern):
+        stiction.pair(*surface_pair(), **{"load": [0.1], "mu0": 0.3, "effective_modulus": 10.0} | changes)
 
 
 def test_pair_rejects_small_maps():

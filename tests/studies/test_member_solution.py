@@ -1,4 +1,4 @@
-"""Members of studies of measured bodies: the same numbers as pressing by hand, whatever the kind."""
+"""Test members of studies of measured surfaces against direct solutions."""
 
 import numpy as np
 import pytest
@@ -33,11 +33,13 @@ def test_areal_member_equals_direct_computation(tmp_path, mechanics):
     assert (values["status"] == STATUSES.index("ok")).all()
 
 
-def test_unloading_stiffness_is_computed_for_few_members_with_hardness(tmp_path):
+def test_unloading_stiffness_is_computed_for_the_first_members_if_hardness_is_given(tmp_path):
     study = study_of(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
     study = study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um", "0.6 um"]})
-    known = [np.isfinite(member_sums(study, member)["unloading_stiffness"]).all(axis=-1).tolist() for member in (3, 4)]
-    assert known == [[True, True, False], [False, False, False]]
+    is_finite = [
+        np.isfinite(member_sums(study, member)["unloading_stiffness"]).all(axis=-1).tolist() for member in (3, 4)
+    ]
+    assert is_finite == [[True, True, False], [False, False, False]]
     elastic = study.with_changes({"contact.hardness": None})
     stiffness = member_sums(elastic, 4)
     np.testing.assert_array_equal(stiffness["unloading_stiffness"], stiffness["normal_stiffness"])
@@ -48,28 +50,34 @@ def test_profile_member_equals_direct_computation(tmp_path, mechanics):
     study = study_of(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
     loads = study.contact.steps()
     values, member = member_sums(study, 3), load_bodies(study).member(3, 0.0)
-    whole = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
-    above, below = (levelled(item, "line") for item in whole)
-    slider = levelled(Profile(flipped(above).heights[:600], spacing=0.02), "line")
-    first = round(member.x / 0.02)
-    assert 0 < first <= 600
-    beneath = Profile(below.heights[first : first + 600], spacing=0.02)
-    for way, shear in enumerate(("+x", "-x")):
+    scans = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
+    upper_profile, lower_profile = (levelled(scan, "line") for scan in scans)
+    slider = levelled(Profile(flipped(upper_profile).heights[:600], spacing=0.02), "line")
+    first_point = round(member.x / 0.02)
+    assert 0 < first_point <= 600
+    counterface = Profile(lower_profile.heights[first_point : first_point + 600], spacing=0.02)
+    for direction_index, shear in enumerate(("+x", "-x")):
         for rule, sliding in enumerate(study.contact.rules()):
             if mechanics == "half-space":
-                curve = half_space(slider, beneath, loads, effective_modulus=100.0, direction=shear, sliding=sliding)
+                curve = half_space(
+                    slider, counterface, loads, effective_modulus=100.0, direction=shear, sliding=sliding
+                )
             else:
                 model = {"effective_modulus": 100.0, "detection": "gap-minimum", "shear": shear}
-                approaches = approach_at_load(slider, beneath, loads, mu0=0.0, **model)
-                curve = press(slider, beneath, approaches, sliding=sliding, **model)
+                approaches = approach_at_load(slider, counterface, loads, mu0=0.0, **model)
+                curve = press(slider, counterface, approaches, sliding=sliding, **model)
             for name in ("tangential_elastic", "normal_adhesive", "tangential_frictional"):
                 np.testing.assert_allclose(
-                    values[name][0, rule, way], getattr(curve, name), rtol=ROUND_OFF, atol=1e-14, err_msg=name
+                    values[name][0, rule, direction_index],
+                    getattr(curve, name),
+                    rtol=ROUND_OFF,
+                    atol=1e-14,
+                    err_msg=name,
                 )
     assert np.isnan(values["approach"]).all() == (mechanics == "half-space")
 
 
-def test_dataset_has_variables_of_the_study(tmp_path):
+def test_build_dataset_has_the_variables_of_the_study(tmp_path):
     study = study_of(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
     parts = [member_sums(study, index) for index in range(3)]
     dataset = build_dataset(study, range(3), stack_members(study, parts), body_attributes(study))
@@ -83,16 +91,16 @@ def test_dataset_has_variables_of_the_study(tmp_path):
     assert "turned over" in dataset.attrs["upper"]
 
 
-def test_unsolved_load_leaves_other_loads_unchanged(tmp_path, monkeypatch):
+def test_member_with_an_unsolved_load_has_values_at_other_loads(tmp_path, monkeypatch):
     study = study_of(tmp_path, spacing=write_maps(tmp_path), members=1)
     loads = study.contact.steps()
 
-    def fails(upper, lower, loads, **rest):
+    def solve_or_fail(upper, lower, loads, **rest):
         if np.isclose(loads, study.contact.steps()[1]).any():
             raise RuntimeError("no solution")
         return half_space(upper, lower, loads, **rest)
 
-    monkeypatch.setattr(member_solution, "half_space", fails)
+    monkeypatch.setattr(member_solution, "half_space", solve_or_fail)
     values = member_sums(study, 0)
     assert values["status"][0].tolist() == [
         STATUSES.index("not-solved" if index == 1 else "ok") for index in range(loads.size)

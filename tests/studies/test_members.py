@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from stiction import Study, pair_of, random_phases, weierstrass_mandelbrot
-from stiction.studies import members as bodies
+from stiction.studies import members as members_module
 
 STUDY = Study().with_changes(
     {
@@ -22,35 +22,35 @@ STUDY = Study().with_changes(
 )
 
 
-@pytest.mark.parametrize("members", [1, 2, 5])
-def test_pairs_of_several_dimensions_equal_single_pairs(monkeypatch, members):
-    monkeypatch.setattr(bodies, "MAX_BATCH_BYTES", members * 8 * STUDY.surfaces.points)
+@pytest.mark.parametrize("batch_size", [1, 2, 5])
+def test_generate_pairs_of_several_dimensions_equals_pair_of(monkeypatch, batch_size):
+    monkeypatch.setattr(members_module, "MAX_BATCH_BYTES", batch_size * 8 * STUDY.surfaces.points)
     dimensions = np.array([1.0, 1.2, 1.45])
-    several = list(bodies.generate_pairs(STUDY, 1, dimensions, 0.1))
-    assert len(several) == dimensions.size
-    for dimension, result in zip(dimensions, several, strict=True):
-        for body, alone in zip(result, pair_of(STUDY, 1, fractal_dimension=dimension, amplitude=0.1), strict=True):
-            assert body.heights.tobytes() == alone.heights.tobytes()
-            assert body.spacing == alone.spacing
+    pairs = list(members_module.generate_pairs(STUDY, 1, dimensions, 0.1))
+    assert len(pairs) == dimensions.size
+    for dimension, result in zip(dimensions, pairs, strict=True):
+        for body, expected in zip(result, pair_of(STUDY, 1, fractal_dimension=dimension, amplitude=0.1), strict=True):
+            assert body.heights.tobytes() == expected.heights.tobytes()
+            assert body.spacing == expected.spacing
 
 
-def test_pair_has_two_profiles_of_its_study():
+def test_pair_of_generates_two_profiles_of_the_study():
     upper, lower = pair_of(STUDY, 7, fractal_dimension=1.25, amplitude=0.1)
     for body, side in ((upper, "upper"), (lower, "lower")):
         phases = random_phases(2016, repetition=7, side=side, directions=30, frequencies=20)
-        alone = weierstrass_mandelbrot(
+        expected = weierstrass_mandelbrot(
             phases, 1.25, length_scale=0.9, gamma=1.6, extent=2.0, points=3000, convention="classical",
             band_limit="nyquist",
         ).with_amplitude(0.1, "Rq")  # fmt: skip
-        assert body.heights.tobytes() == alone.heights.tobytes()
-        assert body.spacing == alone.spacing
+        assert body.heights.tobytes() == expected.heights.tobytes()
+        assert body.spacing == expected.spacing
         assert not body.heights.flags.writeable
-    again, _ = pair_of(STUDY, 8, fractal_dimension=1.25, amplitude=0.1)
-    assert not np.array_equal(again.heights, upper.heights)
+    other_upper, _ = pair_of(STUDY, 8, fractal_dimension=1.25, amplitude=0.1)
+    assert not np.array_equal(other_upper.heights, upper.heights)
 
 
 @pytest.mark.parametrize(
-    ("repetition", "dimension", "amplitude", "words"),
+    ("repetition", "dimension", "amplitude", "pattern"),
     [
         (-1, 1.2, 0.1, "repetition must be"),
         (0.5, 1.2, 0.1, "repetition must be"),
@@ -58,6 +58,6 @@ def test_pair_has_two_profiles_of_its_study():
         (0, 1.2, 0.0, "amplitude must be"),
     ],
 )
-def test_pair_of_rejects_bad_arguments(repetition, dimension, amplitude, words):
-    with pytest.raises(ValueError, match=words):
+def test_pair_of_rejects_bad_arguments(repetition, dimension, amplitude, pattern):
+    with pytest.raises(ValueError, match=pattern):
         pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)

@@ -1,4 +1,4 @@
-"""Nodes of mu0 and tau0, and interpolation between them."""
+"""Test interpolation between the values of mu0 and tau0 at which a report stores friction coefficients."""
 
 import numpy as np
 import pytest
@@ -20,12 +20,12 @@ from support.measured_studies import study_of, write_maps
 AXES = Axis(np.array([0.0, 0.1, 0.25, 0.6, 1.0])), Axis(np.array([0.0, 0.02, 0.05, 0.1, 0.2]))
 
 
-def grid(axes=AXES):
+def create_grid(axes=AXES):
     return np.meshgrid(axes[0].values, axes[1].values, indexing="ij")
 
 
-def points(mu0, tau0):
-    """Return values and ends over mu0 and tau0, curved in both."""
+def smooth_friction(mu0, tau0):
+    """Return a smooth coefficient and its interval ends as functions of mu0 and tau0."""
     mu0, tau0 = np.asarray(mu0)[:, np.newaxis], np.asarray(tau0)
     value = (0.01 + mu0 + 3 * tau0) / (1 - 0.2 * mu0)
     width = np.hypot(0.02, 0.5 * mu0 * tau0 + 0.1 * mu0)
@@ -34,22 +34,22 @@ def points(mu0, tau0):
 
 @pytest.mark.parametrize("power", [0, 1, 2, 3])
 def test_interpolation_is_exact_for_cubics(power):
-    mu0, tau0 = grid()
+    mu0, tau0 = create_grid()
     table = (mu0 + 0.3) ** power * (tau0 - 0.1) ** power
-    for at in ((0.07, 0.015), (0.3, 0.07), (0.99, 0.199), (0.25, 0.13)):
-        assert interpolated(AXES, table, *at) == pytest.approx((at[0] + 0.3) ** power * (at[1] - 0.1) ** power)
+    for point in ((0.07, 0.015), (0.3, 0.07), (0.99, 0.199), (0.25, 0.13)):
+        assert interpolated(AXES, table, *point) == pytest.approx((point[0] + 0.3) ** power * (point[1] - 0.1) ** power)
 
 
-def test_interpolation_is_bilinear_beside_nodes_without_a_value():
-    mu0, tau0 = grid()
+def test_interpolation_is_bilinear_next_to_undefined_nodes():
+    mu0, tau0 = create_grid()
     table = mu0 + 2 * tau0
     table[-1, -1] = np.nan
     assert interpolated(AXES, table, 0.4, 0.07) == pytest.approx(0.54)
     assert np.isnan(interpolated(AXES, table, 0.8, 0.15))
-    assert interpolated(AXES, table, 0.6, 0.2) == pytest.approx(1.0)  # a node
+    assert interpolated(AXES, table, 0.6, 0.2) == pytest.approx(1.0)  # the point is a node
 
 
-def test_ranged_nodes_apply_at_their_values_alone():
+def test_ranged_node_has_weight_only_at_its_value():
     axis = Axis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]), np.array([0.2]))
     assert axis.weights(0.2).tolist() == [0, 0, 0, 0, 0, 1]
     assert axis.weights(0.2001)[-1] == 1
@@ -57,15 +57,15 @@ def test_ranged_nodes_apply_at_their_values_alone():
     assert axis.weights(0.21).sum() == pytest.approx(1)
 
 
-def test_values_of_a_study_are_nodes():
+def test_axes_of_contains_mu0_and_tau0_of_the_study():
     mu0, tau0 = axes_of(SMALL.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]}))
     assert 0.37 in mu0.rising
     assert {0.003, 0.021} <= set(tau0.rising)
     assert [axis.rising[0] for axis in (mu0, tau0)] == [0, 0]
-    assert tau0.rising[-1] == 0.021  # the range of a generated study is its own
+    assert tau0.rising[-1] == 0.021  # a study of generated surfaces limits the range of tau0
 
 
-def test_inputs_with_ranges_are_ranged_nodes(tmp_path):
+def test_axes_of_makes_ranged_inputs_ranged_nodes(tmp_path):
     study = study_of(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.ranged.size for axis in axes_of(study)] == [0, 0]
     text = study.with_changes({"friction.tau0": ["40 MPa"]}).to_toml() + '\n[known]\nmu0 = "0.25..0.35"\n'
@@ -75,28 +75,31 @@ def test_inputs_with_ranges_are_ranged_nodes(tmp_path):
     assert tau0.ranged.size == 0
 
 
-def test_refinement_reaches_the_tolerances_and_measured_errors_agree():
-    first = tuple(Axis(axis.rising[[0, 2, 4]]) for axis in AXES)
-    axes = refined(first, points)
+def test_refined_axes_reach_the_tolerances():
+    coarse_axes = tuple(Axis(axis.rising[[0, 2, 4]]) for axis in AXES)
+    axes = refined(coarse_axes, smooth_friction)
     assert sum(axis.rising.size for axis in axes) > 6
-    table = points(axes[0].values, axes[1].values)
+    table = smooth_friction(axes[0].values, axes[1].values)
     random = np.random.default_rng(1).uniform([0, 0], [1, 0.2], (50, 2))
     errors = [
-        float(excess(interpolated(axes, np.moveaxis(table, -1, 0), *at), points(at[:1], at[1:])[0, 0])) for at in random
+        float(
+            excess(interpolated(axes, np.moveaxis(table, -1, 0), *point), smooth_friction(point[:1], point[1:])[0, 0])
+        )
+        for point in random
     ]
     assert np.quantile(errors, 0.9) < 2
-    value, ends = largest_errors(axes, table, points)
-    assert 0 < value < 10 * VALUE_TOLERANCE
-    assert 0 < ends < 10 * ENDS_TOLERANCE
+    value_error, ends_error = largest_errors(axes, table, smooth_friction)
+    assert 0 < value_error < 10 * VALUE_TOLERANCE
+    assert 0 < ends_error < 10 * ENDS_TOLERANCE
 
 
-def test_panels_with_a_jump_or_a_steep_edge_are_not_interpolated():
-    mu0, tau0 = grid()
+def test_panels_with_a_jump_or_undefined_node_are_not_interpolated():
+    mu0, tau0 = create_grid()
     smooth = 0.1 + mu0 + tau0
     assert is_interpolated(AXES, smooth).all()
     jump = np.where(mu0 > 0.5, 3 * smooth, smooth)
     assert not is_interpolated(AXES, jump)[2, :4].any()
-    missing = smooth.copy()
-    missing[4, 4] = np.nan
-    assert not is_interpolated(AXES, missing)[3, 3]
-    assert is_interpolated(AXES, missing)[0, 0]
+    undefined = smooth.copy()
+    undefined[4, 4] = np.nan
+    assert not is_interpolated(AXES, undefined)[3, 3]
+    assert is_interpolated(AXES, undefined)[0, 0]

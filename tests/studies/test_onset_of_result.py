@@ -1,4 +1,4 @@
-"""How a measured pair begins to slide: means of what its members do, and what lies beside a result."""
+"""Test the onset of sliding of a measured pair: means over members, the slip map and stored files."""
 
 import io
 import math
@@ -20,7 +20,7 @@ from stiction.views.report import report_page
 from support.measured_studies import study_of, write_maps, write_profiles
 
 
-def computed(study, **options):
+def compute_study_onset(study, **options):
     with thread_executor(1) as executor:
         return compute_onset(study, executor, **options)
 
@@ -28,36 +28,38 @@ def computed(study, **options):
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
     folder = tmp_path_factory.mktemp("maps")
-    more = (
+    contact_keys = (
         'hardness = "4 GPa"\ncompliance_share = 0.3\npoisson_ratio = [0.3, 0.4]\nload = ["2 mN"]\ndirection = [0, 180]'
     )
-    return study_of(folder, spacing=write_maps(folder), members=4, contact=more).with_changes(
+    return study_of(folder, spacing=write_maps(folder), members=4, contact=contact_keys).with_changes(
         {"friction.tau0": ["50 MPa"]}
     )
 
 
 @pytest.fixture(scope="module")
 def onset(study):
-    return computed(study, members=3)
+    return compute_study_onset(study, members=3)
 
 
-def test_onset_is_mean_over_members(study, onset):
-    curves, exact = [], []
+def test_onset_of_result_is_mean_over_members(study, onset):
+    curves, exact_displacements = [], []
     for index in range(3):
         curve = half_space(
             *load_bodies(study).member(index, 0.0).pair, [2.0], effective_modulus=100.0, hardness=4.0,
             compliance_share=0.3,
         )  # fmt: skip
         steps = onset["fraction"].values.tolist()
-        of_load = {"mu0": 0.3, "tau0": 0.05, "steps": steps, "poisson": [0.3, 0.4]}
-        curves.append(curve.onset(0, **of_load, tolerance=TRACTION_TOLERANCE))
-        exact.append(curve.onset(0, **of_load).displacement)
-    # The tolerance is that of a study, whose displacements are those of a smaller one but for a part in a million.
-    np.testing.assert_allclose(onset["displacement"].sel(statistic="mean"), np.mean(exact, axis=0), rtol=1e-6)
+        options = {"mu0": 0.3, "tau0": 0.05, "steps": steps, "poisson": [0.3, 0.4]}
+        curves.append(curve.onset(0, **options, tolerance=TRACTION_TOLERANCE))
+        exact_displacements.append(curve.onset(0, **options).displacement)
+    # The displacements of the looser study tolerance agree with the default tolerance to 1e-6.
+    np.testing.assert_allclose(
+        onset["displacement"].sel(statistic="mean"), np.mean(exact_displacements, axis=0), rtol=1e-6
+    )
     for name in ("displacement", "slipped_area", "tangential_load"):
-        expected = sample_mean(np.array([getattr(item, name) for item in curves]))[0]
+        expected = sample_mean(np.array([getattr(member_onset, name) for member_onset in curves]))[0]
         np.testing.assert_allclose(onset[name].sel(statistic="mean"), expected, rtol=1e-9, err_msg=name)
-    mean, lower, upper = sample_mean(np.array([item.stiffness for item in curves]))
+    mean, lower, upper = sample_mean(np.array([member_onset.stiffness for member_onset in curves]))
     np.testing.assert_allclose(onset["stiffness"], [mean, lower, upper], rtol=1e-9)
     assert onset.attrs["members"] == 3
 
@@ -77,7 +79,7 @@ def test_onset_displacement_exists_for_asperities_but_not_half_planes(tmp_path):
     spacing = write_profiles(tmp_path)
     for mechanics, load in (("asperities", "20 uN"), ("half-space", "2 mN")):
         lines = study_of(tmp_path, "lines", mechanics, spacing=spacing, members=8, load=load)
-        result = computed(lines)
+        result = compute_study_onset(lines)
         assert result.attrs["members"] >= 6
         assert math.isfinite(float(result["displacement_at_sliding"].sel(statistic="mean"))) == (
             mechanics == "asperities"
@@ -86,59 +88,64 @@ def test_onset_displacement_exists_for_asperities_but_not_half_planes(tmp_path):
         assert "slips" in onset_text(result)
 
 
-def test_onset_uses_the_quoted_reading():
-    waves = {"hurst_exponent": 0.7, "rms": 0.01, "longest_wavelength": 5.0, "shortest_wavelength": 0.05}
+def test_onset_of_several_cutoffs_uses_the_quoted_cutoff():
+    roughness = {"hurst_exponent": 0.7, "rms": 0.01, "longest_wavelength": 5.0, "shortest_wavelength": 0.05}
     noise = 1e-3 * np.random.default_rng(1).normal(size=(2, 3000))
-    scans = [
-        Profile(self_affine(seed, points=3000, spacing=0.01, **waves).heights + item, spacing=0.01)
+    profiles = [
+        Profile(self_affine(seed, points=3000, spacing=0.01, **roughness).heights + item, spacing=0.01)
         for seed, item in enumerate(noise)
     ]
     options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "offsets": 8}
-    both = pair_study(*scans, **options)
-    quoted, other = both.surfaces.cells()["cut_off"].tolist()
-    assert quoted > other == 0
-    alone = {
-        cutoff: computed(both.with_changes({"surfaces.cut_off": [f"{cutoff!r} um"]})) for cutoff in (quoted, other)
+    study = pair_study(*profiles, **options)
+    quoted_cutoff, other_cutoff = study.surfaces.cells()["cut_off"].tolist()
+    assert quoted_cutoff > other_cutoff == 0
+    onset_by_cutoff = {
+        cutoff: compute_study_onset(study.with_changes({"surfaces.cut_off": [f"{cutoff!r} um"]}))
+        for cutoff in (quoted_cutoff, other_cutoff)
     }
-    result = computed(both)
-    xarray.testing.assert_identical(result, alone[quoted])
-    assert float(abs(result["displacement"] - alone[other]["displacement"]).max()) > 0
+    result = compute_study_onset(study)
+    xarray.testing.assert_identical(result, onset_by_cutoff[quoted_cutoff])
+    assert float(abs(result["displacement"] - onset_by_cutoff[other_cutoff]["displacement"]).max()) > 0
 
 
 def test_onset_is_none_without_friction_or_for_generated_surfaces(study):
-    assert computed(study.with_changes({"friction.mu0": [0.0], "friction.tau0": ["0 MPa"]})) is None
-    assert computed(Study.named("quick")) is None
+    assert compute_study_onset(study.with_changes({"friction.mu0": [0.0], "friction.tau0": ["0 MPa"]})) is None
+    assert compute_study_onset(Study.named("quick")) is None
 
 
 def test_slip_map_gives_smallest_slip_load_of_each_cell(study, onset, monkeypatch):
     upper, lower = load_bodies(study).member(0, 0.0).pair
     curve = half_space(upper, lower, [2.0], effective_modulus=100.0, hardness=4.0, compliance_share=0.3)
-    one = curve.onset(0, mu0=0.3, tau0=0.05, steps=onset["fraction"].values.tolist(), poisson=[0.3, 0.4])
-    expected = (one.slip_load() / one.sliding_load).reshape(lower.heights.shape)
+    member_onset = curve.onset(0, mu0=0.3, tau0=0.05, steps=onset["fraction"].values.tolist(), poisson=[0.3, 0.4])
+    expected = (member_onset.slip_load() / member_onset.sliding_load).reshape(lower.heights.shape)
     np.testing.assert_allclose(onset["slip"], expected, rtol=1e-6)
-    touching = curve.contact(0).pressure > 0
-    np.testing.assert_array_equal(np.isfinite(onset["slip"]), touching)
-    # What slips at half of the load bears as much of it as the curve says.
-    bears = curve.contact(0).pressure[onset["slip"].values <= 0.5].sum() / curve.contact(0).pressure.sum()
-    assert bears == pytest.approx(one.slipped_load[onset["fraction"].values.tolist().index(0.5)], rel=1e-9)
+    in_contact = curve.contact(0).pressure > 0
+    np.testing.assert_array_equal(np.isfinite(onset["slip"]), in_contact)
+    # Points that slip at half of the sliding load carry the load fraction of the onset curve.
+    slipped_fraction = curve.contact(0).pressure[onset["slip"].values <= 0.5].sum() / curve.contact(0).pressure.sum()
+    assert slipped_fraction == pytest.approx(
+        member_onset.slipped_load[onset["fraction"].values.tolist().index(0.5)], rel=1e-9
+    )
     np.testing.assert_allclose(onset["lower_height"], lower.heights, rtol=1e-6)
     monkeypatch.setattr("stiction.studies.onset.MAX_PICTURE_SIZE", 8)
-    coarse = computed(study, members=1)["slip"].values
-    assert coarse.shape == (8, 8)
+    coarse_slip = compute_study_onset(study, members=1)["slip"].values
+    assert coarse_slip.shape == (8, 8)
     for row, column in np.ndindex(8, 8):
         block = expected[5 * row : 5 * row + 5, 5 * column : 5 * column + 5]
-        known = block[np.isfinite(block)]
-        assert coarse[row, column] == pytest.approx(known.min() if known.size else np.nan, nan_ok=True)
+        finite_values = block[np.isfinite(block)]
+        assert coarse_slip[row, column] == pytest.approx(
+            finite_values.min() if finite_values.size else np.nan, nan_ok=True
+        )
 
 
 def test_onset_of_asperities_lists_each_contact(tmp_path):
     study = study_of(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=2)
-    result = computed(study, members=1)
+    result = compute_study_onset(study, members=1)
     pair = load_bodies(study).member(0, 0.0).pair
     approach = approach_at_load(*pair, 2.0, mu0=0.0, effective_modulus=100.0, sliding="all")
-    listed = contacts(*pair, float(approach), effective_modulus=100.0, sliding="all")
-    np.testing.assert_allclose(result["contact_x"], listed.centre[:, 0], rtol=1e-9)
-    np.testing.assert_allclose(result["contact_area"], listed.area, rtol=1e-6)
+    contact_list = contacts(*pair, float(approach), effective_modulus=100.0, sliding="all")
+    np.testing.assert_allclose(result["contact_x"], contact_list.centre[:, 0], rtol=1e-9)
+    np.testing.assert_allclose(result["contact_area"], contact_list.area, rtol=1e-6)
     assert float(result["contact_slip"].max()) == 1
     assert "slip" not in result
 
@@ -149,19 +156,19 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     result = open_result(tmp_path)
     assert {"onset", "slip"} <= set(result.figures())
     figure = result.figure("slip")
-    whole, closer = (axes.images[-1].get_array() for axes in figure.axes[:2])
-    assert np.ma.count(whole) == np.isfinite(onset["slip"]).sum()
-    assert np.ma.count(closer) > 0
+    full_image, detail_image = (axes.images[-1].get_array() for axes in figure.axes[:2])
+    assert np.ma.count(full_image) == np.isfinite(onset["slip"]).sum()
+    assert np.ma.count(detail_image) > 0
     page = report_page(open_stored(tmp_path))
-    for words in ("How the bodies begin to slide", "What slips first", "light points slip first"):
-        assert words in page
-    assert page.count('<div class="figure"><svg role="img"') == 3  # and single positions
+    for heading in ("How the bodies begin to slide", "What slips first", "light points slip first"):
+        assert heading in page
+    assert page.count('<div class="figure"><svg role="img"') == 3  # the third shows single positions
     export(onset.drop_vars(["slip", "lower_height"]), tmp_path / ONSET_FILE, replace=True)
     assert "slip" not in open_result(tmp_path).figures()
     assert "What slips first" not in report_page(open_stored(tmp_path))
 
 
-def test_stored_onset_is_read_only_with_its_result(study, onset, tmp_path):
+def test_load_onset_ignores_onset_of_another_mu0(study, onset, tmp_path):
     compute_missing(study, tmp_path)
     stored = open_stored(tmp_path)
     assert load_onset(stored) is None
@@ -172,13 +179,13 @@ def test_stored_onset_is_read_only_with_its_result(study, onset, tmp_path):
     assert load_onset(stored) is None
 
 
-def test_onset_table_starts_at_rest(onset):
+def test_onset_table_starts_with_zeros(onset):
     table = pandas.read_csv(io.StringIO(format_backbone(onset)))
     assert (table.iloc[0] == 0).all()
     np.testing.assert_allclose(table["displacement (um)"][1:], onset["displacement"].sel(statistic="mean"), rtol=1e-8)
 
 
-def test_onset_sentence_rows_and_record_agree(onset):
+def test_onset_text_rows_and_record_agree(onset):
     record = onset_record(onset)
     assert "Pre-sliding displacement " in onset_text(onset)
     assert record["iwan"]["chi"] == onset.attrs["iwan_chi"]

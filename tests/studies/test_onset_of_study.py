@@ -1,4 +1,4 @@
-"""How generated pairs begin to slide: what a result keeps of each, and what is read off at a load."""
+"""Test the onset of sliding in studies of generated surfaces: stored members and values at a load."""
 
 import re
 
@@ -11,11 +11,11 @@ from stiction.studies.study import StudyError
 from stiction.views.report import report_page
 from stiction.views.text import quantities_text
 
-SMALL = {
+PROFILE_CHANGES = {
     "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.4],
     "contact.approach": ["0 nm", "5 nm", "10 nm", "20 nm", "40 nm"],
 }  # fmt: skip
-AREAS = {
+SURFACE_CHANGES = {
     "surfaces.kind": "surface", "surfaces.generator": "self-affine", "surfaces.shape": [48, 48],
     "surfaces.extent": ["4 um", "4 um"], "surfaces.shortest_wavelength": "0.6 um", "surfaces.fractal_dimension": [1.2],
     "surfaces.amplitude": ["20 nm"], "contact.direction": [30.0, 90.0], "contact.sliding": ["all", "opposing"],
@@ -26,7 +26,7 @@ STRENGTHS = {"mu0": 0.3, "tau0": "20 MPa", "poisson_ratio": 0.25}
 
 @pytest.fixture(scope="module")
 def study():
-    return Study.named("presliding").with_changes(SMALL | {"contact.onset": STRENGTHS})
+    return Study.named("presliding").with_changes(PROFILE_CHANGES | {"contact.onset": STRENGTHS})
 
 
 @pytest.fixture(scope="module")
@@ -34,81 +34,83 @@ def result(study):
     return run(study).dataset
 
 
-def test_onset_of_member_equals_its_curve(study, result):
+def test_stored_onset_of_member_equals_onset_of_load_curve(study, result):
     for index, dimension in ((0, 1.1), (3, 1.4)):
         upper, lower = pair_of(study, index, fractal_dimension=dimension, amplitude=0.1)
         steps = study.contact.steps()
         curve = press(upper, lower, steps, model=study.contact.model())
-        own = result.sel(fractal_dimension=dimension, repetition=index).isel(amplitude=0)
-        for place in np.flatnonzero(curve.contact_count):
-            onset = curve.onset(place, mu0=0.3, tau0=0.02, steps=[0.5], poisson=0.25)
-            assert float(own["tangential_stiffness"][place]) == pytest.approx(onset.stiffness, rel=1e-12)
-            assert float(own["displacement_at_sliding"][place]) == pytest.approx(
+        member = result.sel(fractal_dimension=dimension, repetition=index).isel(amplitude=0)
+        for step in np.flatnonzero(curve.contact_count):
+            onset = curve.onset(step, mu0=0.3, tau0=0.02, steps=[0.5], poisson=0.25)
+            assert float(member["tangential_stiffness"][step]) == pytest.approx(onset.stiffness, rel=1e-12)
+            assert float(member["displacement_at_sliding"][step]) == pytest.approx(
                 onset.displacement_at_sliding, rel=1e-12
             )
-            assert float(own["fraction_slipped"][place]) == pytest.approx(onset.slipped_load[0], rel=1e-12)
-    untouched = result["contact_count"].values == 0
-    assert untouched.any()
-    assert not any(result[name].values[untouched].any() for name in ONSET)
+            assert float(member["fraction_slipped"][step]) == pytest.approx(onset.slipped_load[0], rel=1e-12)
+    has_no_contact = result["contact_count"].values == 0
+    assert has_no_contact.any()
+    assert not any(result[name].values[has_no_contact].any() for name in ONSET)
 
 
-def test_sums_are_unchanged_by_onset(study, result):
-    """They come by another way, pair by pair in place of whole families."""
-    plain = run(study.with_changes({"contact.onset": None, "figures.draw": ["area"]})).dataset
-    assert not set(ONSET) & set(plain.data_vars)
-    for name in plain.data_vars:
-        np.testing.assert_allclose(result[name], plain[name], rtol=1e-11, err_msg=name)
+def test_study_sums_are_equal_with_and_without_onset(study, result):
+    """With an onset, each pair is computed alone; without, pairs of several dimensions are computed together."""
+    dataset_without_onset = run(study.with_changes({"contact.onset": None, "figures.draw": ["area"]})).dataset
+    assert not set(ONSET) & set(dataset_without_onset.data_vars)
+    for name in dataset_without_onset.data_vars:
+        np.testing.assert_allclose(result[name], dataset_without_onset[name], rtol=1e-11, err_msg=name)
 
 
 def test_onset_of_maps_uses_first_direction():
-    study = Study.named("presliding").with_changes(AREAS | {"contact.onset": {"mu0": 0.4}})
+    study = Study.named("presliding").with_changes(SURFACE_CHANGES | {"contact.onset": {"mu0": 0.4}})
     computed = run(study).dataset
     assert computed["displacement_at_sliding"].dims == ("fractal_dimension", "amplitude", "repetition", "approach")
     upper, lower = pair_of(study, 1, fractal_dimension=1.2, amplitude=0.02)
     curve = press(upper, lower, [0.02])
-    for direction, same in ((30.0, True), (90.0, False)):
+    for direction, is_equal in ((30.0, True), (90.0, False)):
         stiffness = curve.onset(0, mu0=0.4, direction=direction, steps=[0.5]).stiffness
-        assert (float(computed["tangential_stiffness"][0, 0, 1, 1]) == pytest.approx(stiffness, rel=1e-9)) == same
+        assert (float(computed["tangential_stiffness"][0, 0, 1, 1]) == pytest.approx(stiffness, rel=1e-9)) == is_equal
 
 
 def test_onset_at_load_weighs_members_by_load(result):
-    """Where a step is reached exactly, by the sums there."""
+    """Compare with means at a solved approach, weighted by the normal load of each member."""
     step = result.isel(approach=3)
     normal = step["normal_elastic"] + 0.3 * step["normal_frictional"] + 0.02 * step["normal_adhesive"]
-    for place in range(2):
-        here = {"fractal_dimension": place, "amplitude": 0}
-        load = float(normal.isel(here).mean())
-        at = at_load(result, [load], mu0=0.3, tau0=0.02).isel(here | {"load": 0, "mu0": 0, "tau0": 0})
-        weight = normal.isel(here).values / normal.isel(here).values.sum()
+    for dimension_index in range(2):
+        selection = {"fractal_dimension": dimension_index, "amplitude": 0}
+        load = float(normal.isel(selection).mean())
+        point = at_load(result, [load], mu0=0.3, tau0=0.02).isel(selection | {"load": 0, "mu0": 0, "tau0": 0})
+        weight = normal.isel(selection).values / normal.isel(selection).values.sum()
         for name in ("displacement_at_sliding", "fraction_slipped"):
-            values = step[name].isel(here).values
-            mean, lower, upper = at[name].values
+            values = step[name].isel(selection).values
+            mean, lower, upper = point[name].values
             assert mean == pytest.approx(weight @ values, rel=1e-9)
             assert lower < mean < upper
-        stiffness = step["tangential_stiffness"].isel(here).values.mean()
-        assert float(at["tangential_stiffness"].sel(statistic="mean")) == pytest.approx(stiffness, rel=1e-9)
+        stiffness = step["tangential_stiffness"].isel(selection).values.mean()
+        assert float(point["tangential_stiffness"].sel(statistic="mean")) == pytest.approx(stiffness, rel=1e-9)
 
 
 def test_displacement_at_sliding_is_proportional_to_deepest_overlap():
-    study = Study.named("presliding").with_changes(SMALL | {"contact.onset": {"mu0": 0.4, "poisson_ratio": 0.0}})
-    twice = study.with_changes({"contact.onset": {"mu0": 0.8, "poisson_ratio": 0.0}})
-    one, two = run(study).dataset, run(twice).dataset
-    np.testing.assert_allclose(two["displacement_at_sliding"], 2 * one["displacement_at_sliding"], rtol=1e-12)
+    study = Study.named("presliding").with_changes(
+        PROFILE_CHANGES | {"contact.onset": {"mu0": 0.4, "poisson_ratio": 0.0}}
+    )
+    doubled_study = study.with_changes({"contact.onset": {"mu0": 0.8, "poisson_ratio": 0.0}})
+    single, doubled = run(study).dataset, run(doubled_study).dataset
+    np.testing.assert_allclose(doubled["displacement_at_sliding"], 2 * single["displacement_at_sliding"], rtol=1e-12)
     for name in ("fraction_slipped", "tangential_stiffness"):
-        np.testing.assert_allclose(two[name], one[name], rtol=1e-9)
-    # With no ratio of stiffnesses the creep is mu0 times the deepest overlap, upwards.
+        np.testing.assert_allclose(doubled[name], single[name], rtol=1e-9)
+    # With a Poisson ratio of 0, the pre-sliding displacement is mu0 times the largest vertical overlap.
     upper, lower = pair_of(study, 2, fractal_dimension=1.4, amplitude=0.1)
-    listed = contacts(upper, lower, 0.02, model=study.contact.model())
-    deepest = (listed.overlap * listed.normal[:, 2]).max()
-    creep = one["displacement_at_sliding"].sel(fractal_dimension=1.4, repetition=2, approach=0.02).item()
-    assert creep == pytest.approx(0.4 * deepest, rel=1e-9)
+    contact_list = contacts(upper, lower, 0.02, model=study.contact.model())
+    deepest = (contact_list.overlap * contact_list.normal[:, 2]).max()
+    displacement = single["displacement_at_sliding"].sel(fractal_dimension=1.4, repetition=2, approach=0.02).item()
+    assert displacement == pytest.approx(0.4 * deepest, rel=1e-9)
 
 
 def test_table_figure_and_report_show_onset(study, tmp_path):
     run(study, store=tmp_path / "result")
     result = open_result(tmp_path / "result")
-    creep = "creep before sliding at mu0 = 0.3, tau0 = 20 MPa (um)"
-    assert {creep, f"{creep}: lower", "tangential stiffness at rest (mN/um)"} <= set(result.to_dataframe().columns)
+    column = "creep before sliding at mu0 = 0.3, tau0 = 20 MPa (um)"
+    assert {column, f"{column}: lower", "tangential stiffness at rest (mN/um)"} <= set(result.to_dataframe().columns)
     text = " ".join(quantities_text(at_load(result.source, [1e-3]).isel(fractal_dimension=0), study).split())
     assert "creep before sliding at μ0 = 0.3, τ0 = 20 MPa (nm)" in text
     assert "load that slips at half of sliding at μ0 =" in text
@@ -118,12 +120,12 @@ def test_table_figure_and_report_show_onset(study, tmp_path):
         "pre-sliding displacement (nm)", "slip at half the sliding load (%)", "tangential stiffness (mN/µm)",
     ]  # fmt: skip
     assert all(np.isfinite(line.get_ydata()).any() for line in panels[0].get_lines()[::2])
-    page = report_page(result.source)
-    assert "How the pairs begin to slide" in page
-    assert "How the pairs begin to slide" not in report_page(run(Study.named("quick").with_changes(SMALL)))
+    report = report_page(result.source)
+    assert "How the pairs begin to slide" in report
+    assert "How the pairs begin to slide" not in report_page(run(Study.named("quick").with_changes(PROFILE_CHANGES)))
 
 
-BAD = [
+REJECTED_CHANGES = [
     ({"contact.onset": {"mu0": 0.0}}, "mu0 and tau0 must not both be 0"),
     ({"contact.onset": {"tau0": "3 mN"}}, r"contact\.onset\.tau0: .*pressure"),
     ({"contact.onset": {"load": 1.0}}, r"contact\.onset\.load: unknown key"),
@@ -132,11 +134,11 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "words"), BAD)
-def test_study_rejects_bad_onset(changes, words):
-    with pytest.raises(StudyError, match=words) as refused:
+@pytest.mark.parametrize(("changes", "pattern"), REJECTED_CHANGES)
+def test_study_rejects_bad_onset(changes, pattern):
+    with pytest.raises(StudyError, match=pattern) as caught:
         Study().with_changes(changes)
-    assert not re.search(r"Traceback|\n.*\n.*\n", str(refused.value))
+    assert not re.search(r"Traceback|\n.*\n.*\n", str(caught.value))
 
 
 def test_onset_figure_requires_onset():

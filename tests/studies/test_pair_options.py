@@ -1,4 +1,4 @@
-"""Options of a pair: one declaration each, from which the command, the function, the study keys and the form follow."""
+"""Test the declarations of pair options and what is generated from them: command, function and study keys."""
 
 import inspect
 import subprocess
@@ -25,19 +25,19 @@ from stiction.studies.values import tables_of
 ROOT = Path(__file__).parent.parent.parent
 
 
-def command():
+def pair_command():
     group = typer.main.get_command(app)
     return group.get_command(group.context_class(group), "pair")
 
 
 def test_generated_signatures_match_the_options():
-    """Fails if packaging/pair_options.py has not been run after a change of an option."""
+    """Check that packaging/pair_options.py was run after the last change of an option."""
     script = ROOT / "packaging/pair_options.py"
     completed = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True, check=False)
     assert completed.returncode == 0, completed.stderr
 
 
-def test_function_has_a_documented_parameter_for_each_option():
+def test_pair_function_documents_a_parameter_for_each_option():
     parameters = inspect.signature(stiction.pair).parameters
     for name, option in PAIR_OPTIONS.items():
         if not option.is_in_python:
@@ -47,35 +47,35 @@ def test_function_has_a_documented_parameter_for_each_option():
         assert f"\n    {format_python_name(name)} : " in stiction.pair.__doc__
 
 
-def test_command_has_an_option_for_each_option_of_a_pair():
-    parameters = {param.name: param for param in command().params}
+def test_pair_command_accepts_each_declared_option():
+    parameters = {param.name: param for param in pair_command().params}
     for name in PAIR_OPTIONS:
         names = (*parameters[name].opts, parameters[name].metavar)
         assert format_command_line_name(name) in names
 
 
-def test_groups_share_no_option():
+def test_option_groups_are_disjoint():
     names = [name for group in OPTION_GROUPS for name in group.model_fields]
     assert len(names) == len(set(names)) == len(PairOptions.model_fields)
 
 
 @pytest.mark.parametrize("name", [name for name, option in PAIR_OPTIONS.items() if option.key])
-def test_option_sets_a_key_that_studies_have(name):
+def test_key_of_pair_option_exists_in_studies(name):
     tables = [Study]
-    for part in PAIR_OPTIONS[name].key.split("."):
-        fields = [table.model_fields[part] for table in tables if part in table.model_fields]
+    for key_part in PAIR_OPTIONS[name].key.split("."):
+        fields = [table.model_fields[key_part] for table in tables if key_part in table.model_fields]
         assert fields, PAIR_OPTIONS[name].key
         tables = [table for field in fields for table in tables_of(field.annotation)]
 
 
-def test_placeholders_of_help_and_conditions_name_options():
+def test_placeholders_in_option_texts_are_option_names():
     for option in PAIR_OPTIONS.values():
         for text in (option.help, *(apply.message for apply in option.applies)):
             assert text.format_map({name: name for name in PAIR_OPTIONS})
 
 
 @pytest.mark.parametrize("name", INPUT_KINDS)
-def test_input_that_may_be_a_range_is_an_option(name):
+def test_uncertain_input_is_a_pair_option(name):
     assert name in PAIR_OPTIONS
 
 
@@ -96,36 +96,38 @@ def test_input_that_may_be_a_range_is_an_option(name):
         ({"hardnes": 1}, "--hardnes is no option of a pair; is it hardness?"),
     ],
 )
-def test_wrong_value_is_reported_by_the_name_on_the_command_line(values, message):
+def test_read_options_reports_wrong_value_with_command_line_name(values, message):
     with pytest.raises(ArgumentError) as caught:
         read_options({"load": "1 mN", **values})
     assert caught.value.with_names(format_command_line_name).startswith(message)
 
 
-def test_option_without_value_has_its_default():
+def test_read_options_treats_none_and_false_as_not_given():
     options = read_options({"load": 1.0, "shifts": None, "check": False})
     assert all(options.given(name) is None for name in PAIR_OPTIONS if name != "load")
 
 
-def test_short_help_lists_twelve_options(monkeypatch):
+def test_short_help_of_pair_lists_twelve_options(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
-    pair = command()
-    short = pair.get_help(pair.context_class(pair, info_name="stiction pair"))
-    listed = [line.split()[0] for line in short.splitlines() if line.startswith("  --")]
-    assert len(short.splitlines()) <= 100
-    assert len([name for name in listed if name not in ("--help-all", "--help")]) == 11  # and -o, --output
-    assert "--cutoff" not in short
+    pair = pair_command()
+    help_text = pair.get_help(pair.context_class(pair, info_name="stiction pair"))
+    listed_options = [line.split()[0] for line in help_text.splitlines() if line.startswith("  --")]
+    assert len(help_text.splitlines()) <= 100
+    assert (
+        len([name for name in listed_options if name not in ("--help-all", "--help")]) == 11
+    )  # --output is listed as -o
+    assert "--cutoff" not in help_text
 
 
-def test_long_help_lists_all_options(capsys):
+def test_long_help_of_pair_lists_all_options(capsys):
     with pytest.raises(typer.Exit):
-        command().make_context("stiction pair", ["--help-all"])
+        pair_command().make_context("stiction pair", ["--help-all"])
     text = capsys.readouterr().out
     assert all(format_command_line_name(name) in text for name in PAIR_OPTIONS)
 
 
-def test_editor_completes_the_options_of_the_function():
+def test_jedi_completes_the_options_of_pair():
     jedi = pytest.importorskip("jedi")
     source = "st.pair(miss"
-    names = [each.name for each in jedi.Interpreter(source, [{"st": stiction}]).complete(1, len(source))]
+    names = [completion.name for completion in jedi.Interpreter(source, [{"st": stiction}]).complete(1, len(source))]
     assert names == ["missing=", "missing_value="]

@@ -1,4 +1,4 @@
-"""Several processes, machines or parts that share a folder."""
+"""Test runs of parts of a study, and of several processes and machines that share a result folder."""
 
 import itertools
 from concurrent.futures import Executor
@@ -15,84 +15,88 @@ from support.generated_studies import TINY, InlineExecutor, assert_same_bits, wi
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
 
 
-def test_parts_complete_one_result(tmp_path, undisturbed, computed):
-    """Each computes its own blocks, twice nothing; what one leaves is computed by whoever comes without a part."""
-    own = {(2, 3): [*range(4, 8), *range(16, 20)], (1, 3): [*range(4), *range(12, 16)]}
-    for part, expected in own.items():
-        del computed[:]
+def test_parts_complete_one_result(tmp_path, uninterrupted_dataset, computed_repetitions):
+    """Run two of three parts twice each; then a run without a part computes the remaining repetitions."""
+    repetitions_of_parts = {(2, 3): [*range(4, 8), *range(16, 20)], (1, 3): [*range(4), *range(12, 16)]}
+    for part, expected in repetitions_of_parts.items():
+        del computed_repetitions[:]
         for _ in range(2):
             assert compute_missing(TINY, tmp_path, part=part) == 8
-        assert sorted(computed) == expected
-    present = store.open_stored(tmp_path).dataset()
-    xarray.testing.assert_identical(present, undisturbed.isel(repetition=sorted(itertools.chain(*own.values()))))
-    del computed[:]
-    assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
-    assert sorted(computed) == [8, 9, 10, 11, 20, 21]
+        assert sorted(computed_repetitions) == expected
+    partial_dataset = store.open_stored(tmp_path).dataset()
+    xarray.testing.assert_identical(
+        partial_dataset, uninterrupted_dataset.isel(repetition=sorted(itertools.chain(*repetitions_of_parts.values())))
+    )
+    del computed_repetitions[:]
+    assert_same_bits(run(TINY, store=tmp_path).dataset, uninterrupted_dataset)
+    assert sorted(computed_repetitions) == [8, 9, 10, 11, 20, 21]
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_parts_of_other_counts_are_compatible(tmp_path, undisturbed):
+def test_parts_of_different_divisions_complete_one_result(tmp_path, uninterrupted_dataset):
     compute_missing(with_repetitions(10), tmp_path, part=(1, 2))
     compute_missing(TINY, tmp_path, part=(3, 5))
     compute_missing(TINY, tmp_path, part=(1, 1))
-    assert_same_bits(store.read(tmp_path), undisturbed)
+    assert_same_bits(store.read(tmp_path), uninterrupted_dataset)
 
 
 @pytest.mark.parametrize("part", [(0, 2), (3, 2), (1, 0)])
-def test_fill_rejects_bad_part(tmp_path, part):
+def test_compute_missing_rejects_bad_part(tmp_path, part):
     with pytest.raises(ValueError, match="part must be K of N"):
         compute_missing(TINY, tmp_path / "r", part=part)
     assert not (tmp_path / "r").exists()
 
 
-class Workers(Executor):
-    """Workers of a cluster, on another machine; `sees` is whether the folder is there too."""
+class RemoteExecutor(Executor):
+    """Executor that runs tasks like a worker on another machine, with or without access to the shared folder."""
 
-    def __init__(self, sees):
-        self.sees = sees
+    def __init__(self, has_folder):
+        self.has_folder = has_folder
 
     def submit(self, function, /, *args):
-        if not self.sees:
+        if not self.has_folder:
             args = [replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedFolder) else arg for arg in args]
             if isinstance(getattr(function, "__self__", None), SharedFolder):  # SharedFolder.is_visible
                 function = SharedFolder(Path("/nowhere"), "").is_visible
         return InlineExecutor().submit(function, *args)
 
 
-def test_workers_write_to_shared_directory_or_return_blocks(tmp_path, undisturbed, monkeypatch):
-    written, completed = [], []
+def test_workers_write_to_shared_directory_or_return_blocks(tmp_path, uninterrupted_dataset, monkeypatch):
+    written_blocks, task_results = [], []
     monkeypatch.setattr(
-        runner, "write_block", lambda path, first, *rest: written.append(first) or store.write_block(path, first, *rest)
+        runner,
+        "write_block",
+        lambda path, first, *rest: written_blocks.append(first) or store.write_block(path, first, *rest),
     )
     task = runner.compute_block
-    monkeypatch.setattr(runner, "compute_block", lambda *args: completed.append(task(*args)) or completed[-1])
-    for where, executor, who in (
+    monkeypatch.setattr(runner, "compute_block", lambda *args: task_results.append(task(*args)) or task_results[-1])
+    for folder_name, executor, ending in (
         ("here", InlineExecutor(), "in 6 files"),
-        ("shared", Workers(True), "in 6 files"),
-        ("apart", Workers(False), "this process writes the files"),
+        ("shared", RemoteExecutor(True), "in 6 files"),
+        ("apart", RemoteExecutor(False), "this process writes the files"),
     ):
-        del written[:], completed[:]
+        del written_blocks[:], task_results[:]
         events = []
-        compute_missing(TINY, tmp_path / where, executor=executor, announce=events.append)
+        compute_missing(TINY, tmp_path / folder_name, executor=executor, announce=events.append)
         assert len(events) == 1
         assert events[0].startswith("computing 22 repetitions: ")
         assert "in 6 files" in events[0]
-        assert events[0].endswith(who)
-        assert written == list(range(0, 22, 4))
-        assert [content is None for content in completed] == [where == "shared"] * 6
-        assert_same_bits(store.read(tmp_path / where), undisturbed)
-        assert not list((tmp_path / where).rglob("*.partial"))
+        assert events[0].endswith(ending)
+        assert written_blocks == list(range(0, 22, 4))
+        assert [content is None for content in task_results] == [folder_name == "shared"] * 6
+        assert_same_bits(store.read(tmp_path / folder_name), uninterrupted_dataset)
+        assert not list((tmp_path / folder_name).rglob("*.partial"))
 
 
-def test_failed_member_loses_no_blocks(tmp_path, monkeypatch):
+def test_failed_member_leaves_other_blocks_stored(tmp_path, monkeypatch):
     sums = runner.member_sums
 
-    def fail(study, number):
+    def compute_or_fail(study, number):
         if number == 6:
             raise ValueError("member 6")
         return sums(study, number)
 
-    monkeypatch.setattr(runner, "member_sums", fail)
+    monkeypatch.setattr(runner, "member_sums", compute_or_fail)
     with pytest.raises(ValueError, match="member 6"):
         run(TINY, store=tmp_path, executor=InlineExecutor())
     assert store.open_stored(tmp_path).finished.tolist() == [*range(4), *range(8, 22)]

@@ -1,4 +1,4 @@
-"""Running a study: what arrives of it, on which executor, and what is shown meanwhile."""
+"""Test runs of studies: results, executors, interrupts, memory limits and progress."""
 
 import builtins
 import contextlib
@@ -24,7 +24,7 @@ from stiction.studies.study import study_of
 from stiction.studies.values import StudyError
 from support.generated_studies import TINY, InlineExecutor, assert_same_bits, with_repetitions
 
-SMALL = TINY.with_changes(
+RUNNER_STUDY = TINY.with_changes(
     {
         "surfaces.fractal_dimension.count": 4,
         "surfaces.points": 5000,
@@ -38,10 +38,10 @@ SMALL = TINY.with_changes(
 
 @pytest.fixture(scope="module")
 def result():
-    return run(SMALL).dataset
+    return run(RUNNER_STUDY).dataset
 
 
-def test_run_sums_equal_those_of_each_pair(result):
+def test_run_sums_equal_sums_of_each_pair(result):
     assert result["normal_elastic"].shape == (4, 2, 5, 6)
     assert result["contact_count"].values.sum() > 1000
     for d, a, r in ((0, 0, 0), (2, 1, 3), (3, 0, 4)):
@@ -57,8 +57,8 @@ def test_run_sums_equal_those_of_each_pair(result):
             assert np.array_equal(result[name].values[d, a, r], getattr(curve, name)), name
 
 
-def test_study_options_reach_the_solver(result):
-    """Each changed value changes the result, so none is dropped on the way."""
+def test_run_depends_on_each_study_key(result):
+    """Check that a change of each key changes the result."""
     changes = {
         "surfaces.amplitude_measure": "Rq", "surfaces.length_scale": "0.9 um", "surfaces.extent": "2.1 um",
         "surfaces.points": 5001, "surfaces.gamma": 1.6, "surfaces.directions": 39, "surfaces.frequencies": 39,
@@ -67,52 +67,56 @@ def test_study_options_reach_the_solver(result):
         "contact.shear": "-x", "ensemble.seed": 2017,
     }  # fmt: skip
     for key, value in changes.items():
-        other = run(SMALL.with_changes({key: value, "ensemble.repetitions": 1})).dataset
-        differs = [name for name in SUMS if not np.array_equal(other[name].values, result[name].values[:, :, :1])]
-        assert differs, key
+        changed_dataset = run(RUNNER_STUDY.with_changes({key: value, "ensemble.repetitions": 1})).dataset
+        changed_sums = [
+            name for name in SUMS if not np.array_equal(changed_dataset[name].values, result[name].values[:, :, :1])
+        ]
+        assert changed_sums, key
 
 
-def test_bits_are_independent_of_executor_and_block_size(result, monkeypatch):
+def test_run_gives_equal_bits_for_all_executors_and_block_sizes(result, monkeypatch):
     for workers in (1, 2):
         with ThreadPoolExecutor(workers) as pool:
-            assert_same_bits(run(SMALL, executor=pool).dataset, result)
+            assert_same_bits(run(RUNNER_STUDY, executor=pool).dataset, result)
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
-        assert_same_bits(run(SMALL, executor=pool).dataset, result)
+        assert_same_bits(run(RUNNER_STUDY, executor=pool).dataset, result)
     monkeypatch.setattr(runner, "MAX_SUBMITTED_TASKS", 2)
     for size in (1, 2, 3, 100):
         monkeypatch.setattr(runner, "choose_block_size", lambda study, size=size: size)
-        assert_same_bits(run(SMALL, executor=InlineExecutor()).dataset, result)
+        assert_same_bits(run(RUNNER_STUDY, executor=InlineExecutor()).dataset, result)
 
 
-def test_bits_are_independent_of_batch_size(result, monkeypatch):
+def test_run_gives_equal_bits_for_all_batch_sizes(result, monkeypatch):
     for rows in (1, 3):
         for module in (members, member_solution):
-            monkeypatch.setattr(module, "MAX_BATCH_BYTES", rows * 8 * SMALL.surfaces.points)
-        assert_same_bits(run(SMALL).dataset, result)
+            monkeypatch.setattr(module, "MAX_BATCH_BYTES", rows * 8 * RUNNER_STUDY.surfaces.points)
+        assert_same_bits(run(RUNNER_STUDY).dataset, result)
 
 
 @pytest.mark.parametrize("points", [500, 1000, 4000, 20_000])
 def test_memory_of_a_task_is_within_documented_limit(monkeypatch, points):
-    """cluster.md: MAX_BATCH_BYTES for each body and a profile of each that is scaled, or 32 bytes for each point."""
-    family = 8 * 2500
-    monkeypatch.setattr(member_solution, "MAX_BATCH_BYTES", family)
-    values = []
-    monkeypatch.setattr(member_solution, "_memory", lambda shape: values.append(np.empty(shape)) or values[-1])
-    study = SMALL.with_changes({"surfaces.points": points, "surfaces.fractal_dimension.count": 10})
+    """Check the memory limit of a task that the page on clusters (cluster.md) documents."""
+    batch_bytes = 8 * 2500
+    monkeypatch.setattr(member_solution, "MAX_BATCH_BYTES", batch_bytes)
+    allocated_arrays = []
+    monkeypatch.setattr(
+        member_solution, "_memory", lambda shape: allocated_arrays.append(np.empty(shape)) or allocated_arrays[-1]
+    )
+    study = RUNNER_STUDY.with_changes({"surfaces.points": points, "surfaces.fractal_dimension.count": 10})
     member_solution.member_sums(study, 0)
-    (memory,) = values
-    assert memory.nbytes <= max(2 * family + 2 * 8 * points, 32 * points)
+    (memory,) = allocated_arrays
+    assert memory.nbytes <= max(2 * batch_bytes + 2 * 8 * points, 32 * points)
 
 
 def test_result_has_study_version_and_units(result):
     assert result.attrs["stiction_version"] == stiction.__version__
-    assert study_of(result) == SMALL
+    assert study_of(result) == RUNNER_STUDY
     assert all("units" in result[name].attrs and "long_name" in result[name].attrs for name in result.variables)
     assert result["approach"].attrs["units"] == "um"
 
 
 @pytest.mark.parametrize("name", ["quick", "figure6", "figure7", "figure6-areal", "figure6-half-plane"])
-def test_blocks_are_short_and_many(name):
+def test_block_size_limits_time_and_memory_of_a_block(name):
     study = Study.named(name)
     for total in (1, 10, 100, 1_000_000):
         size = runner.choose_block_size(with_repetitions(total, study))
@@ -124,30 +128,32 @@ def test_blocks_are_short_and_many(name):
         assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.MIN_BLOCKS)
 
 
-def test_impossible_study_raises_value_error():
+def test_run_of_study_with_impossible_gamma_raises_value_error():
     with pytest.raises(ValueError, match="gamma"):
-        run(SMALL.with_changes({"surfaces.gamma": 100.0}))
+        run(RUNNER_STUDY.with_changes({"surfaces.gamma": 100.0}))
 
 
-def test_result_larger_than_memory_is_rejected(tmp_path, monkeypatch):
+def test_run_rejects_result_larger_than_memory(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "member_sums", lambda *_: pytest.fail("computed"))
-    many = SMALL.with_changes({"ensemble.repetitions": 10_000_000})
+    study_of_many_members = RUNNER_STUDY.with_changes({"ensemble.repetitions": 10_000_000})
     with pytest.raises(ValueError, match=r"the result would take \d+ GiB of memory, more than 16: give a store"):
-        run(many)
-    fine = {"start": 1.0, "stop": 1.9, "count": 10_000}
-    wide = SMALL.with_changes({"surfaces.fractal_dimension": fine, "contact.approach.count": 10_000})
+        run(study_of_many_members)
+    dimensions = {"start": 1.0, "stop": 1.9, "count": 10_000}
+    study_of_large_members = RUNNER_STUDY.with_changes(
+        {"surfaces.fractal_dimension": dimensions, "contact.approach.count": 10_000}
+    )
     with pytest.raises(
         ValueError, match=r"a repetition would take \d+ GiB, more than 16: reduce the number of values of contact"
     ):
-        runner.compute_missing(wide, tmp_path / "r")
+        runner.compute_missing(study_of_large_members, tmp_path / "r")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_interrupt_cancels_submitted_tasks(monkeypatch):
-    computed, sums, interrupted = [], runner.member_sums(with_repetitions(1), 0), threading.Event()
+    computed_repetitions, sums, interrupted = [], runner.member_sums(with_repetitions(1), 0), threading.Event()
 
     def record(study, number):
-        computed.append(number)
+        computed_repetitions.append(number)
         if number >= 200:
             interrupted.wait(60)
         return sums
@@ -158,15 +164,15 @@ def test_interrupt_cancels_submitted_tasks(monkeypatch):
     monkeypatch.setattr(runner, "member_sums", record)
     monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
     monkeypatch.setattr(runner, "SHUTDOWN_TIMEOUT", 0.1)
-    stored = None
+    interrupt_error = None
     with ThreadPoolExecutor(1) as pool:
         try:
             run(with_repetitions(800), executor=pool)
         except KeyboardInterrupt as error:
-            stored = error  # and with it every frame of the run
+            interrupt_error = error  # also keeps the frames of the run alive
             interrupted.set()
-    assert stored is not None
-    assert len(computed) < 800
+    assert interrupt_error is not None
+    assert len(computed_repetitions) < 800
 
 
 # ---- Workers that end ------------------------------------------------------------------------------------------------
@@ -197,32 +203,32 @@ def test_progress_is_silent_without_terminal(capfd):
     assert capfd.readouterr() == ("", "")
 
 
-def test_progress_is_printed_in_a_notebook(capfd, monkeypatch):
-    """As text, because what rich would draw with there is not installed: no warning instead of a bar."""
+def test_progress_is_printed_as_text_in_a_notebook(capfd, monkeypatch):
+    """Without ipywidgets, rich would print a warning instead of a progress bar."""
     if importlib.util.find_spec("ipywidgets"):
         pytest.skip("ipywidgets is installed")
 
     class ZMQInteractiveShell:
-        """By its name rich knows a notebook."""
+        """Stand-in for the shell of a notebook, which rich recognises by its class name."""
 
     monkeypatch.setattr(builtins, "get_ipython", ZMQInteractiveShell, raising=False)
     run(with_repetitions(2), progress=True)
     assert "2/2" in capfd.readouterr().err
 
 
-def test_estimate_is_announced_once(tmp_path):
-    events = []
+def test_compute_missing_announces_the_estimate_once(tmp_path):
+    announcements = []
     for _ in range(2):
-        runner.compute_missing(SMALL, tmp_path, announce=events.append)
-    (line,) = events
+        runner.compute_missing(RUNNER_STUDY, tmp_path, announce=announcements.append)
+    (line,) = announcements
     assert line.startswith("computing 5 repetitions: about ")
     assert line.endswith(" of one core, 23 kB in 5 files")
 
 
-def test_new_estimate_follows_the_time_of_the_first_block():
+def test_new_estimate_uses_the_time_of_the_first_block():
     missing = SimpleNamespace(count=16)
-    words = runner._new_estimate(missing, 1, 480.0, 2, 8.5)
-    assert words == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
-    assert runner._new_estimate(missing, 1, 480.0, 2, 300.0) == ""  # about as estimated
-    assert runner._new_estimate(missing, 1, 8.0, 2, 1.0) == ""  # a short rest
-    assert runner._new_estimate(missing, 4, 480.0, 4, 8.5) == ""  # nothing left
+    text = runner._new_estimate(missing, 1, 480.0, 2, 8.5)
+    assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
+    assert runner._new_estimate(missing, 1, 480.0, 2, 300.0) == ""  # close to the first estimate
+    assert runner._new_estimate(missing, 1, 8.0, 2, 1.0) == ""  # little time remains
+    assert runner._new_estimate(missing, 4, 480.0, 4, 8.5) == ""  # no repetitions remain

@@ -1,4 +1,4 @@
-"""Several scans of each part: how members share them, how the variance is parted, and what the interval covers."""
+"""Test pairs with several scans of each part: members, variance components and coverage of intervals."""
 
 from __future__ import annotations
 
@@ -12,193 +12,208 @@ from stiction.studies.pair import Pair
 from stiction.surfaces.measured.writing import write_surface
 from stiction.views.sentence import note_text
 
-QUICK = {"load": "2 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "direction": [0.0, 180.0]}
-SEVERAL = [(3, 3), (3, 6), (4, 5), (6, 6)]  # scans of the upper and of the lower part
-LEAST, MOST = 0.92, 0.98  # of 200 parts each
+PAIR_OPTIONS = {"load": "2 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "direction": [0.0, 180.0]}
+NUMBERS_OF_SCANS = [(3, 3), (3, 6), (4, 5), (6, 6)]  # of the upper and of the lower part
+MIN_COVERAGE, MAX_COVERAGE = 0.92, 0.98  # of the 95 % intervals of 200 simulated parts
 ROUND_OFF = 1e-12
 
 
-def scan(seed: int, side: str, gradient: float = 1.0, points: int = 32) -> Surface:
+def rough_scan(seed: int, side: str, gradient: float = 1.0, points: int = 32) -> Surface:
     return self_affine_surface(
         seed, hurst_exponent=0.8, rms=0.01 * gradient, shape=(points, points), spacing=0.1, shortest_wavelength=0.5,
         side=side,
     )  # fmt: skip
 
 
-def cells(upper: int, lower: int, times: int = 1):
-    """Which scans members are of."""
-    one, other = np.divmod(np.arange(upper * lower), lower)
-    return np.tile(one, times), np.tile(other, times)
+def scans_of_members(upper: int, lower: int, times: int = 1):
+    """Return the indices of the upper and the lower scan of each member."""
+    upper_scans, lower_scans = np.divmod(np.arange(upper * lower), lower)
+    return np.tile(upper_scans, times), np.tile(lower_scans, times)
 
 
-# ---- The estimator ---------------------------------------------------------------------------------------------------
+# ---- scans_mean ------------------------------------------------------------------------------------------------------
 
 
-def test_variances_equal_those_of_mean_squares() -> None:
+def test_scans_mean_has_variance_components_of_mean_squares() -> None:
     rng = np.random.default_rng(4)
     table = rng.standard_normal((4, 1)) * 3 + rng.standard_normal((1, 5)) * 2 + 0.3 * rng.standard_normal((4, 5))
-    result = scans_mean(table.ravel(), *cells(4, 5))
+    result = scans_mean(table.ravel(), *scans_of_members(4, 5))
     rows, columns = table.mean(axis=1), table.mean(axis=0)
-    left = (table - rows[:, None] - columns + table.mean()).ravel()
-    squares = 5 * rows.var(ddof=1), 4 * columns.var(ddof=1), left @ left / 12
+    residuals = (table - rows[:, None] - columns + table.mean()).ravel()
+    mean_squares = 5 * rows.var(ddof=1), 4 * columns.var(ddof=1), residuals @ residuals / 12
     assert result.mean == pytest.approx(table.mean(), rel=ROUND_OFF)
     assert result.variances == pytest.approx(
-        [(squares[0] - squares[2]) / 20, (squares[1] - squares[2]) / 20, squares[2] / 20]
+        [(mean_squares[0] - mean_squares[2]) / 20, (mean_squares[1] - mean_squares[2]) / 20, mean_squares[2] / 20]
     )
-    total = squares[0] + squares[1] - squares[2]
-    freedom = total**2 / (squares[0] ** 2 / 3 + squares[1] ** 2 / 4 + squares[2] ** 2 / 12)
+    total = mean_squares[0] + mean_squares[1] - mean_squares[2]
+    freedom = total**2 / (mean_squares[0] ** 2 / 3 + mean_squares[1] ** 2 / 4 + mean_squares[2] ** 2 / 12)
     assert result.half_width == pytest.approx(float(student_quantile(freedom)) * np.sqrt(total / 20), rel=1e-9)
 
 
-def test_scans_of_one_part_are_a_sample() -> None:
+def test_scans_mean_of_one_scanned_part_has_students_interval() -> None:
     values = np.array([1.0, 1.2, 0.9, 1.3])
     result = scans_mean(np.tile(values, 3), np.tile(np.arange(4), 3), np.zeros(12, int))
-    half = float(student_quantile(3)) * values.std(ddof=1) / 2
-    assert (result.mean, result.half_width) == pytest.approx((values.mean(), half))
+    half_width = float(student_quantile(3)) * values.std(ddof=1) / 2
+    assert (result.mean, result.half_width) == pytest.approx((values.mean(), half_width))
     assert result.variances[1:] == (0.0, 0.0)
     assert scans_mean(np.ones(3), np.zeros(3, int), np.zeros(3, int)) is None
 
 
-def test_member_without_solution_is_left_out() -> None:
+def test_scans_mean_omits_missing_values() -> None:
     rng = np.random.default_rng(1)
-    upper, lower = cells(3, 3, times=2)
+    upper, lower = scans_of_members(3, 3, times=2)
     values = rng.standard_normal(18)
     values[4] = np.nan
     result = scans_mean(values, upper, lower)
     assert np.isfinite([result.mean, result.half_width, result.test]).all()
 
 
-def coefficient(upper, lower):
-    """mu_s of parts of these gradients: elastic adhesion, which falls as the gradient of the gap rises."""
+def simulate_coefficient(upper, lower):
+    """Return mu_s of two parts with given rms gradients; adhesive friction decreases with the gradient of the gap."""
     return 0.2 + 0.09 / np.sqrt((upper**2 + lower**2) / 2)
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.05, 0.2])
-def test_interval_covers_the_mean_of_parts_and_the_next_test(spread) -> None:
+def test_scans_mean_covers_the_mean_of_parts_and_the_next_test(spread) -> None:
     rng = np.random.default_rng(2016)
 
     def gradients(*shape):
         return np.exp(spread * rng.standard_normal(shape))
 
-    truth = coefficient(gradients(200_000), gradients(200_000)).mean()
-    covered, tested, times = [], [], 2
-    for upper, lower in SEVERAL:
+    truth = simulate_coefficient(gradients(200_000), gradients(200_000)).mean()
+    covered, covered_tests, times = [], [], 2
+    for upper, lower in NUMBERS_OF_SCANS:
         for _ in range(200):
-            one, other = cells(upper, lower, times)
-            own = coefficient(gradients(upper)[one], gradients(lower)[other])
-            result = scans_mean(own * (1 + 0.02 * rng.standard_normal(own.size)), one, other)
+            upper_scans, lower_scans = scans_of_members(upper, lower, times)
+            coefficients = simulate_coefficient(gradients(upper)[upper_scans], gradients(lower)[lower_scans])
+            result = scans_mean(
+                coefficients * (1 + 0.02 * rng.standard_normal(coefficients.size)), upper_scans, lower_scans
+            )
             covered.append(abs(result.mean - truth) <= result.half_width)
-            test = float(coefficient(gradients(1), gradients(1))[0] * (1 + 0.02 * rng.standard_normal()))
-            tested.append(abs(test - result.mean) <= float(student_quantile(result.test_freedom)) * result.test)
-    by_counts = np.reshape(covered, (len(SEVERAL), -1)).mean(axis=1)
-    print(f"spread {spread}: covers {np.mean(covered):.3f} {by_counts.round(3)}, next test {np.mean(tested):.3f}")
-    assert LEAST <= np.mean(covered) <= MOST
-    assert np.mean(tested) >= LEAST
+            test = float(simulate_coefficient(gradients(1), gradients(1))[0] * (1 + 0.02 * rng.standard_normal()))
+            covered_tests.append(abs(test - result.mean) <= float(student_quantile(result.test_freedom)) * result.test)
+    by_counts = np.reshape(covered, (len(NUMBERS_OF_SCANS), -1)).mean(axis=1)
+    print(
+        f"spread {spread}: covers {np.mean(covered):.3f} {by_counts.round(3)}, next test {np.mean(covered_tests):.3f}"
+    )
+    assert MIN_COVERAGE <= np.mean(covered) <= MAX_COVERAGE
+    assert np.mean(covered_tests) >= MIN_COVERAGE
 
 
 # ---- Pairs of scans --------------------------------------------------------------------------------------------------
 
 
-def test_pairs_of_scans_have_equal_member_counts() -> None:
+def test_pair_gives_each_combination_of_scans_equally_many_members() -> None:
     result = pair(
-        [scan(i, "upper") for i in range(2)], [scan(i, "lower") for i in range(4)], onset=0, shifts=9, **QUICK
+        [rough_scan(i, "upper") for i in range(2)],
+        [rough_scan(i, "lower") for i in range(4)],
+        onset=0,
+        shifts=9,
+        **PAIR_OPTIONS,
     )
     members = np.arange(result.study.ensemble.repetitions)
     assert members.size == 16
     upper, lower = result.study.surfaces.scans_of(members)
     assert np.bincount(4 * upper + lower).tolist() == [2] * 8
-    assert np.bincount(upper[:4]).tolist() == [2, 2], "balanced from the first members on"
+    assert np.bincount(upper[:4]).tolist() == [2, 2], "the first four members use each scan equally often"
     assert open_result(result.path).interval == result.interval
-    again = Study.from_toml(result.path / "study.toml")
-    assert again.surfaces == result.study.surfaces
+    stored_study = Study.from_toml(result.path / "study.toml")
+    assert stored_study.surfaces == result.study.surfaces
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.3])
-def test_variability_between_places_is_in_interval_and_budget(spread) -> None:
+def test_variability_between_scans_is_in_interval_and_budget(spread) -> None:
     rng = np.random.default_rng(5)
     scans = [
-        [scan(20 + i, side, np.exp(spread * rng.standard_normal())) for i in range(4)] for side in ("upper", "lower")
+        [rough_scan(20 + i, side, np.exp(spread * rng.standard_normal())) for i in range(4)]
+        for side in ("upper", "lower")
     ]
-    arguments = {"mechanics": "asperities", "onset": 0, **QUICK}
+    arguments = {"mechanics": "asperities", "onset": 0, **PAIR_OPTIONS}
     result = pair(*scans, shifts=32, **arguments)
     budget = result.budget.set_index("input")["share"]
-    pieces = {"which piece of the upper part", "which piece of the lower part"} & set(budget.index)
+    scan_rows = {"which piece of the upper part", "which piece of the lower part"} & set(budget.index)
     if spread:
-        assert pieces
-        assert budget[list(pieces)].sum() > 0.2
+        assert scan_rows
+        assert budget[list(scan_rows)].sum() > 0.2
     assert "4 × 4 scans of both parts" in note_text(result.summary().first)
-    one = pair(*(item[0] for item in scans), shifts=32, **arguments)
-    assert "one scan of each part" in note_text(one.summary().first)
-    assert np.ptp(result.interval) > (1.5 if spread else 0.0) * np.ptp(one.interval)
+    single_scan_result = pair(*(scans_of_part[0] for scans_of_part in scans), shifts=32, **arguments)
+    assert "one scan of each part" in note_text(single_scan_result.summary().first)
+    assert np.ptp(result.interval) > (1.5 if spread else 0.0) * np.ptp(single_scan_result.interval)
     low, high = result.next_test
     assert low <= result.interval[0] < result.interval[1] <= high
 
 
-def test_scans_accept_list_directory_or_comma_separated_names(tmp_path) -> None:
+def test_pair_accepts_scans_as_list_directory_or_names(tmp_path) -> None:
     (tmp_path / "part").mkdir()
     names = []
     for index in range(2):
         names.append(str(tmp_path / "part" / f"a{index}.npy"))
-        write_surface(scan(index, "upper"), names[-1])
-    arguments = {"mechanics": "asperities", "onset": 0, "shifts": 4, **QUICK}
-    other = scan(9, "lower")
-    result = [pair(upper, other, **arguments) for upper in (names, ",".join(names), tmp_path / "part")]
-    assert len({item.interval for item in result}) == 1
-    table = (result[0].path / "study.toml").read_text()
-    study = Study.from_toml(result[0].path / "study.toml")
+        write_surface(rough_scan(index, "upper"), names[-1])
+    arguments = {"mechanics": "asperities", "onset": 0, "shifts": 4, **PAIR_OPTIONS}
+    lower_scan = rough_scan(9, "lower")
+    results = [pair(upper, lower_scan, **arguments) for upper in (names, ",".join(names), tmp_path / "part")]
+    assert len({item.interval for item in results}) == 1
+    study_text = (results[0].path / "study.toml").read_text()
+    study = Study.from_toml(results[0].path / "study.toml")
     assert study.surfaces.upper.name == "a0.npy and 1 more"
-    listed = study.with_changes({"surfaces.upper": [{"file": name} for name in names]})
-    assert listed.surfaces.scan_counts == study.surfaces.scan_counts
-    assert "others" in table
+    study_of_list = study.with_changes({"surfaces.upper": [{"file": name} for name in names]})
+    assert study_of_list.surfaces.scan_counts == study.surfaces.scan_counts
+    assert "others" in study_text
 
 
-def test_pair_rejects_different_kinds_of_scans(tmp_path) -> None:
-    arguments = {"mechanics": "asperities", "onset": 0, **QUICK}
+def test_pair_rejects_scans_of_different_grids_and_repeated_scans(tmp_path) -> None:
+    arguments = {"mechanics": "asperities", "onset": 0, **PAIR_OPTIONS}
     with pytest.raises(ValueError, match=r"surfaces.upper: the scans of a part must have the same points"):
-        pair([scan(1, "upper"), scan(2, "upper", points=40)], scan(1, "lower"), **arguments)
+        pair([rough_scan(1, "upper"), rough_scan(2, "upper", points=40)], rough_scan(1, "lower"), **arguments)
     with pytest.raises(ValueError, match=r"surfaces.upper: two scans of a part are identical"):
-        pair([scan(1, "upper"), scan(2, "upper"), scan(1, "upper")], scan(1, "lower"), **arguments)
+        pair(
+            [rough_scan(1, "upper"), rough_scan(2, "upper"), rough_scan(1, "upper")],
+            rough_scan(1, "lower"),
+            **arguments,
+        )
     with pytest.raises(ValueError, match="second must have at least one scan"):
-        pair(scan(1, "upper"), tmp_path, **arguments)
+        pair(rough_scan(1, "upper"), tmp_path, **arguments)
     with pytest.raises(ValueError, match=r"surfaces.surrogates: must be 0 if a part has several scans"):
-        pair([scan(1, "upper"), scan(2, "upper")], scan(1, "lower"), surrogates=4, **arguments)
+        pair([rough_scan(1, "upper"), rough_scan(2, "upper")], rough_scan(1, "lower"), surrogates=4, **arguments)
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("spread", [0.0, 0.2])
-def test_solved_scans_cover_the_mean_of_their_parts(spread) -> None:
+def test_interval_of_solved_scans_covers_the_mean_of_many_scans(spread) -> None:
     rng = np.random.default_rng(7)
-    arguments = {"mechanics": "asperities", "onset": 0, **QUICK}
+    arguments = {"mechanics": "asperities", "onset": 0, **PAIR_OPTIONS}
 
-    def scans_of(part: int, count: int):
+    def generate_scans(part: int, count: int):
         seeds = 1000 * part + np.arange(count)
         gradients = np.exp(spread * rng.standard_normal((2, count)))
         return [
-            [scan(int(s), side, g) for s, g in zip(seeds, own, strict=True)]
-            for side, own in zip(("upper", "lower"), gradients, strict=True)
+            [rough_scan(int(s), side, g) for s, g in zip(seeds, gradients_of_part, strict=True)]
+            for side, gradients_of_part in zip(("upper", "lower"), gradients, strict=True)
         ]
 
-    truth = pair(*scans_of(100, 24), shifts=576, **arguments).value  # all parts are of one kind
-    result = [pair(*scans_of(part, 3 + part % 4), shifts=32, **arguments) for part in range(20)]
-    covered = sum(item.interval[0] <= truth <= item.interval[1] for item in result)
+    truth = pair(
+        *generate_scans(100, 24), shifts=576, **arguments
+    ).value  # every part has the same distribution of gradients
+    results = [pair(*generate_scans(part, 3 + part % 4), shifts=32, **arguments) for part in range(20)]
+    covered = sum(item.interval[0] <= truth <= item.interval[1] for item in results)
     print(f"spread {spread}: {covered} of 20 cover {truth:.4f}")
     assert covered >= 17
 
 
-def test_caveats_about_files_end_when_accepted(tmp_path, monkeypatch):
+def test_caveat_about_repeated_extreme_ends_when_accepted(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     heights = np.cumsum(np.random.default_rng(1).normal(size=400)) * 0.01
     heights[[5, 77]] = -9999
     np.savetxt("codes.csv", np.c_[np.arange(400.0), heights], delimiter=",", header="x (um),z (um)")
 
-    def of_files(**options):
+    def find_repeated_extremes(**options):
         arguments = {"load": "1 mN", "mu0": "0.3", "effective_modulus": "10 GPa", "missing": "interpolate", **options}
         study = Pair.from_values(upper="codes.csv", lower="codes.csv", **arguments).study
         return [item for item in find_study_caveats(study) if "(repeated-extreme)" in item.cure]
 
-    (caveat,) = of_files()
+    (caveat,) = find_repeated_extremes()
     assert (caveat.severity, caveat.text.partition(":")[0]) == ("caution", "both scans")
     assert "--missing-value -9999" in caveat.cure
-    assert of_files(missing_value="-9999") == of_files(accept="repeated-extreme") == []
+    assert find_repeated_extremes(missing_value="-9999") == find_repeated_extremes(accept="repeated-extreme") == []
     (caveat,) = MeasuredFile.holding(Profile(heights, spacing=100.0), "upper").caveats
     assert caveat.name == "repeated-extreme"

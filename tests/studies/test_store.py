@@ -1,4 +1,4 @@
-"""A result in its folder: what is there, what is continued, and what is refused."""
+"""Test stored results: writing, reading, continuing, damaged files, full disks and interrupts."""
 
 import contextlib
 import errno
@@ -29,8 +29,8 @@ pytestmark = pytest.mark.usefixtures("blocks_of_four")
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory):
-    """A finished folder, to be copied."""
+def finished_folder(tmp_path_factory):
+    """Return the folder of a complete result; tests must not change it."""
     path = tmp_path_factory.mktemp("finished") / "r"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(runner, "choose_block_size", lambda study: 4)
@@ -39,22 +39,22 @@ def finished(tmp_path_factory):
 
 
 @pytest.fixture
-def whole(finished, tmp_path):
-    """A finished folder of one's own."""
-    return shutil.copytree(finished, tmp_path / "r")
+def folder_copy(finished_folder, tmp_path):
+    """Return a copy of the folder of a complete result, which the test may change."""
+    return shutil.copytree(finished_folder, tmp_path / "r")
 
 
-def files(path):
-    """(name, (inode, time)) of every block."""
+def block_states(path):
+    """Return the inode and modification time of each block file by name."""
     return {file.name: (file.stat().st_ino, file.stat().st_mtime_ns) for file in (path / BLOCKS_FOLDER).iterdir()}
 
 
-def block_of(path, first):
+def find_block(path, first):
     return next((path / BLOCKS_FOLDER).glob(f"{first:07d}-*.nc"))
 
 
-def put(file, content):
-    """Put a file in the place of a block, with the checksum of what it holds."""
+def replace_block(file, content):
+    """Replace the file of a block by other content, and name the new file by the checksum of the content."""
     first, last, _ = file.stem.split("-")
     file.unlink()
     path = file.with_name(Block(int(first), int(last), zlib.crc32(content)).name)
@@ -62,46 +62,48 @@ def put(file, content):
     return path
 
 
-def assert_nothing_is_left(path):
+def assert_no_partial_files(path):
     assert not list(path.rglob("*.partial"))
 
 
-# ---- Written and read -----------------------------------------------------------------------------------------------
+# ---- Write and read -------------------------------------------------------------------------------------------------
 
 
-def test_store_returns_what_was_written(tmp_path, undisturbed):
+def test_store_returns_the_written_dataset(tmp_path, uninterrupted_dataset):
     path = tmp_path / "deep" / "r"
-    assert_same_bits(run(TINY, store=path).dataset, undisturbed)
-    assert_same_bits(store.read(path), undisturbed)
+    assert_same_bits(run(TINY, store=path).dataset, uninterrupted_dataset)
+    assert_same_bits(store.read(path), uninterrupted_dataset)
     assert sorted(os.listdir(path)) == [BLOCKS_FOLDER, STUDY_FILE]
-    assert [file[:15] for file in sorted(files(path))] == [f"{k:07d}-{min(k + 3, 21):07d}" for k in range(0, 22, 4)]
-    known = store.info(path)
-    assert (known.study, known.finished) == (TINY, 22)
-    assert known.size == sum(file.stat().st_size for file in (path / BLOCKS_FOLDER).iterdir())
+    assert [file[:15] for file in sorted(block_states(path))] == [
+        f"{k:07d}-{min(k + 3, 21):07d}" for k in range(0, 22, 4)
+    ]
+    info = store.info(path)
+    assert (info.study, info.finished) == (TINY, 22)
+    assert info.size == sum(file.stat().st_size for file in (path / BLOCKS_FOLDER).iterdir())
 
 
-def test_equal_members_have_equal_bytes(tmp_path, whole):
+def test_two_runs_write_blocks_with_equal_checksums(tmp_path, folder_copy):
     compute_missing(TINY, tmp_path / "again", executor=InlineExecutor())
-    assert files(whole).keys() == files(tmp_path / "again").keys()
+    assert block_states(folder_copy).keys() == block_states(tmp_path / "again").keys()
 
 
-def test_xarray_opens_blocks(whole, undisturbed):
+def test_xarray_opens_blocks(folder_copy, uninterrupted_dataset):
     pytest.importorskip("dask")
-    block_of(whole, 8).unlink()
-    with xarray.open_mfdataset(str(whole / BLOCKS_FOLDER / "*.nc")) as opened:
-        present = opened.load()
-    expected = undisturbed.isel(repetition=[*range(8), *range(12, 22)])
+    find_block(folder_copy, 8).unlink()
+    with xarray.open_mfdataset(str(folder_copy / BLOCKS_FOLDER / "*.nc")) as opened:
+        opened_dataset = opened.load()
+    expected = uninterrupted_dataset.isel(repetition=[*range(8), *range(12, 22)])
     for name, variable in expected.variables.items():
-        assert present[name].variable.identical(variable), name
-    assert present.attrs == undisturbed.attrs
+        assert opened_dataset[name].variable.identical(variable), name
+    assert opened_dataset.attrs == uninterrupted_dataset.attrs
 
 
-def test_block_is_a_complete_result(whole, undisturbed):
-    assert_same_bits(store.read(block_of(whole, 4)), undisturbed.isel(repetition=slice(4, 8)))
+def test_single_block_is_read_as_a_result(folder_copy, uninterrupted_dataset):
+    assert_same_bits(store.read(find_block(folder_copy, 4)), uninterrupted_dataset.isel(repetition=slice(4, 8)))
 
 
 def test_store_preserves_every_bit(tmp_path, monkeypatch):
-    """Zeros, signed or not, what has no answer, and the smallest numbers."""
+    """Store values with signed zeros, NaN, and the smallest and large numbers."""
     values = itertools.cycle([-0.0, np.nan, 0.0, 5e-324, 1e99])
     shape = run(with_repetitions(1), executor=InlineExecutor()).dataset["contact_area"].values[:, :, 0].shape
     sums = {
@@ -114,150 +116,156 @@ def test_store_preserves_every_bit(tmp_path, monkeypatch):
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
 
-def test_pieces_of_directory_and_dataset_are_equal(whole, undisturbed, monkeypatch):
+def test_pieces_of_folder_and_dataset_are_equal(folder_copy, uninterrupted_dataset, monkeypatch):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY))
-    block_of(whole, 4).unlink()
-    present = undisturbed.isel(repetition=[*range(4), *range(8, 22)])
-    both = list(zip(Result(store.open_stored(whole)).pieces(), Result(present).pieces(), strict=True))
-    assert [piece.sizes["repetition"] for piece, _ in both] == [8, 8, 2]
-    for piece, other in both:
+    find_block(folder_copy, 4).unlink()
+    incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
+    piece_pairs = list(
+        zip(Result(store.open_stored(folder_copy)).pieces(), Result(incomplete_dataset).pieces(), strict=True)
+    )
+    assert [piece.sizes["repetition"] for piece, _ in piece_pairs] == [8, 8, 2]
+    for piece, other in piece_pairs:
         assert_same_bits(piece, other)
-    (piece,) = Result(undisturbed.isel(repetition=slice(2))).pieces(["contact_area"])
+    (piece,) = Result(uninterrupted_dataset.isel(repetition=slice(2))).pieces(["contact_area"])
     assert list(piece.data_vars) == ["contact_area"]
 
 
-def test_result_of_one_piece_is_read_once(whole, undisturbed, monkeypatch):
-    """And what becomes of it in the hands of a caller is not what the next one sees."""
-    stored, reads = store.open_stored(whole), []
+def test_result_of_one_piece_is_read_once(folder_copy, uninterrupted_dataset, monkeypatch):
+    """Check also that a caller who changes the dataset does not change the cached result."""
+    stored, decoded_contents = store.open_stored(folder_copy), []
     decode_members = store.decode_members
-    monkeypatch.setattr(store, "decode_members", lambda content: reads.append(content) or decode_members(content))
+    monkeypatch.setattr(
+        store, "decode_members", lambda content: decoded_contents.append(content) or decode_members(content)
+    )
     stored.dataset()["contact_area"].values[:] = 7.0
-    assert len(reads) == len(stored.blocks)
+    assert len(decoded_contents) == len(stored.blocks)
     (piece,) = stored.pieces()
-    assert_same_bits(piece, undisturbed)
-    assert_same_bits(stored.dataset(), undisturbed)
+    assert_same_bits(piece, uninterrupted_dataset)
+    assert_same_bits(stored.dataset(), uninterrupted_dataset)
     with pytest.raises(ValueError, match="read-only"):
         piece["contact_area"].values[:] = 7.0
-    assert len(reads) == len(stored.blocks)
+    assert len(decoded_contents) == len(stored.blocks)
 
 
-def test_result_larger_than_memory_is_reported(whole, monkeypatch):
+def test_result_larger_than_memory_is_reported(folder_copy, monkeypatch):
     monkeypatch.setattr(store, "MAX_RESULT_BYTES", 1000)
     with pytest.raises(StoreError, match="GiB of memory"):
-        store.open_stored(whole).dataset()
+        store.open_stored(folder_copy).dataset()
 
 
-# ---- Continued and extended -----------------------------------------------------------------------------------------
+# ---- Continue and extend -------------------------------------------------------------------------------------------
 
 
-def test_complete_result_is_read_without_computing(whole, undisturbed, computed):
-    before = files(whole)
-    assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
-    assert files(whole) == before
-    other = TINY.with_changes({"friction.mu0": [0.2], "figures.draw": ["area"]})
-    assert run(other, store=whole).dataset.attrs["study"] == other.to_toml()
-    assert store.info(whole).study == other
-    assert computed == []
+def test_complete_result_is_read_without_computing(folder_copy, uninterrupted_dataset, computed_repetitions):
+    states_before = block_states(folder_copy)
+    assert_same_bits(run(TINY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert block_states(folder_copy) == states_before
+    study_at_other_mu0 = TINY.with_changes({"friction.mu0": [0.2], "figures.draw": ["area"]})
+    assert run(study_at_other_mu0, store=folder_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
+    assert store.info(folder_copy).study == study_at_other_mu0
+    assert computed_repetitions == []
 
 
-def test_missing_blocks_are_computed(whole, undisturbed, computed):
+def test_run_computes_only_missing_blocks(folder_copy, uninterrupted_dataset, computed_repetitions):
     for first in (4, 20):
-        block_of(whole, first).unlink()
-    before = files(whole)
+        find_block(folder_copy, first).unlink()
+    states_before = block_states(folder_copy)
     with pytest.warns(UserWarning, match="16 of 22"):
-        assert_same_bits(store.read(whole), undisturbed.isel(repetition=[*range(4), *range(8, 20)]))
-    assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
-    assert sorted(computed) == [4, 5, 6, 7, 20, 21]
-    assert before.items() <= files(whole).items()
+        assert_same_bits(store.read(folder_copy), uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 20)]))
+    assert_same_bits(run(TINY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert sorted(computed_repetitions) == [4, 5, 6, 7, 20, 21]
+    assert states_before.items() <= block_states(folder_copy).items()
 
 
-def test_additional_repetitions_compute_only_new_members(tmp_path, undisturbed, computed):
-    recorded = {}
+def test_run_with_more_repetitions_computes_only_new_members(tmp_path, uninterrupted_dataset, computed_repetitions):
+    states_before = {}
     for total in (6, 7, 22):
         result = run(with_repetitions(total), store=tmp_path).dataset
-        assert_same_bits(result.assign_attrs(undisturbed.attrs), undisturbed.isel(repetition=slice(total)))
-        assert recorded.items() <= files(tmp_path).items()
-        recorded = files(tmp_path)
-    assert sorted(computed) == list(range(22))
+        assert_same_bits(
+            result.assign_attrs(uninterrupted_dataset.attrs), uninterrupted_dataset.isel(repetition=slice(total))
+        )
+        assert states_before.items() <= block_states(tmp_path).items()
+        states_before = block_states(tmp_path)
+    assert sorted(computed_repetitions) == list(range(22))
     with pytest.raises(StoreError, match=r"repetition 21 is finished, and ensemble\.repetitions = 21"):
         run(with_repetitions(21), store=tmp_path)
 
 
-def test_overlapping_blocks_are_accepted(whole, undisturbed, monkeypatch):
-    """As writers leave them whose blocks differ: each repetition is read once."""
-    others = whole.with_name("others")
+def test_overlapping_blocks_are_accepted(folder_copy, uninterrupted_dataset, monkeypatch):
+    """Blocks overlap if writers used different block sizes; each repetition is read once."""
+    other_folder = folder_copy.with_name("others")
     for size, first in ((3, 3), (7, 7), (5, 5)):
         monkeypatch.setattr(runner, "choose_block_size", lambda study, size=size: size)
-        shutil.rmtree(others, ignore_errors=True)
-        compute_missing(TINY, others)
-        shutil.copy(block_of(others, first), whole / BLOCKS_FOLDER)
-    block_of(whole, 4).unlink()
-    assert_same_bits(store.read(whole), undisturbed)
+        shutil.rmtree(other_folder, ignore_errors=True)
+        compute_missing(TINY, other_folder)
+        shutil.copy(find_block(other_folder, first), folder_copy / BLOCKS_FOLDER)
+    find_block(folder_copy, 4).unlink()
+    assert_same_bits(store.read(folder_copy), uninterrupted_dataset)
 
 
-def test_concurrent_writers_give_the_same_result(tmp_path, undisturbed):
+def test_concurrent_writers_give_the_same_result(tmp_path, uninterrupted_dataset):
     with ThreadPoolExecutor(4) as pool:
         results = list(pool.map(lambda _: run(TINY, store=tmp_path / "r", executor=InlineExecutor()).dataset, range(4)))
     for result in results:
-        assert_same_bits(result, undisturbed)
-    assert len(files(tmp_path / "r")) == 6
-    assert_nothing_is_left(tmp_path)
+        assert_same_bits(result, uninterrupted_dataset)
+    assert len(block_states(tmp_path / "r")) == 6
+    assert_no_partial_files(tmp_path)
 
 
 @pytest.mark.parametrize(
     "change", [{"ensemble.seed": 1}, {"surfaces.gamma": 1.6}, {"contact.effective_modulus": "11 GPa"}], ids=str
 )
-def test_other_study_is_rejected_with_its_changed_keys(whole, change):
-    before = files(whole)
+def test_run_rejects_store_of_another_study_and_names_the_key(folder_copy, change):
+    states_before = block_states(folder_copy)
     with pytest.raises(StoreError, match=next(iter(change))):
-        run(TINY.with_changes(change), store=whole)
-    assert files(whole) == before
+        run(TINY.with_changes(change), store=folder_copy)
+    assert block_states(folder_copy) == states_before
 
 
-def test_edited_study_file_does_not_change_blocks(whole):
-    text = (whole / STUDY_FILE).read_text()
-    (whole / STUDY_FILE).write_text(text.replace("seed = 2_016", "seed = 2_017"))
+def test_edited_study_file_does_not_change_blocks(folder_copy):
+    text = (folder_copy / STUDY_FILE).read_text()
+    (folder_copy / STUDY_FILE).write_text(text.replace("seed = 2_016", "seed = 2_017"))
     with pytest.raises(StoreError, match=r"another study than study\.toml: ensemble\.seed"):
-        store.read(whole)
+        store.read(folder_copy)
     with pytest.raises(StoreError, match=r"ensemble\.seed"):
-        run(TINY.with_changes({"ensemble.seed": 2017}), store=whole)
-    (whole / STUDY_FILE).unlink()
+        run(TINY.with_changes({"ensemble.seed": 2017}), store=folder_copy)
+    (folder_copy / STUDY_FILE).unlink()
     with pytest.raises(StoreError, match=r"no study\.toml"):
-        store.read(whole)
-    run(TINY, store=whole)
-    assert store.info(whole).study == TINY
+        store.read(folder_copy)
+    run(TINY, store=folder_copy)
+    assert store.info(folder_copy).study == TINY
 
 
-def test_result_of_another_version_is_read_but_not_continued(whole, undisturbed, monkeypatch):
+def test_result_of_another_version_is_read_but_not_continued(folder_copy, uninterrupted_dataset, monkeypatch):
     monkeypatch.setattr(store, "__version__", "9.9")
-    assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
+    assert_same_bits(run(TINY, store=folder_copy).dataset, uninterrupted_dataset)
     with pytest.raises(StoreError, match=r"was created by stiction .*this version, 9\.9"):
-        run(with_repetitions(23), store=whole)
+        run(with_repetitions(23), store=folder_copy)
 
 
-def test_result_of_another_machine_is_not_continued_if_steps_differ(whole, monkeypatch):
+def test_result_with_different_steps_is_not_continued(folder_copy, monkeypatch):
     steps = type(TINY.contact).steps
     monkeypatch.setattr(type(TINY.contact), "steps", lambda self: steps(self) * (1 + 2e-16))
     with pytest.raises(StoreError, match="whose steps differ"):
-        run(with_repetitions(23), store=whole)
+        run(with_repetitions(23), store=folder_copy)
 
 
-def test_foreign_study_file_without_blocks_is_preserved(tmp_path, undisturbed):
+def test_foreign_study_file_without_blocks_is_preserved(tmp_path, uninterrupted_dataset):
     (tmp_path / STUDY_FILE).write_text("# by hand\n" + TINY.to_toml())
     with pytest.raises(StoreError, match="contains another study"):
         run(TINY.with_changes({"ensemble.seed": 1}), store=tmp_path)
-    assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
+    assert_same_bits(run(TINY, store=tmp_path).dataset, uninterrupted_dataset)
     assert (tmp_path / STUDY_FILE).read_text().startswith("# by hand")
     shutil.rmtree(tmp_path / BLOCKS_FOLDER)
     (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_MARK} 0.1.0.\n" + TINY.to_toml())
     assert run(with_repetitions(1).with_changes({"ensemble.seed": 1}), store=tmp_path).dataset.sizes["repetition"] == 1
 
 
-# ---- Damaged --------------------------------------------------------------------------------------------------------
+# ---- Damage ---------------------------------------------------------------------------------------------------------
 
 
-def test_flipped_bit_is_detected_and_block_named(whole, undisturbed, computed):
-    file = block_of(whole, 4)
+def test_flipped_bit_is_detected_and_block_named(folder_copy, uninterrupted_dataset, computed_repetitions):
+    file = find_block(folder_copy, 4)
     content = file.read_bytes()
     places = random.Random(4).sample(range(8 * len(content)), 60)
     for place in [0, 8 * len(content) - 1, *places]:
@@ -265,95 +273,95 @@ def test_flipped_bit_is_detected_and_block_named(whole, undisturbed, computed):
         damaged[place // 8] ^= 1 << place % 8
         file.write_bytes(damaged)
         with pytest.raises(StoreError, match=f"{file.name}: does not match its checksum; remove that file"):
-            store.read(whole)
+            store.read(folder_copy)
     file.unlink()
-    assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
-    assert computed == [4, 5, 6, 7]
+    assert_same_bits(run(TINY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert computed_repetitions == [4, 5, 6, 7]
 
 
-def test_swapped_blocks_are_detected(whole, tmp_path):
-    content = block_of(whole, 8).read_bytes()
-    put(block_of(whole, 4), content)
+def test_swapped_blocks_are_detected(folder_copy, tmp_path):
+    content = find_block(folder_copy, 8).read_bytes()
+    replace_block(find_block(folder_copy, 4), content)
     with pytest.raises(StoreError, match="contains other repetitions than its name states"):
-        store.read(whole)
+        store.read(folder_copy)
     other = tmp_path / "other"
     compute_missing(TINY.with_changes({"ensemble.seed": 1}), other)
-    put(block_of(whole, 4), block_of(other, 4).read_bytes())
+    replace_block(find_block(folder_copy, 4), find_block(other, 4).read_bytes())
     with pytest.raises(StoreError, match=r"is of another study than study\.toml: ensemble\.seed"):
-        store.read(whole)
+        store.read(folder_copy)
 
 
-def emptied(file):
+def empty_file(file):
     file.write_bytes(b"")
 
 
-def directory(file):
+def replace_by_directory(file):
     file.unlink()
     file.mkdir()
 
 
-@pytest.mark.parametrize("damage", [emptied, directory])
-def test_invalid_block_is_reported_in_one_sentence(whole, damage):
-    damage(block_of(whole, 4))
-    with pytest.raises(StoreError, match=r"0000004-0000007-.*recompute repetitions 4 to 7") as refused:
-        store.read(whole)
-    assert len(str(refused.value).splitlines()) == 1
+@pytest.mark.parametrize("damage", [empty_file, replace_by_directory])
+def test_invalid_block_is_reported_in_one_sentence(folder_copy, damage):
+    damage(find_block(folder_copy, 4))
+    with pytest.raises(StoreError, match=r"0000004-0000007-.*recompute repetitions 4 to 7") as caught:
+        store.read(folder_copy)
+    assert len(str(caught.value).splitlines()) == 1
 
 
-def test_foreign_files_are_left_unchanged(whole, undisturbed):
+def test_foreign_files_are_left_unchanged(folder_copy, uninterrupted_dataset):
     names = ["notes.txt", "0000004-0000007.nc", "0000007-0000004-00000000.nc", ".hidden", "4-7-00000000.nc"]
     for name in names:
-        (whole / BLOCKS_FOLDER / name).write_text("mine")
-    (whole / "more").mkdir()
-    assert_same_bits(run(TINY, store=whole).dataset, undisturbed)
-    assert {*names} <= files(whole).keys()
+        (folder_copy / BLOCKS_FOLDER / name).write_text("mine")
+    (folder_copy / "more").mkdir()
+    assert_same_bits(run(TINY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert {*names} <= block_states(folder_copy).keys()
 
 
-@pytest.mark.parametrize("where", ["nothing", "file", "empty", "loop"])
-def test_directory_without_result_is_reported_in_one_sentence(tmp_path, where):
-    path = tmp_path / where
-    if where == "file":
+@pytest.mark.parametrize("kind", ["nothing", "file", "empty", "loop"])
+def test_directory_without_result_is_reported_in_one_sentence(tmp_path, kind):
+    path = tmp_path / kind
+    if kind == "file":
         path.write_text("no result")
-    elif where == "empty":
+    elif kind == "empty":
         path.mkdir()
-    elif where == "loop":
+    elif kind == "loop":
         path.symlink_to(path)
-    with pytest.raises(StoreError) as refused:
+    with pytest.raises(StoreError) as caught:
         store.read(path)
-    assert str(refused.value).startswith(str(path))
-    if where in ("file", "loop"):
+    assert str(caught.value).startswith(str(path))
+    if kind in ("file", "loop"):
         with pytest.raises(StoreError, match=str(path)):
             run(TINY, store=path)
 
 
-# ---- Files of others -------------------------------------------------------------------------------------------------
+# ---- Foreign files --------------------------------------------------------------------------------------------------
 
 
-def replaced(name, make):
-    """A lie: a variable is replaced by another one over the same dimensions."""
+def change_variable(name, make):
+    """Return a function that replaces a variable of a file by changed values."""
 
     return lambda file: rewrite_variable(file, name, make)
 
 
-def attribute(name, value):
-    def lie(file):
+def set_attribute(name, value):
+    def change(file):
         file.attrs[name] = value
 
-    return lie
+    return change
 
 
-def external(file):
+def link_to_other_file(file):
     del file["contact_area"]
     file["contact_area"] = h5py.ExternalLink("other.nc", "contact_area")
 
 
-def outside(file):
+def use_bytes_of_other_file(file):
     shape = file["contact_area"].shape
     del file["contact_area"]
     file.create_dataset("contact_area", shape, "f8", external=[("/etc/passwd", 0, h5py.h5f.UNLIMITED)])
 
 
-def virtual(file):
+def map_to_other_file(file):
     shape = file["contact_area"].shape
     del file["contact_area"]
     layout = h5py.VirtualLayout(shape, "f8")
@@ -361,160 +369,160 @@ def virtual(file):
     file.create_virtual_dataset("contact_area", layout)
 
 
-def never_written(file):
+def leave_unwritten(file):
     shape = file["contact_area"].shape
     del file["contact_area"]
     file.create_dataset("contact_area", shape, "f8")
 
 
-LIES = {
+CHANGES_OF_BLOCK = {
     "no variable": lambda file: file.__delitem__("contact_area"),
-    "another shape": replaced("contact_area", lambda values: values[..., :2]),
-    "no study": lambda file: file.attrs.__delitem__("study"),
-    "a study that is none": attribute("study", "seed"),
-    "a link to another file": external,
-    "bytes of another file": outside,
-    "numbers of another file": virtual,
-    "numbers of no file": never_written,
+    "another shape": change_variable("contact_area", lambda values: values[..., :2]),
+    "no study text": lambda file: file.attrs.__delitem__("study"),
+    "an invalid study text": set_attribute("study", "seed"),
+    "a link to another file": link_to_other_file,
+    "bytes of another file": use_bytes_of_other_file,
+    "numbers of another file": map_to_other_file,
+    "numbers that were never written": leave_unwritten,
 }
 
 
-@pytest.mark.parametrize("lie", LIES.values(), ids=LIES)
-def test_block_that_contradicts_its_study_is_reported_in_one_sentence(whole, lie):
-    file = block_of(whole, 4)
+@pytest.mark.parametrize("change", CHANGES_OF_BLOCK.values(), ids=CHANGES_OF_BLOCK)
+def test_block_that_contradicts_its_study_is_reported_in_one_sentence(folder_copy, change):
+    file = find_block(folder_copy, 4)
     with h5py.File(file, "r+") as opened:
-        lie(opened)
+        change(opened)
     content = file.read_bytes()
-    away = whole / "result.nc"
-    away.write_bytes(content)
-    with pytest.raises(StoreError, match=r"result\.nc: ") as refused:
-        store.read(away)
-    assert len(str(refused.value).splitlines()) <= 2
-    put(file, content)
+    copy = folder_copy / "result.nc"
+    copy.write_bytes(content)
+    with pytest.raises(StoreError, match=r"result\.nc: ") as caught:
+        store.read(copy)
+    assert len(str(caught.value).splitlines()) <= 2
+    replace_block(file, content)
     with pytest.raises(StoreError, match="recompute repetitions 4 to 7"):
-        store.read(whole)
+        store.read(folder_copy)
 
 
-def test_units_and_names_come_from_the_package(whole, undisturbed):
-    file = block_of(whole, 4)
+def test_read_takes_units_from_the_package(folder_copy, uninterrupted_dataset):
+    file = find_block(folder_copy, 4)
     with h5py.File(file, "r+") as opened:
         opened["approach"].attrs["units"] = "seconds since 1970-01-01"
         opened["contact_area"].attrs["scale_factor"] = "ten"
         opened["contact_area"].attrs["_FillValue"] = 0.0
         opened.attrs["more"] = "x" * 100_000
-    put(file, file.read_bytes())
-    assert_same_bits(store.read(whole), undisturbed)
+    replace_block(file, file.read_bytes())
+    assert_same_bits(store.read(folder_copy), uninterrupted_dataset)
 
 
 # ---- Disks ----------------------------------------------------------------------------------------------------------
 
 
-def test_full_disk_loses_nothing(tmp_path, undisturbed, monkeypatch):
-    """At whatever file it fills up there is one message, and it goes on from there."""
-    write, space = _files.Path.write_bytes, 0
+def test_run_on_full_disk_preserves_finished_blocks(tmp_path, uninterrupted_dataset, monkeypatch):
+    """Let the disk fill up after 0, 1, 2 and 1 more files; each run reports the error, and the next one resumes."""
+    write, num_writes = _files.Path.write_bytes, 0
 
-    def write_while_there_is_space(self, content):
-        nonlocal space
-        space -= 1
-        if space < 0:
+    def write_until_full(self, content):
+        nonlocal num_writes
+        num_writes -= 1
+        if num_writes < 0:
             write(self, content[:3])
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         return write(self, content)
 
-    monkeypatch.setattr(_files.Path, "write_bytes", write_while_there_is_space)
-    for space, kept in ((0, 0), (1, 0), (2, 8), (1, 12)):  # noqa: B007, which the disk has
-        with pytest.raises(StoreError, match="cannot be written: No space left on device") as full:
+    monkeypatch.setattr(_files.Path, "write_bytes", write_until_full)
+    for num_writes, num_finished in ((0, 0), (1, 0), (2, 8), (1, 12)):  # noqa: B007 (read by write_until_full)
+        with pytest.raises(StoreError, match="cannot be written: No space left on device") as caught:
             run(TINY, store=tmp_path, executor=InlineExecutor())
-        if kept:
-            assert store.open_stored(tmp_path).finished.size == kept
-            assert f"{kept} of 22 repetitions are finished and kept" in str(full.value)
-        assert_nothing_is_left(tmp_path)
+        if num_finished:
+            assert store.open_stored(tmp_path).finished.size == num_finished
+            assert f"{num_finished} of 22 repetitions are finished and kept" in str(caught.value)
+        assert_no_partial_files(tmp_path)
     monkeypatch.undo()
-    assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
+    assert_same_bits(run(TINY, store=tmp_path).dataset, uninterrupted_dataset)
 
 
-def test_removed_directory_is_not_created_again(tmp_path, monkeypatch):
-    path, replace = tmp_path / "r", store.write_block
+def test_run_does_not_create_a_removed_folder_again(tmp_path, monkeypatch):
+    path, write_block = tmp_path / "r", store.write_block
 
-    def put_and_remove(where, first, written, count):
-        replace(where, first, written, count)
+    def write_and_move_folder(folder, first, written, count):
+        write_block(folder, first, written, count)
         if first == 4:
             path.rename(tmp_path / "moved")
 
-    monkeypatch.setattr(runner, "write_block", put_and_remove)
+    monkeypatch.setattr(runner, "write_block", write_and_move_folder)
     with pytest.raises(StoreError, match="was removed or replaced"):
         run(TINY, store=path, executor=InlineExecutor())
     assert os.listdir(tmp_path) == ["moved"]
     assert store.info(tmp_path / "moved").finished == 8
 
 
-def test_complete_result_on_read_only_disk_is_read(whole, computed, monkeypatch):
-    def refused(*_):
+def test_complete_result_on_read_only_disk_is_read(folder_copy, computed_repetitions, monkeypatch):
+    def fail_read_only(*_):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
-    monkeypatch.setattr(_files, "remove_stale_partials", refused)
-    other = TINY.with_changes({"friction.mu0": [0.2]})
-    assert run(other, store=whole).dataset.attrs["study"] == other.to_toml()
-    assert computed == []
-    for study, folder in ((with_repetitions(23), whole), (TINY, whole.with_name("new"))):
+    monkeypatch.setattr(_files, "remove_stale_partials", fail_read_only)
+    study_at_other_mu0 = TINY.with_changes({"friction.mu0": [0.2]})
+    assert run(study_at_other_mu0, store=folder_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
+    assert computed_repetitions == []
+    for study, folder in ((with_repetitions(23), folder_copy), (TINY, folder_copy.with_name("new"))):
         with pytest.raises(StoreError, match="cannot be written: Read-only file system"):
             run(study, store=folder)
 
 
-# ---- Interrupted ----------------------------------------------------------------------------------------------------
+# ---- Interrupts -----------------------------------------------------------------------------------------------------
 
 
-def test_partial_files_of_dead_processes_are_removed(whole):
-    gone = subprocess.Popen([sys.executable, "-c", ""])
-    gone.wait()
-    here, _, mine = _files.PARTIAL_NAME.fullmatch(_files.new_partial_name()).groups()
-    names = {
-        f".stiction-{here}-{gone.pid}-00000000-00000000.partial": False,
-        f".stiction-{here}-{os.getpid()}-00000000-00000000.partial": False,  # of an earlier process of that number
-        f".stiction-{here}-{os.getpid()}-{mine}-00000000.partial": True,
-        f".stiction-{here}-{os.getppid()}-00000000-00000000.partial": True,
-        ".stiction-00000000-1-00000000-00000000.partial": True,  # on another machine, until it is old
+def test_partial_files_of_dead_processes_are_removed(folder_copy):
+    ended_process = subprocess.Popen([sys.executable, "-c", ""])
+    ended_process.wait()
+    machine, _, process_token = _files.PARTIAL_NAME.fullmatch(_files.new_partial_name()).groups()
+    is_kept = {
+        f".stiction-{machine}-{ended_process.pid}-00000000-00000000.partial": False,
+        f".stiction-{machine}-{os.getpid()}-00000000-00000000.partial": False,  # an earlier process with the same id
+        f".stiction-{machine}-{os.getpid()}-{process_token}-00000000.partial": True,
+        f".stiction-{machine}-{os.getppid()}-00000000-00000000.partial": True,
+        ".stiction-00000000-1-00000000-00000000.partial": True,  # of another machine; not old enough
         ".stiction-00000000-1-00000000-00000001.partial": False,
         "mine.partial": True,
     }
-    for folder, name in itertools.product((whole, whole / BLOCKS_FOLDER), names):
+    for folder, name in itertools.product((folder_copy, folder_copy / BLOCKS_FOLDER), is_kept):
         (folder / name).write_text("half")
         if name.endswith("1.partial"):
             os.utime(folder / name, (0, 0))
-    run(TINY, store=whole)
-    for folder in (whole, whole / BLOCKS_FOLDER):
-        assert {name for name in os.listdir(folder) if name.endswith(".partial")} == {n for n in names if names[n]}
+    run(TINY, store=folder_copy)
+    for folder in (folder_copy, folder_copy / BLOCKS_FOLDER):
+        assert {name for name in os.listdir(folder) if name.endswith(".partial")} == {n for n in is_kept if is_kept[n]}
 
 
-def test_removed_partial_file_is_written_again(tmp_path, undisturbed, monkeypatch):
-    replace, swept = Path.replace, []
+def test_removed_partial_file_is_written_again(tmp_path, uninterrupted_dataset, monkeypatch):
+    replace, removed_files = Path.replace, []
 
-    def sweep(self, target):
-        if self.suffix == ".partial" and not swept:
-            swept.append(self)
+    def remove_and_replace(self, target):
+        if self.suffix == ".partial" and not removed_files:
+            removed_files.append(self)
             self.unlink()
         return replace(self, target)
 
     compute_missing(with_repetitions(4), tmp_path)
-    monkeypatch.setattr(Path, "replace", sweep)
+    monkeypatch.setattr(Path, "replace", remove_and_replace)
     (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_MARK} 0.1.0.\n" + TINY.to_toml())
-    assert_same_bits(run(TINY, store=tmp_path).dataset, undisturbed)
-    assert swept
+    assert_same_bits(run(TINY, store=tmp_path).dataset, uninterrupted_dataset)
+    assert removed_files
 
 
 def test_interrupt_during_write_leaves_no_file(tmp_path, monkeypatch):
-    def interrupted(file):
+    def close_and_interrupt(file):
         close(file)
         raise KeyboardInterrupt
 
     close = os.close
-    monkeypatch.setattr(os, "close", interrupted)
+    monkeypatch.setattr(os, "close", close_and_interrupt)
     with pytest.raises(KeyboardInterrupt):
         run(TINY, store=tmp_path / "r")
-    assert_nothing_is_left(tmp_path)
+    assert_no_partial_files(tmp_path)
 
 
-KILLED = """
+SCRIPT_WITH_KILLS = """
 import os, signal, sys
 from concurrent.futures import Future
 from pathlib import Path
@@ -555,37 +563,41 @@ for step in range(1, 1000):
 """
 
 
-def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, undisturbed):
-    """What changes the disk is counted; the n-th change does not come, and of a file half is written."""
+def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, uninterrupted_dataset):
+    """Kill a run at its first, second, ... disk operation, with half of the file written; each run resumes the last."""
     (tmp_path / "s.toml").write_text(TINY.to_toml())
     completed = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", KILLED], cwd=tmp_path, capture_output=True, text=True, check=False
+        [sys.executable, "-W", "ignore", "-c", SCRIPT_WITH_KILLS],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert completed.returncode == 0, completed.stderr
     statuses = [int(line.split()[1]) for line in completed.stdout.splitlines()]
     assert statuses[-1] == 0
     assert set(statuses[:-1]) == {-signal.SIGKILL}
     assert len(statuses) > 5
-    assert_same_bits(run(TINY, store=tmp_path / "r").dataset, undisturbed)
-    assert_nothing_is_left(tmp_path)
+    assert_same_bits(run(TINY, store=tmp_path / "r").dataset, uninterrupted_dataset)
+    assert_no_partial_files(tmp_path)
 
 
-# ---- Exported -------------------------------------------------------------------------------------------------------
+# ---- Export ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", ["dataset", "folder"])
-def test_export_equals_computed_dataset(whole, undisturbed, tmp_path, monkeypatch, kind):
+def test_export_equals_computed_dataset(folder_copy, uninterrupted_dataset, tmp_path, monkeypatch, kind):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY))
     file = tmp_path / "r.nc"
-    export(undisturbed if kind == "dataset" else store.open_stored(whole).dataset(), file)
-    assert_same_bits(store.read(file), undisturbed)
-    assert_same_bits(xarray.load_dataset(file, engine="h5netcdf"), undisturbed)
+    export(uninterrupted_dataset if kind == "dataset" else store.open_stored(folder_copy).dataset(), file)
+    assert_same_bits(store.read(file), uninterrupted_dataset)
+    assert_same_bits(xarray.load_dataset(file, engine="h5netcdf"), uninterrupted_dataset)
     with pytest.raises(ExportError, match="exists already"):
-        export(undisturbed, file)
+        export(uninterrupted_dataset, file)
 
 
-def test_foreign_netcdf_file_is_rejected(tmp_path, undisturbed):
-    means = undisturbed.mean("repetition")
+def test_read_rejects_foreign_netcdf_file(tmp_path, uninterrupted_dataset):
+    means = uninterrupted_dataset.mean("repetition")
     export(means, tmp_path / "means.nc")
     xarray.testing.assert_identical(xarray.load_dataset(tmp_path / "means.nc", engine="h5netcdf"), means)
     for content in (b"", b"\x89HDF\r\n\x1a\n", os.urandom(1000), (tmp_path / "means.nc").read_bytes()):
@@ -594,88 +606,88 @@ def test_foreign_netcdf_file_is_rejected(tmp_path, undisturbed):
             store.read(tmp_path / "x.nc")
 
 
-def test_equal_members_have_equal_bytes_at_any_time(undisturbed):
-    """Files are named by their bytes, in which old versions of h5py put the second."""
+def test_files_written_at_different_times_have_equal_bytes(uninterrupted_dataset):
+    """File names contain a checksum of the bytes; old versions of h5py store the time of writing in the file."""
     first, second = io.BytesIO(), io.BytesIO()
-    store.write_dataset(undisturbed, first)
+    store.write_dataset(uninterrupted_dataset, first)
     time.sleep(1.01)
-    store.write_dataset(undisturbed, second)
+    store.write_dataset(uninterrupted_dataset, second)
     assert first.getvalue() == second.getvalue()
 
 
-def test_block_equals_file_written_by_xarray(undisturbed):
-    """Every dimension, kind, attribute and number, and no more bytes; xarray itself asks Dask for locks."""
-    part = undisturbed.isel(repetition=slice(4, 8))
-    kinds = part.assign_coords(
+def test_block_equals_file_written_by_xarray(uninterrupted_dataset):
+    """Compare the variables, types and attributes of files that the store and xarray write."""
+    part = uninterrupted_dataset.isel(repetition=slice(4, 8))
+    dataset_of_types = part.assign_coords(
         place=("repetition", [True, False, True, False]), words=("approach", [*"abcd"]), area=3.0
     )
-    for dataset in (part, kinds, part.mean("repetition")):
-        ours, theirs = io.BytesIO(), io.BytesIO()
-        store.write_dataset(dataset, ours)
+    for dataset in (part, dataset_of_types, part.mean("repetition")):
+        store_file, xarray_file = io.BytesIO(), io.BytesIO()
+        store.write_dataset(dataset, store_file)
         dataset.to_netcdf(
-            theirs, engine="h5netcdf", encoding={name: {"_FillValue": None} for name in dataset.variables}
+            xarray_file, engine="h5netcdf", encoding={name: {"_FillValue": None} for name in dataset.variables}
         )
-        xarray.testing.assert_identical(xarray.load_dataset(ours, engine="h5netcdf"), dataset)
-        with h5py.File(ours) as one, h5py.File(theirs) as other:
-            assert set(one) == set(other)
-            assert one.attrs.keys() == other.attrs.keys()
-            for name in one:
-                assert one[name].dtype == other[name].dtype
-                assert one[name].attrs.keys() == other[name].attrs.keys()
-    image = io.BytesIO()
-    store.write_dataset(part, image)
+        xarray.testing.assert_identical(xarray.load_dataset(store_file, engine="h5netcdf"), dataset)
+        with h5py.File(store_file) as store_variables, h5py.File(xarray_file) as xarray_variables:
+            assert set(store_variables) == set(xarray_variables)
+            assert store_variables.attrs.keys() == xarray_variables.attrs.keys()
+            for name in store_variables:
+                assert store_variables[name].dtype == xarray_variables[name].dtype
+                assert store_variables[name].attrs.keys() == xarray_variables[name].attrs.keys()
+    block = io.BytesIO()
+    store.write_dataset(part, block)
     assert (
-        store.encode_members(TINY, range(4, 8), {name: part[name].values for name in TINY.sums()}) == image.getvalue()
+        store.encode_members(TINY, range(4, 8), {name: part[name].values for name in TINY.sums()}) == block.getvalue()
     )
 
 
-INTERRUPTED = r"""
+SCRIPT_WITH_INTERRUPT = r"""
 import os, signal, sys, threading
 from stiction import Study
 from stiction.studies import runner
 study, sums, interrupted = Study.from_toml("s.toml"), runner.member_sums, threading.Event()
-def tell(word):  # in one piece: print() writes the end of a line by itself, and another thread between both
+def write_line(word):  # one write for each line: the lines of print() may mix with lines of another thread
     os.write(1, f"{word}\n".encode())
-def held(study, member):
+def sum_or_wait(study, member):
     if member >= 20:
-        tell("held")
+        write_line("waiting")
         interrupted.wait()
     return sums(study, member)
 def interrupt(*of):
     interrupted.set()
     signal.default_int_handler(*of)
 signal.signal(signal.SIGINT, interrupt)
-runner.member_sums = held
+runner.member_sums = sum_or_wait
 runner.block_size = lambda study: 8
-tell("begun")
+write_line("started")
 try:
-    runner.compute_missing(study, "r", announce=lambda text: tell("ready"))
+    runner.compute_missing(study, "r", announce=lambda text: write_line("ready"))
 except KeyboardInterrupt:
     sys.exit(130)
 """
 
 
-def test_interrupt_ends_run_soon_and_preserves_blocks(tmp_path):
+def test_interrupt_ends_run_and_preserves_finished_blocks(tmp_path):
     study = with_repetitions(1000)
     (tmp_path / "s.toml").write_text(study.to_toml())
     with (
         subprocess.Popen(
-            [sys.executable, "-c", INTERRUPTED], cwd=tmp_path, stdout=subprocess.PIPE, start_new_session=True
+            [sys.executable, "-c", SCRIPT_WITH_INTERRUPT], cwd=tmp_path, stdout=subprocess.PIPE, start_new_session=True
         ) as process,
-        contextlib.ExitStack() as whatever_happens,
+        contextlib.ExitStack() as cleanup,
     ):
-        whatever_happens.callback(process.kill)  # which does nothing to one that has ended
-        assert process.stdout.readline() == b"begun\n"
-        expected = {b"ready\n", b"held\n"}  # each thread is held, and says so, in any order
-        while expected and (line := process.stdout.readline()):
-            expected.discard(line)
+        cleanup.callback(process.kill)  # has no effect on an ended process
+        assert process.stdout.readline() == b"started\n"
+        pending_lines = {b"ready\n", b"waiting\n"}  # printed by different threads, in any order
+        while pending_lines and (line := process.stdout.readline()):
+            pending_lines.discard(line)
         process.send_signal(signal.SIGINT)
         assert process.wait(300) == 130
     stored = store.open_stored(tmp_path / "r")
-    assert 8 <= stored.finished.size < 500  # and not all, however busy the machine is
-    assert_nothing_is_left(tmp_path)
-    computed = run(with_repetitions(int(stored.finished[-1]) + 1)).dataset
-    assert_same_bits(stored.dataset().assign_attrs(computed.attrs), computed.isel(repetition=stored.finished))
+    assert 8 <= stored.finished.size < 500  # less than all 1000, also on a busy machine
+    assert_no_partial_files(tmp_path)
+    expected = run(with_repetitions(int(stored.finished[-1]) + 1)).dataset
+    assert_same_bits(stored.dataset().assign_attrs(expected.attrs), expected.isel(repetition=stored.finished))
 
 
 def test_result_without_finished_members_is_a_store_error(tmp_path):

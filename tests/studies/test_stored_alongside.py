@@ -1,4 +1,4 @@
-"""Small files that lie beside a result, as `export` wrote them, and damaged."""
+"""Test the files that are stored alongside a result: the contact picture and the onset of sliding."""
 
 import random
 
@@ -13,67 +13,70 @@ from stiction.studies.runner import compute_missing
 from stiction.studies.store import CHECKSUM_SEAL, StoreError, export, open_stored, read
 from support.measured_studies import study_of, write_maps
 
-FILES = {"picture.nc": load_contact_picture, "onset.nc": load_onset}
+LOADERS = {"picture.nc": load_contact_picture, "onset.nc": load_onset}
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """A result of two maps, and what lies beside it by its file."""
+def result_and_datasets(tmp_path_factory):
+    """Return a stored result of two maps, and the datasets of the files stored alongside by file name."""
     folder = tmp_path_factory.mktemp("maps")
-    more = 'load = ["2 mN"]\ndirection = [0, 180]'
-    study = study_of(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=more)
+    contact_keys = 'load = ["2 mN"]\ndirection = [0, 180]'
+    study = study_of(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=contact_keys)
     compute_missing(study, folder / "r")
-    stored = open_stored(folder / "r")
+    complete_result = open_stored(folder / "r")
     with thread_executor(1) as executor:
-        of = {"picture.nc": contact_picture.contact_picture(stored), "onset.nc": compute_onset(study, executor)}
-    assert set(of) == {contact_picture.PICTURE_FILE, onset.ONSET_FILE}
-    return stored, of
+        datasets = {
+            "picture.nc": contact_picture.contact_picture(complete_result),
+            "onset.nc": compute_onset(study, executor),
+        }
+    assert set(datasets) == {contact_picture.PICTURE_FILE, onset.ONSET_FILE}
+    return complete_result, datasets
 
 
 @pytest.fixture
-def stored(made):
-    stored, of = made
-    for name, dataset in of.items():
-        (stored.path / name).unlink(missing_ok=True)
-        export(dataset, stored.path / name)
-    return stored
+def complete_result(result_and_datasets):
+    complete_result, datasets = result_and_datasets
+    for name, dataset in datasets.items():
+        (complete_result.path / name).unlink(missing_ok=True)
+        export(dataset, complete_result.path / name)
+    return complete_result
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_file_stored_alongside_is_read_or_none(made, stored, name):
-    xarray.testing.assert_identical(FILES[name](stored), made[1][name])
-    (stored.path / name).unlink()
-    assert FILES[name](stored) is None
+@pytest.mark.parametrize("name", LOADERS)
+def test_file_stored_alongside_is_read_or_none(result_and_datasets, complete_result, name):
+    xarray.testing.assert_identical(LOADERS[name](complete_result), result_and_datasets[1][name])
+    (complete_result.path / name).unlink()
+    assert LOADERS[name](complete_result) is None
 
 
 @pytest.mark.parametrize("name", ["picture.nc", "onset.nc", "result.nc"])
-def test_flipped_bit_is_detected_before_the_file_is_opened(stored, name, monkeypatch):
-    path = stored.path / name
+def test_flipped_bit_is_detected_before_the_file_is_opened(complete_result, name, monkeypatch):
+    path = complete_result.path / name
     if name == "result.nc":
-        export(stored.dataset(), path)
+        export(complete_result.dataset(), path)
     content = path.read_bytes()
     assert content[-len(CHECKSUM_SEAL) - 8 : -8] == CHECKSUM_SEAL
-    monkeypatch.setattr(h5py, "File", None)  # in which it may run for ever
+    monkeypatch.setattr(h5py, "File", None)  # opening a damaged file may not end
     sealed = 8 * (len(content) - len(CHECKSUM_SEAL) - 8)
     for place in [0, sealed - 1, 8 * len(content) - 1, *random.Random(5).sample(range(sealed), 50)]:
         damaged = bytearray(content)
         damaged[place // 8] ^= 1 << place % 8
         path.write_bytes(damaged)
         with pytest.raises(StoreError, match=rf"{name}: does not match its checksum"):
-            FILES.get(name, lambda stored: read(stored.path / "result.nc"))(stored)
+            LOADERS.get(name, lambda complete_result: read(complete_result.path / "result.nc"))(complete_result)
     path.unlink()
 
 
 @pytest.mark.parametrize(("name", "variable"), [("picture.nc", "lower_height"), ("onset.nc", "displacement")])
-def test_file_without_a_variable_is_rejected_in_one_sentence(stored, name, variable):
-    with h5py.File(stored.path / name, "r+") as file:
+def test_file_without_a_variable_is_rejected_in_one_sentence(complete_result, name, variable):
+    with h5py.File(complete_result.path / name, "r+") as file:
         del file[variable]
-    with pytest.raises(StoreError, match=rf"{name}: .*remove it and run the study again") as refused:
-        FILES[name](stored)
-    assert len(str(refused.value).splitlines()) == 1
+    with pytest.raises(StoreError, match=rf"{name}: .*remove it and run the study again") as caught:
+        LOADERS[name](complete_result)
+    assert len(str(caught.value).splitlines()) == 1
 
 
-def test_onset_with_other_steps_is_ignored(stored):
-    with h5py.File(stored.path / "onset.nc", "r+") as file:
+def test_onset_with_other_steps_is_ignored(complete_result):
+    with h5py.File(complete_result.path / "onset.nc", "r+") as file:
         file["fraction"][0] = 0.07
-    assert load_onset(stored) is None
+    assert load_onset(complete_result) is None

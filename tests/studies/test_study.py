@@ -15,7 +15,9 @@ from stiction.studies.values import StudyError
 from stiction.views.study_keys import key_tables, study_keys_text
 
 
-class TestQuantities:
+class TestQuantityConversion:
+    """Test the conversion of quantities with units to the units of the core."""
+
     @pytest.mark.parametrize(
         ("text", "kind", "value"),
         [
@@ -52,7 +54,7 @@ class TestQuantities:
         assert len(str(caught.value)) < 200
 
     @given(st.floats(1e-12, 1e12))
-    def test_number_text_preserves_every_bit(self, value):
+    def test_exact_text_of_a_number_preserves_every_bit(self, value):
         assert quantity(exact_text(value, "mN"), "force") == value
 
     @given(st.text(max_size=30))
@@ -61,12 +63,14 @@ class TestQuantities:
             assert np.isfinite(quantity(text, "length"))
 
 
-class TestLibrary:
-    def test_library_has_the_studies_of_the_paper(self):
-        names = ["figure2", "figure3", "figure5", "figure6", "figure7", "figure8", "quick"]
-        areal = ["figure6-areal", "figure6-half-plane"]
-        assert study_names() == sorted([*names, *areal, "presliding"])
-        drawn = {name: Study.named(name).figures.draw for name in names}
+class TestBuiltInStudies:
+    """Test the built-in studies."""
+
+    def test_built_in_studies_include_figures_of_the_paper(self):
+        paper_names = ["figure2", "figure3", "figure5", "figure6", "figure7", "figure8", "quick"]
+        other_names = ["figure6-areal", "figure6-half-plane"]
+        assert study_names() == sorted([*paper_names, *other_names, "presliding"])
+        drawn = {name: Study.named(name).figures.draw for name in paper_names}
         assert drawn["figure2"] == ("profiles",)
         assert drawn["figure3"] == ("length-scales",)
         assert drawn["figure5"] == drawn["figure8"] == ("area",)
@@ -103,7 +107,9 @@ class TestLibrary:
             Study.named("figure66")
 
 
-class TestChanges:
+class TestStudyChanges:
+    """Test `Study.with_changes`."""
+
     def test_with_changes_replaces_values_by_dotted_key(self):
         study = Study().with_changes(
             {
@@ -117,13 +123,13 @@ class TestChanges:
         assert study.contact.effective_modulus == 70
         assert Study().ensemble.repetitions == 100
 
-    def test_laws_with_parameters_are_tables(self):
-        assert YIELDING.contact.model().law == JacksonGreen(yield_strength=0.2, poisson_ratio=0.3)
+    def test_contact_law_with_parameters_is_a_table(self):
+        assert PLASTIC_STUDY.contact.model().law == JacksonGreen(yield_strength=0.2, poisson_ratio=0.3)
         cylinder = Study().with_changes({"contact.law": {"name": "hertz-cylinder", "width": "2 um"}})
         assert cylinder.contact.model().law == HertzCylinder(width=2.0)
         assert Study().with_changes({"contact.law": "hertz-cylinder"}).contact.model().law == "hertz-cylinder"
 
-    def test_equal_quantities_give_equal_studies(self):
+    def test_studies_with_equal_quantities_in_other_units_are_equal(self):
         changed = Study().with_changes({"surfaces.amplitude": ["100 nm"]})
         assert changed == Study()
 
@@ -157,7 +163,9 @@ class TestChanges:
             Study().with_changes({key: value})
 
 
-class TestFiles:
+class TestStudyFiles:
+    """Test the reading of study files and its error messages."""
+
     @pytest.mark.parametrize(
         ("content", "message"),
         [
@@ -189,7 +197,7 @@ class TestFiles:
         assert len(str(caught.value).splitlines()) == 6
 
 
-MEASURED = """
+MEASURED_STUDY_TEXT = """
 [surfaces]
 kind = "measured"
 upper = { file = "scan.npy", unit = "nm", spacing = ["2 um", "0.5 um"] }
@@ -199,18 +207,22 @@ lower = { file = "other/scan.csv", columns = ["x", 3], channel = 0 }
 mu0 = [0.3, 0.4]
 load = ["1 mN", "10 mN"]
 """
-AREAS = parse_study(MEASURED, "areas")
-LINES = parse_study(MEASURED.replace('"measured"', '"measured"\npress = "lines"\noffsets = 4'), "lines")
-SURFACES = Study().with_changes({"surfaces.kind": "surface", "contact.direction": ["+x", 90]})
-SELF_AFFINE = SURFACES.with_changes({"surfaces.generator": "self-affine"})
-HALF_SPACES = SURFACES.with_changes({"contact.mechanics": "half-space", "contact.hardness": "1 GPa"})
-YIELDING = Study().with_changes(
+AREA_STUDY = parse_study(MEASURED_STUDY_TEXT, "areas")
+LINE_STUDY = parse_study(MEASURED_STUDY_TEXT.replace('"measured"', '"measured"\npress = "lines"\noffsets = 4'), "lines")
+SURFACE_STUDY = Study().with_changes({"surfaces.kind": "surface", "contact.direction": ["+x", 90]})
+SELF_AFFINE_STUDY = SURFACE_STUDY.with_changes({"surfaces.generator": "self-affine"})
+HALF_SPACE_STUDY = SURFACE_STUDY.with_changes({"contact.mechanics": "half-space", "contact.hardness": "1 GPa"})
+PLASTIC_STUDY = Study().with_changes(
     {"contact.law": {"name": "jackson-green", "yield_strength": "200 MPa", "poisson_ratio": 0.3}}
 )
 
 
-class TestCases:
-    @pytest.mark.parametrize("study", [SURFACES, SELF_AFFINE, HALF_SPACES, YIELDING, AREAS, LINES])
+class TestStudyKinds:
+    """Test studies of different kinds of surfaces and contact models."""
+
+    @pytest.mark.parametrize(
+        "study", [SURFACE_STUDY, SELF_AFFINE_STUDY, HALF_SPACE_STUDY, PLASTIC_STUDY, AREA_STUDY, LINE_STUDY]
+    )
     def test_study_survives_text_and_pickle(self, study):
         assert parse_study(study.to_toml(), "text") == study
         assert pickle.loads(pickle.dumps(study)) == study
@@ -222,23 +234,26 @@ class TestCases:
         assert study.surfaces.gamma == 1.6
         assert study.contact.effective_modulus == 70
         assert study.with_changes({"contact.mechanics": "asperities"}).contact.detection == "gap-minimum"
-        back = study.with_changes({"surfaces.kind": "profile", "contact.mechanics": "asperities"})
-        assert (back.contact.detection, back.surfaces.gamma) == ("cell", 1.6)
+        restored_study = study.with_changes({"surfaces.kind": "profile", "contact.mechanics": "asperities"})
+        assert (restored_study.contact.detection, restored_study.surfaces.gamma) == ("cell", 1.6)
 
     def test_differences_name_keys_of_both_kinds(self):
-        changed = {key: (one, other) for key, one, other in find_differences(Study(), SELF_AFFINE)}
+        changed = {
+            key: (first_value, second_value)
+            for key, first_value, second_value in find_differences(Study(), SELF_AFFINE_STUDY)
+        }
         assert changed["surfaces.kind"] == ('"profile"', '"surface"')
         assert changed["surfaces.points"] == ("150_000", "none")
-        assert not list(find_differences(AREAS, AREAS))
+        assert not list(find_differences(AREA_STUDY, AREA_STUDY))
 
     @pytest.mark.parametrize(
         ("study", "sums", "step", "cells"),
         [
             (Study(), SUMS, "approach", ["fractal_dimension", "amplitude"]),
-            (SURFACES, SUMS + AREAL_SUMS, "approach", ["fractal_dimension", "amplitude"]),
-            (HALF_SPACES, HALF_SPACE_SUMS, "load", ["fractal_dimension", "amplitude"]),
-            (AREAS, HALF_SPACE_SUMS, "load", ["cut_off"]),
-            (LINES, (*SUMS, "approach"), "load", ["cut_off"]),
+            (SURFACE_STUDY, SUMS + AREAL_SUMS, "approach", ["fractal_dimension", "amplitude"]),
+            (HALF_SPACE_STUDY, HALF_SPACE_SUMS, "load", ["fractal_dimension", "amplitude"]),
+            (AREA_STUDY, HALF_SPACE_SUMS, "load", ["cut_off"]),
+            (LINE_STUDY, (*SUMS, "approach"), "load", ["cut_off"]),
         ],
     )
     def test_study_declares_sums_step_and_cells(self, study, sums, step, cells):
@@ -247,30 +262,30 @@ class TestCases:
     @pytest.mark.parametrize(
         ("study", "key", "value"),
         [
-            (SURFACES, "surfaces.points", 100),
+            (SURFACE_STUDY, "surfaces.points", 100),
             (Study(), "surfaces.kind", "line"),
-            (SURFACES, "surfaces.extent", "1 um"),
-            (SURFACES, "surfaces.shape", [100_000, 100_000]),
-            (SELF_AFFINE, "surfaces.longest_wavelength", "30 um"),
-            (SELF_AFFINE, "surfaces.shortest_wavelength", "1 nm"),
-            (SURFACES, "contact.detection", "cell"),
-            (SURFACES, "contact.law", "hertz-cylinder"),
-            (HALF_SPACES, "contact.law", "hertz-sphere"),
-            (HALF_SPACES, "contact.load", ["1 N"]),
-            (SURFACES, "contact.direction", ["+x", 360]),
-            (SURFACES, "contact.direction", []),
-            (SURFACES, "contact.direction", "north"),
+            (SURFACE_STUDY, "surfaces.extent", "1 um"),
+            (SURFACE_STUDY, "surfaces.shape", [100_000, 100_000]),
+            (SELF_AFFINE_STUDY, "surfaces.longest_wavelength", "30 um"),
+            (SELF_AFFINE_STUDY, "surfaces.shortest_wavelength", "1 nm"),
+            (SURFACE_STUDY, "contact.detection", "cell"),
+            (SURFACE_STUDY, "contact.law", "hertz-cylinder"),
+            (HALF_SPACE_STUDY, "contact.law", "hertz-sphere"),
+            (HALF_SPACE_STUDY, "contact.load", ["1 N"]),
+            (SURFACE_STUDY, "contact.direction", ["+x", 360]),
+            (SURFACE_STUDY, "contact.direction", []),
+            (SURFACE_STUDY, "contact.direction", "north"),
             (Study(), "contact.direction", 90),
-            (SURFACES, "contact.sliding", "both"),
-            (SURFACES, "figures.draw", ["profiles"]),
-            (AREAS, "surfaces.level", "line"),
-            (AREAS, "surfaces.upper.fil", "scan.npy"),
-            (AREAS, "surfaces.upper.spacing", ["1 um", "1 um", "1 um"]),
-            (AREAS, "surfaces.upper.unit", "inch"),
-            (AREAS, "surfaces.upper.columns", [0, -1]),
-            (AREAS, "contact.direction", [index / 2 for index in range(500)]),
-            (AREAS, "friction.load", ["1 N"]),
-            (AREAS, "figures.draw", ["area"]),
+            (SURFACE_STUDY, "contact.sliding", "both"),
+            (SURFACE_STUDY, "figures.draw", ["profiles"]),
+            (AREA_STUDY, "surfaces.level", "line"),
+            (AREA_STUDY, "surfaces.upper.fil", "scan.npy"),
+            (AREA_STUDY, "surfaces.upper.spacing", ["1 um", "1 um", "1 um"]),
+            (AREA_STUDY, "surfaces.upper.unit", "inch"),
+            (AREA_STUDY, "surfaces.upper.columns", [0, -1]),
+            (AREA_STUDY, "contact.direction", [index / 2 for index in range(500)]),
+            (AREA_STUDY, "friction.load", ["1 N"]),
+            (AREA_STUDY, "figures.draw", ["area"]),
         ],
     )
     def test_change_of_kind_names_key_of_error(self, study, key, value):
@@ -281,36 +296,46 @@ class TestCases:
 
     def test_key_of_another_kind_is_reported_with_its_kind(self):
         with pytest.raises(StudyError, match=r"belongs to fractal profiles, not to Weierstrass-Mandelbrot surfaces"):
-            SURFACES.with_changes({"surfaces.points": 100})
+            SURFACE_STUDY.with_changes({"surfaces.points": 100})
         with pytest.raises(StudyError, match=r"belongs to areas of measured maps, not to lines of measured files"):
-            LINES.with_changes({"surfaces.rotate": 3.0})
+            LINE_STUDY.with_changes({"surfaces.rotate": 3.0})
 
     def test_study_rejects_too_many_conditions(self):
-        many = {"friction.mu0": [index / 100 for index in range(100)], "friction.tau0": ["0 MPa", "1 MPa", "2 MPa"]}
+        strengths = {
+            "friction.mu0": [index / 100 for index in range(100)],
+            "friction.tau0": ["0 MPa", "1 MPa", "2 MPa"],
+        }
         with pytest.raises(StudyError, match=r"friction: .*at most 1000, got 600|at most 1000"):
-            AREAS.with_changes(many | {"friction.load": [f"{1 + index} mN" for index in range(8)]})
+            AREA_STUDY.with_changes(strengths | {"friction.load": [f"{1 + index} mN" for index in range(8)]})
 
 
-class TestMeasured:
+class TestMeasuredStudies:
+    """Test studies of measured surfaces."""
+
     def test_measured_study_has_both_rules_and_all_directions(self):
-        assert AREAS.motions() == {"sliding": ["all", "opposing"], "direction": [30.0 * step for step in range(12)]}
-        assert LINES.motions() == {"sliding": ["all", "opposing"], "direction": [0.0, 180.0]}
-        assert AREAS.with_changes({"contact.direction": -330}).motions()["direction"] == [30.0]
+        assert AREA_STUDY.motions() == {
+            "sliding": ["all", "opposing"],
+            "direction": [30.0 * step for step in range(12)],
+        }
+        assert LINE_STUDY.motions() == {"sliding": ["all", "opposing"], "direction": [0.0, 180.0]}
+        assert AREA_STUDY.with_changes({"contact.direction": -330}).motions()["direction"] == [30.0]
 
     def test_load_steps_surround_requested_loads(self):
-        assert AREAS.contact.steps() == pytest.approx([10**-0.5, 1, 10**0.5, 10, 10**1.5])
-        for study in (LINES, LINES.with_changes({"contact.mechanics": "half-space"})):
+        assert AREA_STUDY.contact.steps() == pytest.approx([10**-0.5, 1, 10**0.5, 10, 10**1.5])
+        for study in (LINE_STUDY, LINE_STUDY.with_changes({"contact.mechanics": "half-space"})):
             steps = study.contact.steps()
             assert {1.0, 10.0} <= set(steps)
             assert steps[0] < 0.2
             assert steps[-1] > 90
         with pytest.raises(StudyError, match=r"contact.load"):
-            parse_study(MEASURED.replace('load = ["1 mN", "10 mN"]', ""), "no load")
+            parse_study(MEASURED_STUDY_TEXT.replace('load = ["1 mN", "10 mN"]', ""), "no load")
 
-    def test_files_are_relative_to_study_file_and_have_checksums(self, tmp_path, monkeypatch):
+    def test_scan_files_are_relative_to_study_file_and_have_checksums(self, tmp_path, monkeypatch):
         heights = np.random.default_rng(1).normal(size=(24, 20))
         np.save(tmp_path / "scan.npy", heights)
-        text = MEASURED.replace('"other/scan.csv", columns = ["x", 3], channel = 0', '"scan.npy", unit = "um"')
+        text = MEASURED_STUDY_TEXT.replace(
+            '"other/scan.csv", columns = ["x", 3], channel = 0', '"scan.npy", unit = "um"'
+        )
         text = text.replace(', unit = "um" }', ', unit = "um", spacing = "1 um" }')
         (tmp_path / "study.toml").write_text(text, encoding="utf-8")
         study = Study.from_toml(tmp_path / "study.toml")
@@ -318,22 +343,22 @@ class TestMeasured:
         body = study.surfaces.upper.read()
         assert body.spacing == (2.0, 0.5)
         assert body.heights == pytest.approx(heights / 1000)
-        known = study.with_checksums()
-        assert known == parse_study(known.to_toml(), "itself")
-        assert known.surfaces.lower.read().heights.shape == (24, 20)
+        study_with_checksums = study.with_checksums()
+        assert study_with_checksums == parse_study(study_with_checksums.to_toml(), "itself")
+        assert study_with_checksums.surfaces.lower.read().heights.shape == (24, 20)
         np.save(tmp_path / "scan.npy", heights[:, ::-1])
         assert study.surfaces.upper.read().heights.shape == (24, 20)
         with pytest.raises(ValueError, match=r"scan\.npy: has changed since"):
-            known.surfaces.upper.read()
-        assert known.with_checksums() == known
+            study_with_checksums.surfaces.upper.read()
+        assert study_with_checksums.with_checksums() == study_with_checksums
         monkeypatch.chdir(tmp_path)
         assert parse_study(text, "here").with_checksums().surfaces.upper.file == str(tmp_path / "scan.npy")
         with pytest.raises(ValueError, match="cannot be read"):
-            AREAS.surfaces.upper.with_absolute_paths(tmp_path / "none").known()
+            AREA_STUDY.surfaces.upper.with_absolute_paths(tmp_path / "none").known()
         assert Study().with_checksums() == Study()
 
 
-VALUES = [
+RANDOM_VALUES = [
     "", "3", "-1", "1.5", "true", "inf", "nan", '""', '"surface"', '"measured"', '"lines"', '"half-space"',
     '"self-affine"', '"1 um"', '"10 mN"', '["10 mN"]', '["1 um", "1 um"]', "[]", "[[1]]", "{}", '{ file = "x" }',
     "{ start = 1.0, stop = 1.7, count = 3 }", '{ name = "jackson-green" }', "1979-05-27", "9" * 400,
@@ -343,23 +368,28 @@ VALUES = [
 @pytest.mark.parametrize("seed", range(4))
 def test_mutated_study_file_is_read_or_rejected(seed):
     random = np.random.default_rng(seed)
-    texts = [study.to_toml().splitlines() for study in (Study(), SURFACES, SELF_AFFINE, HALF_SPACES, AREAS, LINES)]
-    used = 0
+    texts = [
+        study.to_toml().splitlines()
+        for study in (Study(), SURFACE_STUDY, SELF_AFFINE_STUDY, HALF_SPACE_STUDY, AREA_STUDY, LINE_STUDY)
+    ]
+    num_accepted = 0
     for _ in range(300):
         lines = list(texts[random.integers(len(texts))])
         for _ in range(random.integers(1, 4)):
-            at, key = (place := int(random.integers(len(lines)))), lines[place].partition("=")[0]
-            other = texts[random.integers(len(texts))]
-            lines[at] = random.choice([f"{key}= {random.choice(VALUES)}", random.choice(other), ""])
+            line_index, key = (changed_line := int(random.integers(len(lines)))), lines[changed_line].partition("=")[0]
+            other_lines = texts[random.integers(len(texts))]
+            lines[line_index] = random.choice(
+                [f"{key}= {random.choice(RANDOM_VALUES)}", random.choice(other_lines), ""]
+            )
         try:
             study = parse_study("\n".join(lines), "changed")
         except StudyError:
             continue
-        used += 1
+        num_accepted += 1
         assert parse_study(study.to_toml(), "itself") == study
         assert study.contact.steps().size
         assert set(study.motions()) <= {"sliding", "direction"}
-    assert used
+    assert num_accepted
 
 
 def test_figures_7_and_8_have_amplitudes_of_the_paper():
@@ -373,71 +403,89 @@ def test_figure5_has_friction_of_the_paper():
     assert [float(tau0) for tau0 in friction.tau0] == [0.01]
 
 
-class TestLoadsAskedFor:
-    """Loads that a study of generated half-spaces is asked for, and the curve around them."""
+class TestRequestedLoads:
+    """Test requested loads of studies of generated surfaces, and the solved loads around them."""
 
-    LISTED = SELF_AFFINE.with_changes({"contact.mechanics": "half-space", "contact.load": ["0.04 mN", "4 mN"]})
+    LISTED_LOADS = SELF_AFFINE_STUDY.with_changes(
+        {"contact.mechanics": "half-space", "contact.load": ["0.04 mN", "4 mN"]}
+    )
 
-    def test_listed_loads_are_inside_the_curve(self):
-        assert [float(load) for load in self.LISTED.friction.load] == [0.04, 4.0]
-        assert self.LISTED.contact.steps() == pytest.approx([0.04 / 10**0.5, 0.04, 4.0, 4.0 * 10**0.5], rel=1e-5)
+    def test_solved_loads_surround_listed_loads(self):
+        assert [float(load) for load in self.LISTED_LOADS.friction.load] == [0.04, 4.0]
+        assert self.LISTED_LOADS.contact.steps() == pytest.approx([0.04 / 10**0.5, 0.04, 4.0, 4.0 * 10**0.5], rel=1e-5)
         options = {"contact.mechanics": "half-space", "friction.load": ["0.1 mN", "0.2 mN"]}
-        study = SELF_AFFINE.with_changes(options | {"contact.load": {"start": "0.05 mN", "stop": "1 mN", "count": 5}})
-        assert study.contact.steps()[0] == 0.05, "a curve that is given stays"
+        study = SELF_AFFINE_STUDY.with_changes(
+            options | {"contact.load": {"start": "0.05 mN", "stop": "1 mN", "count": 5}}
+        )
+        assert study.contact.steps()[0] == 0.05, "given loads of the curve are unchanged"
 
-    def test_curve_around_loads_stays_below_hardness(self):
-        hard = self.LISTED.with_changes({"contact.hardness": "60 MPa", "contact.load": ["4 mN"]})
-        assert 4.0 < hard.contact.steps()[-1] < 0.06 * 100
+    def test_solved_loads_stay_below_hardness_times_area(self):
+        study_with_hardness = self.LISTED_LOADS.with_changes({"contact.hardness": "60 MPa", "contact.load": ["4 mN"]})
+        assert 4.0 < study_with_hardness.contact.steps()[-1] < 0.06 * 100
         with pytest.raises(StudyError, match=r"contact\.load: must be below hardness times area"):
-            self.LISTED.with_changes({"contact.hardness": "10 MPa"})
+            self.LISTED_LOADS.with_changes({"contact.hardness": "10 MPa"})
 
-    def test_change_of_loads_or_mechanics_removes_requested_loads(self):
-        assert [float(load) for load in self.LISTED.with_changes({"contact.load": ["1 mN"]}).friction.load] == [1.0]
-        assert [float(load) for load in self.LISTED.with_changes({"friction.load": ["9 mN"]}).friction.load] == [9.0]
-        assert self.LISTED.with_changes({"contact.mechanics": "asperities"}).friction.load == ()
-        assert parse_study(self.LISTED.to_toml(), "text") == self.LISTED == self.LISTED.with_changes({})
+    def test_change_of_load_or_mechanics_replaces_requested_loads(self):
+        assert [float(load) for load in self.LISTED_LOADS.with_changes({"contact.load": ["1 mN"]}).friction.load] == [
+            1.0
+        ]
+        assert [float(load) for load in self.LISTED_LOADS.with_changes({"friction.load": ["9 mN"]}).friction.load] == [
+            9.0
+        ]
+        assert self.LISTED_LOADS.with_changes({"contact.mechanics": "asperities"}).friction.load == ()
+        assert (
+            parse_study(self.LISTED_LOADS.to_toml(), "text") == self.LISTED_LOADS == self.LISTED_LOADS.with_changes({})
+        )
 
     def test_requested_loads_have_results(self):
-        few = {"surfaces.shape": [32, 32], "ensemble.repetitions": 4, "surfaces.fractal_dimension": [1.2, 1.5]}
-        study = self.LISTED.with_changes(few | {"surfaces.amplitude": ["20 nm"], "contact.boundary": "periodic"})
+        ensemble_changes = {
+            "surfaces.shape": [32, 32],
+            "ensemble.repetitions": 4,
+            "surfaces.fractal_dimension": [1.2, 1.5],
+        }
+        study = self.LISTED_LOADS.with_changes(
+            ensemble_changes | {"surfaces.amplitude": ["20 nm"], "contact.boundary": "periodic"}
+        )
         data = run(study).dataset
         assert data.sizes["load"] == 4
-        at = friction_map(data, [float(load) for load in study.friction.load], mu0=[0.4], tau0=[0.01])
-        assert set(at["status"].values.ravel().tolist()) == {"ok"}
+        friction = friction_map(data, [float(load) for load in study.friction.load], mu0=[0.4], tau0=[0.01])
+        assert set(friction["status"].values.ravel().tolist()) == {"ok"}
 
 
-class TestKeys:
-    """Keys of study files: their tables, other names, and what is said of unknown ones."""
+class TestStudyKeys:
+    """Test keys of study files: their documentation, alternative names and messages about unknown keys."""
 
     def test_documented_types_of_keys_match_the_readers(self):
-        allowed = {}
+        documented_values = {}
         for title, _, rows in key_tables():
             for key, _, values, _ in rows:
-                allowed.setdefault((title, key.strip("`")), values)
-        assert allowed["`[contact]`", "effective_modulus"] == "a pressure above 0"
-        assert allowed["`[contact]`", "hardness"] == "a pressure above 0"
-        assert allowed["`[contact]`", "work_of_adhesion"] == "an energy of an area, at least 0"
-        assert "range" in allowed["`[known]`", "hardness"]
+                documented_values.setdefault((title, key.strip("`")), values)
+        assert documented_values["`[contact]`", "effective_modulus"] == "a pressure above 0"
+        assert documented_values["`[contact]`", "hardness"] == "a pressure above 0"
+        assert documented_values["`[contact]`", "work_of_adhesion"] == "an energy of an area, at least 0"
+        assert "range" in documented_values["`[known]`", "hardness"]
         assert "hurst_exponent" in study_keys_text()
 
-    def test_self_affine_table_uses_names_of_the_function(self):
-        named = {"surfaces.hurst_exponent": [0.5, 0.8], "surfaces.rms": ["20 nm"], "surfaces.spacing": "0.1 um"}
-        surfaces = SELF_AFFINE.with_changes(named | {"surfaces.shape": [64, 32]}).surfaces
+    def test_self_affine_study_accepts_parameter_names_of_the_function(self):
+        changes = {"surfaces.hurst_exponent": [0.5, 0.8], "surfaces.rms": ["20 nm"], "surfaces.spacing": "0.1 um"}
+        surfaces = SELF_AFFINE_STUDY.with_changes(changes | {"surfaces.shape": [64, 32]}).surfaces
         assert surfaces.fractal_dimensions() == pytest.approx([1.2, 1.5])
         assert (surfaces.amplitude_measure, surfaces.amplitudes().tolist()) == ("Sq", [0.02])
         assert surfaces.extents() == pytest.approx((6.4, 3.2))
-        ranged = SELF_AFFINE.with_changes({"surfaces.hurst_exponent": {"start": 0.4, "stop": 0.8, "count": 5}})
-        assert ranged.surfaces.fractal_dimensions() == pytest.approx([1.2, 1.3, 1.4, 1.5, 1.6])
+        study_of_range = SELF_AFFINE_STUDY.with_changes(
+            {"surfaces.hurst_exponent": {"start": 0.4, "stop": 0.8, "count": 5}}
+        )
+        assert study_of_range.surfaces.fractal_dimensions() == pytest.approx([1.2, 1.3, 1.4, 1.5, 1.6])
 
     @pytest.mark.parametrize(
-        ("study", "key", "words"),
+        ("study", "key", "message"),
         [
-            (SELF_AFFINE, "surfaces.hurst", "is it 'hurst_exponent'"),
-            (SURFACES, "contact.modulus", "'effective_modulus'"),
+            (SELF_AFFINE_STUDY, "surfaces.hurst", "is it 'hurst_exponent'"),
+            (SURFACE_STUDY, "contact.modulus", "'effective_modulus'"),
             (Study(), "contact.xyzzy", "stiction studies --keys lists all"),
-            (SELF_AFFINE, "surfaces.hurst_exponent", "surfaces.hurst_exponent: must be"),
+            (SELF_AFFINE_STUDY, "surfaces.hurst_exponent", "surfaces.hurst_exponent: must be"),
         ],
     )
-    def test_unknown_key_suggests_nearest(self, study, key, words):
-        with pytest.raises(StudyError, match=re.escape(words)):
+    def test_unknown_key_suggests_the_nearest_key(self, study, key, message):
+        with pytest.raises(StudyError, match=re.escape(message)):
             study.with_changes({key: "much"})

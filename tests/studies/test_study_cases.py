@@ -1,4 +1,4 @@
-"""Cases of a study's tables: which keys belong to which, and studies that earlier versions have stored."""
+"""Test which keys belong to which kind of study, and studies that earlier versions have stored."""
 
 import pickle
 from pathlib import Path
@@ -10,20 +10,22 @@ from stiction.studies.store import STUDY_FILE
 from stiction.studies.study import FRICTION_CASES, parse_study
 from stiction.studies.values import StudyError
 
-STORED = {path.stem: path.read_text("utf-8") for path in (Path(__file__).parent / "stored_studies").glob("*.toml")}
-"""Studies that version 0.1.0.dev0 stored, by the case of their table `[contact]`."""
+STORED_STUDIES = {
+    path.stem: path.read_text("utf-8") for path in (Path(__file__).parent / "stored_studies").glob("*.toml")
+}
+"""Texts of studies that version 0.1.0.dev0 stored, by the kind of their table `[contact]`."""
 
 
-@pytest.mark.parametrize("place", STORED)
-def test_stored_study_is_read_as_its_case_and_written_unchanged(place):
-    study = parse_study(STORED[place], "stored")
-    assert study.contact.place.removeprefix("the ").replace(" ", "_") == place
-    assert study.to_toml().strip() == STORED[place].strip()
+@pytest.mark.parametrize("case_name", STORED_STUDIES)
+def test_stored_study_is_read_and_written_unchanged(case_name):
+    study = parse_study(STORED_STUDIES[case_name], "stored")
+    assert study.contact.place.removeprefix("the ").replace(" ", "_") == case_name
+    assert study.to_toml().strip() == STORED_STUDIES[case_name].strip()
     assert pickle.loads(pickle.dumps(study)) == study
 
 
-def test_stored_study_with_a_key_of_another_case_is_rejected_with_the_reason():
-    text = STORED["half-space_of_measured_areas"].replace("[friction]", 'law = "hertz-sphere"\n\n[friction]')
+def test_stored_study_with_key_of_another_contact_model_is_rejected():
+    text = STORED_STUDIES["half-space_of_measured_areas"].replace("[friction]", 'law = "hertz-sphere"\n\n[friction]')
     with pytest.raises(StudyError) as caught:
         parse_study(text, STUDY_FILE)
     assert caught.value.faults == (
@@ -31,7 +33,7 @@ def test_stored_study_with_a_key_of_another_case_is_rejected_with_the_reason():
     )  # fmt: skip
 
 
-def test_contact_tables_have_a_class_for_each_case():
+def test_contact_tables_have_a_class_for_each_contact_model():
     cases = [case for cases in CONTACT_CASES.values() for case in cases.values()]
     assert len(set(cases)) == len({case.place for case in cases}) == 8
     for bodies, by_model in CONTACT_CASES.items():
@@ -53,7 +55,7 @@ def test_contact_tables_have_a_class_for_each_case():
         ({"contact.law": {"name": "jackson-green"}}, "contact.law.yield_strength", "must be given"),
     ],
 )
-def test_key_of_another_case_is_reported_with_its_owners(changes, key, message):
+def test_key_of_another_kind_of_study_is_reported_with_that_kind(changes, key, message):
     with pytest.raises(StudyError) as caught:
         Study().with_changes(changes)
     assert caught.value.faults[0][0] == key
@@ -68,7 +70,7 @@ def test_key_of_another_case_is_reported_with_its_owners(changes, key, message):
         (JacksonGreen(0.5, 0.3), JacksonGreenTable(name="jackson-green", yield_strength="0.5 GPa", poisson_ratio=0.3)),
     ],
 )
-def test_law_and_its_entry_in_a_study_are_equal(law, entry):
+def test_contact_law_equals_its_table_in_a_study(law, entry):
     study = Study().with_changes({"contact.law": entry if isinstance(entry, str) else entry.model_dump()})
     assert study.contact.law == entry
     assert type(study.contact.model().law) in (str, type(law))

@@ -1,4 +1,4 @@
-"""The summary of a result: computed once, complete, and the same from every way to ask for it."""
+"""Test the summary of a result, which command, function and methods compute once and share."""
 
 import json
 import sys
@@ -10,19 +10,19 @@ from stiction import Study, open_result, run, self_affine_surface, write_surface
 from stiction.cli import application
 from stiction.studies import budget, input_caveats, summary
 
-PAIR = [
+COMMAND_OPTIONS = [
     "--effective-modulus", "80 GPa", "--hardness", "2 GPa", "--mu0", "0.2", "--tau0", "50 MPa", "--load", "20 MPa",
     "--load", "40 MPa", "--shifts", "3", "--onset", "1", "--workers", "1",
 ]  # fmt: skip
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    where = tmp_path_factory.mktemp("summary")
+def surface_folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("summary")
     for seed, side in enumerate(("upper", "lower")):
         surface = self_affine_surface(seed, hurst_exponent=0.8, rms=0.02, shape=(64, 64), spacing=0.1, side=side)
-        write_surface(surface, where / f"{side}.csv")
-    return where
+        write_surface(surface, path / f"{side}.csv")
+    return path
 
 
 def run_command(monkeypatch, *arguments):
@@ -31,85 +31,98 @@ def run_command(monkeypatch, *arguments):
 
 
 @pytest.fixture(scope="module")
-def calls(folder):
-    """How often one `stiction pair` calls functions that each take the whole result or its files."""
+def call_counts(surface_folder):
+    """Return how often one `stiction pair` calls functions that read the whole result or its files."""
     counts = Counter()
     with pytest.MonkeyPatch.context() as monkeypatch:
 
-        def count(module, name):
+        def count_calls(module, name):
             function = getattr(module, name)
 
-            def counted(*args, **kwargs):
+            def call_and_count(*args, **kwargs):
                 counts[name] += kwargs.get("budget", True)
                 return function(*args, **kwargs)
 
-            monkeypatch.setattr(module, name, counted)
+            monkeypatch.setattr(module, name, call_and_count)
 
-        count(summary, "summarize")
-        count(budget, "add_uncertainty")
-        count(input_caveats, "find_study_caveats")
-        run_command(monkeypatch, "pair", folder / "upper.csv", folder / "lower.csv", *PAIR, "-o", folder / "pair")
+        count_calls(summary, "summarize")
+        count_calls(budget, "add_uncertainty")
+        count_calls(input_caveats, "find_study_caveats")
+        run_command(
+            monkeypatch,
+            "pair",
+            surface_folder / "upper.csv",
+            surface_folder / "lower.csv",
+            *COMMAND_OPTIONS,
+            "-o",
+            surface_folder / "pair",
+        )
     return counts
 
 
-def test_pair_computes_summary_values_and_input_caveats_once(calls):
-    assert calls == {"summarize": 1, "add_uncertainty": 1, "find_study_caveats": 1}
+def test_pair_computes_summary_values_and_input_caveats_once(call_counts):
+    assert call_counts == {"summarize": 1, "add_uncertainty": 1, "find_study_caveats": 1}
 
 
-def test_result_keeps_its_summary_and_adds_what_is_stored_alongside(folder, calls):
-    result = open_result(folder / "pair")
+def test_result_caches_its_summary_with_data_stored_alongside(surface_folder, call_counts):
+    result = open_result(surface_folder / "pair")
     first, second = result.summary(), result.summary()
     assert first.points is second.points
     assert first.onset is second.onset is not None
     assert first.over_cut_offs.sizes["cut_off"] > 1
 
 
-def test_summary_at_the_study_values_is_that_of_the_study(folder, calls):
-    """The same assessment, caveats and intervals, however it is asked for."""
-    result = open_result(folder / "pair")
-    own = result.summary()
-    named = result.summary(["20 MPa", "40 MPa"], mu0=0.2, tau0="50 MPa")
-    for one, other in zip(own.points, named.points, strict=True):
-        assert one.verdict == other.verdict
-        assert one.caveats == other.caveats
-        np.testing.assert_allclose(one.quantity("friction_combined"), other.quantity("friction_combined"), rtol=1e-12)
-    assert (result.value, result.interval) == (own.first.value, (own.first.lower, own.first.upper))
+def test_summary_at_explicit_study_values_equals_default_summary(surface_folder, call_counts):
+    """Compare the summary at default values with the summary at the same values given explicitly."""
+    result = open_result(surface_folder / "pair")
+    default_summary = result.summary()
+    explicit_summary = result.summary(["20 MPa", "40 MPa"], mu0=0.2, tau0="50 MPa")
+    for default_point, explicit_point in zip(default_summary.points, explicit_summary.points, strict=True):
+        assert default_point.verdict == explicit_point.verdict
+        assert default_point.caveats == explicit_point.caveats
+        np.testing.assert_allclose(
+            default_point.quantity("friction_combined"), explicit_point.quantity("friction_combined"), rtol=1e-12
+        )
+    assert (result.value, result.interval) == (
+        default_summary.first.value,
+        (default_summary.first.lower, default_summary.first.upper),
+    )
 
 
-def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(folder, calls):
-    result = open_result(folder / "pair")
+def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(surface_folder, call_counts):
+    result = open_result(surface_folder / "pair")
     point = result.summary("20 MPa", mu0=0.3).first
-    at = result.at("20 MPa", mu0=0.3)["friction_combined"].sel(sliding="all").squeeze()
-    np.testing.assert_allclose([point.value, point.lower, point.upper], at.values, rtol=1e-12)
-    stored = [caveat.text for caveat in result.input_caveats if point.at["cut_off"] < caveat.cut_off]
-    assert set(stored) <= {caveat.text for caveat in point.caveats}
+    combined = result.at("20 MPa", mu0=0.3)["friction_combined"].sel(sliding="all").squeeze()
+    np.testing.assert_allclose([point.value, point.lower, point.upper], combined.values, rtol=1e-12)
+    expected_caveats = [caveat.text for caveat in result.input_caveats if point.at["cut_off"] < caveat.cut_off]
+    assert set(expected_caveats) <= {caveat.text for caveat in point.caveats}
 
 
-def test_at_per_member_averages_to_the_means(folder, calls):
-    result = open_result(folder / "pair")
+def test_at_per_member_has_means_of_the_result(surface_folder, call_counts):
+    result = open_result(surface_folder / "pair")
     members = result.at("20 MPa", per_member=True)
     means = result.at("20 MPa")
     assert members.sizes["repetition"] == 3
     mean = means["friction_all_round"].sel(statistic="mean")
-    own = members["friction_coefficient"].mean(("repetition", "direction")).transpose(*mean.dims)
-    np.testing.assert_allclose(own, mean, rtol=1e-12)
+    member_mean = members["friction_coefficient"].mean(("repetition", "direction")).transpose(*mean.dims)
+    np.testing.assert_allclose(member_mean, mean, rtol=1e-12)
     with pytest.raises(ValueError, match="per_member must be False with budget"):
         result.at("20 MPa", per_member=True, budget=True)
 
 
-def test_at_command_has_the_assessment_and_caveats_of_pair(folder, calls, monkeypatch, capsys):
+def test_info_and_at_commands_have_equal_assessment_and_caveats(surface_folder, call_counts, monkeypatch, capsys):
     records = []
-    for arguments in (["info", folder / "pair", "--json"], ["at", folder / "pair", "--json"]):
+    for arguments in (["info", surface_folder / "pair", "--json"], ["at", surface_folder / "pair", "--json"]):
         capsys.readouterr()
         run_command(monkeypatch, *arguments)
         records.append(json.loads(capsys.readouterr().out)["answers"])
-    for one, other in zip(*records, strict=True):
-        assert [one[name] for name in ("verdict", "caveats", "rules")] == [
-            other[name] for name in ("verdict", "caveats", "rules")
+    for info_answer, at_answer in zip(*records, strict=True):
+        assert [info_answer[name] for name in ("verdict", "caveats", "rules")] == [
+            at_answer[name] for name in ("verdict", "caveats", "rules")
         ]
 
 
-def test_at_command_rejects_few_contacts_at_a_load_of_its_own(tmp_path, monkeypatch, capsys):
+def test_at_command_assesses_few_contacts_as_do_not_quote(tmp_path, monkeypatch, capsys):
     study = Study.named("quick").with_changes({"ensemble.repetitions": 8, "surfaces.points": 3000})
     run(study, store=tmp_path / "study")
     capsys.readouterr()
