@@ -58,11 +58,11 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
 
-DEFAULT_NUM_POSITIONS = 64  # positions of a pair of profiles: some seconds of computing, and enough for an interval
-NUM_ADHESION_LOADS = 4  # loads below the requested loads, over two decades, for the load curve of adhesive contacts
-PRELOAD_FRACTION = 1e-3  # small load that replaces zero load, as a fraction of the attraction of one grid point
+DEFAULT_NUM_POSITIONS = 64  # positions of a pair of profiles, enough for an interval after some seconds of computing
+NUM_ADHESION_LOADS = 4  # loads of adhesive contacts below the requested loads, spread over two decades
+PRELOAD_FRACTION = 1e-3  # load that replaces a zero load, as a fraction of the attraction of one grid point
 DEFAULT_LAW = "hertz-sphere"  # contact law of the asperity model
-HARDNESS_TO_YIELD_RATIO = 2.84  # law of Jackson and Green at small contact radii
+HARDNESS_TO_YIELD_RATIO = 2.84  # of small contacts in the law of Jackson and Green
 
 GAP_REMARK = (
     "A gap map does not contain the slopes of the two faces: each face was assigned half of the gap slopes. Closure, "
@@ -71,12 +71,12 @@ GAP_REMARK = (
 
 
 class Pair:
-    """Two bodies and their options in core units. An invalid option raises an `ArgumentError`."""
+    """Two bodies and their options, with values in core units. Invalid options raise an `ArgumentError`."""
 
     def __init__(self, options: PairOptions) -> None:
         self.options = options
-        bodies = (options.upper is not None) + (options.lower is not None)
-        if bodies != (2 if options.gap is None else 0):
+        num_bodies = (options.upper is not None) + (options.lower is not None)
+        if num_bodies != (2 if options.gap is None else 0):
             hint = "; {upper_material} and {lower_material} are materials, such as steel; the files come first"
             hint = "" if options.upper_material is None and options.lower_material is None else hint
             raise ArgumentError(f"give {{upper}} and {{lower}}, or the {{gap}} between them{hint}")
@@ -87,25 +87,27 @@ class Pair:
                 continue
             for condition in PAIR_OPTIONS[name].applies:
                 if not condition.holds(self):
-                    shown = "" if value is True else f" {value}"
-                    raise ArgumentError(f"{{{name}}} {condition.message}, got {{{name}}}{{shown}}", shown=shown)
+                    value_text = "" if value is True else f" {value}"
+                    raise ArgumentError(
+                        f"{{{name}}} {condition.message}, got {{{name}}}{{value_text}}", value_text=value_text
+                    )
 
     @classmethod
     def from_values(cls, **values: object) -> Pair:
-        """Return a pair for unchecked options, named like the fields of `PairOptions`."""
+        """Create a pair from unchecked values of the options, by their names in `PairOptions`."""
         return cls(read_options(values))
 
-    def _kind(self, name: str) -> OptionKind:
+    def _find_kind(self, name: str) -> OptionKind:
         kind = PAIR_OPTIONS[name].kind
         assert kind is not None, f"{name} is declared without a kind of quantity"
         return kind
 
-    def _quantity(self, name: str, value: object) -> Quantity:
+    def _parse_quantity(self, name: str, value: object) -> Quantity:
         """Parse the value of an option as a quantity of the option's kind."""
-        return parse_quantity(name, value, self._kind(name))
+        return parse_quantity(name, value, self._find_kind(name))
 
-    def _quantities(self, name: str, values: object) -> list[Quantity]:
-        return parse_quantities(name, values, self._kind(name))
+    def _parse_quantities(self, name: str, values: object) -> list[Quantity]:
+        return parse_quantities(name, values, self._find_kind(name))
 
     # ---- Bodies ------------------------------------------------------------------------------------------------------
 
@@ -114,21 +116,21 @@ class Pair:
         """Files of both bodies, with their reading options."""
         parts = []
         for index, side in enumerate(SIDES):
-            given = self.options.given(side) if self.options.gap is None else self.options.gap
+            scans = self.options.given(side) if self.options.gap is None else self.options.gap
             name = side if self.options.gap is None else "gap"
-            first, *others = (self._file(side, index, scan) for scan in _list_scans(name, given))
-            parts.append(first.model_copy(update={"others": tuple(others) or None}))
+            first_scan, *other_scans = (self._build_file_entry(side, index, scan) for scan in _list_scans(name, scans))
+            parts.append(first_scan.model_copy(update={"others": tuple(other_scans) or None}))
         return parts[0], parts[1]
 
-    def _file(self, side: str, index: int, body: Any) -> MeasuredFile:
-        """Return the file of a body with its reading options, or a body in memory."""
+    def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredFile:
+        """Return the study entry of a body: a file with its reading options, or a body in memory."""
         options = self.options
         properties: dict[str, Any] = {}
         if options.tip is not None:
-            radii = self._quantities("tip", options.tip)
+            radii = self._parse_quantities("tip", options.tip)
             properties["tip"] = radii[index % len(radii)]
         if processes := split_values(options.texture or ()):
-            properties["texture"] = self._process(processes[index % len(processes)])
+            properties["texture"] = self._check_process(processes[index % len(processes)])
         is_array = isinstance(body, np.ndarray)
         if not isinstance(body, (str, Path)):
             for name in READING_OPTION_NAMES:
@@ -155,7 +157,7 @@ class Pair:
             raise ArgumentError(f"{{{key}}} {{why}}, for {{{side}}}", why=why) from None
 
     def _select_value(self, name: str, index: int) -> Any:
-        """Return the value of an option for one body: the common value, or the first or second of two values."""
+        """Return the value of an option for the body with this index. A single value applies to both bodies."""
         given = self.options.given(name)
         values = given if isinstance(given, list) else [given]
         if len(values) > 2:
@@ -164,7 +166,7 @@ class Pair:
             )
         return values[index % len(values)] if values else None
 
-    def _process(self, name: Any) -> Any:
+    def _check_process(self, name: Any) -> Any:
         if name not in MACHINING_PROCESSES:
             raise ArgumentError(
                 f"{{texture}} must be {', '.join(MACHINING_PROCESSES)} or two of these, got {{got}}", got=repr(name)
@@ -172,7 +174,7 @@ class Pair:
         return name
 
     def _from_array(self, side: str, index: int, heights: Any) -> Body:
-        """Convert an array to a body. Spacing and unit are common to both bodies, or given for each body."""
+        """Convert an array to a body, with the spacing and the unit of this body or of both bodies."""
         spacing: Any = self._select_value("spacing", index)
         unit: Any = self._select_value("unit", index) or "um"
         try:
@@ -182,7 +184,7 @@ class Pair:
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
-        """Slider and counterface as scanned; the first scan of each if there are several."""
+        """First scan of the slider and first scan of the counterface."""
         upper, lower = (file.read() for file in self.files)
         return upper, lower
 
@@ -216,14 +218,14 @@ class Pair:
 
     @property
     def press(self) -> str:
-        """Kind of the members: "areas", "lines" or "surrogates"."""
+        """Kind of the members that are pressed: "areas", "lines" or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.options.lines is None else "lines"
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models; the first gives the result."""
+        """Contact models that are computed; the result is that of the first model."""
         default: Mechanics = (
             "half-space" if self.press != "lines" or self.has_missing or self._uses_plastic_lines else "asperities"
         )
@@ -233,7 +235,7 @@ class Pair:
 
     @property
     def _uses_plastic_lines(self) -> bool:
-        """True if two profiles have a hardness, and no option of the asperity model is given."""
+        """True if both bodies are profiles with a hardness, and no option of the asperity model is given."""
         asperity_options = (
             self.options.law,
             self.options.yield_strength,
@@ -270,10 +272,10 @@ class Pair:
                 continue
             if len(texts) > (2 if name in ("young", "poisson") else 1):
                 raise ArgumentError(f"{{{name}}} must be one value if it is a range, got {{got}}", got=repr(texts))
-            inputs[name] = self._read(name)
+            inputs[name] = self._parse_inputs(name)
         return inputs
 
-    def _read(self, name: str) -> list[UncertainInput]:
+    def _parse_inputs(self, name: str) -> list[UncertainInput]:
         try:
             return [
                 parse_study_input(name, text) for text in split_values(self.options.given(name)) if text is not None
@@ -294,7 +296,7 @@ class Pair:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
     def _nominal_value(self, name: str) -> Any:
-        """Return an option as given, or the central value of an uncertain input, rounded to four digits."""
+        """Return the value of an option. An uncertain input is replaced by its central value in four digits."""
         if name in ("mu0", "tau0") and self.strength is not None:
             return round_median_strength(self.strength)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
@@ -306,7 +308,7 @@ class Pair:
 
     @property
     def _uncertainty_table(self) -> dict[str, Any]:
-        """Table `known` of the study. Moduli and Poisson's ratios are listed together if either is uncertain."""
+        """Table `known` of the study: the uncertain inputs, with all moduli if one of them is uncertain."""
         names = set(self.uncertain_inputs) | {
             name for name in ("hardness", "creep") if self.options.given(name) is not None
         }
@@ -314,7 +316,7 @@ class Pair:
             names |= {"young", "poisson"}
         table: dict[str, Any] = {}
         for name in sorted(names):
-            inputs = self.uncertain_inputs.get(name) or self._read(name)
+            inputs = self.uncertain_inputs.get(name) or self._parse_inputs(name)
             table[name] = [item.text for item in inputs] if name in ("young", "poisson") else inputs[0].text
         if self.contact_models[0] == "half-space" and (growth := self._growth) is not None and not growth.is_exact:
             table["junction_growth"] = growth.text
@@ -329,15 +331,17 @@ class Pair:
 
     @cached_property
     def loads(self) -> list[Quantity]:
-        """Requested loads in ascending order, mN. Pressures act on the nominal area."""
+        """Requested loads in ascending order, mN. A pressure is multiplied by the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
-        strip = 1.0 if self.options.width is None else THICKNESS / self._width
-        # Round the products, so that the loads have no spurious last digits.
+        width_factor = 1.0 if self.options.width is None else THICKNESS / self._width
+        # Products are rounded, so that the loads have no spurious last digits.
         forces = {
-            float(load) if (factor := area if per_area else strip) == 1 else float(f"{load * factor:.12g}")
+            float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
         }
-        if 0.0 in forces:  # the pull-off force always exceeds the attraction of one grid point
+        if (
+            0.0 in forces
+        ):  # replaced by a small load, because the pull-off force always exceeds the attraction of one grid point
             forces = {force or float(f"{PRELOAD_FRACTION * self._cell_attraction:.3g}") for force in forces}
         return [quantity(exact_text(force, "mN"), "force") for force in sorted(forces)]
 
@@ -347,7 +351,7 @@ class Pair:
 
     @property
     def _cell_attraction(self) -> float:
-        """Attraction w/ρ on one cell of the grid, mN."""
+        """Largest attraction of one grid cell, mN: w/ρ times its area."""
         points = int(np.prod(self._body_attributes.attributes["shape"]))
         steps = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work, given = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
@@ -356,8 +360,8 @@ class Pair:
 
     @property
     def _width(self) -> float:
-        """Width of the profiles under a force, µm."""
-        width = self._quantity("width", self.options.width)
+        """Width of the profiles on which a force acts, µm."""
+        width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
         if all(per_area for _, per_area in self._given_loads):
@@ -366,7 +370,7 @@ class Pair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Loads as given, in mN or GPa, each with a flag for loads per area."""
+        """Given loads, in mN or GPa, each with True if it is a load per area."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -381,17 +385,17 @@ class Pair:
 
     @cached_property
     def studies(self) -> list[Study]:
-        """Study of the result and, with a check, the study with the other contact model."""
-        contacts = [self._contact(mechanics) for mechanics in self.contact_models]
+        """Study of the result and, if a check is requested, the same study with the other contact model."""
+        contacts = [self._build_contact_table(mechanics) for mechanics in self.contact_models]
         loads = [exact_text(load, "mN") for load in self._load_steps(contacts).tolist()]
-        return [self._study(contact | {"load": loads}) for contact in contacts]
+        return [self._build_study(contact | {"load": loads}) for contact in contacts]
 
     @property
     def preview_study(self) -> Study | None:
-        """Study of a preview with the asperity model; None if the pair is of lines, or itself uses this model."""
+        """Study of a preview with the asperity model; None for lines, and if the result itself uses this model."""
         if self.press == "lines" or self.contact_models[0] == "asperities" or self.has_missing:
             return None
-        return self._study(self._contact("asperities") | {"load": self.loads})
+        return self._build_study(self._build_contact_table("asperities") | {"load": self.loads})
 
     @property
     def remarks(self) -> list[str]:
@@ -406,21 +410,24 @@ class Pair:
             remarks.append(GAP_REMARK)
         return remarks
 
-    def _study(self, contact: dict[str, Any]) -> Study:
-        strengths = reject_negative("tau0", self._quantities("tau0", self._nominal_value("tau0")), self.options.tau0)
+    def _build_study(self, contact: dict[str, Any]) -> Study:
+        strengths = reject_negative(
+            "tau0", self._parse_quantities("tau0", self._nominal_value("tau0")), self.options.tau0
+        )
         coefficients = parse_coefficients("mu0", self._nominal_value("mu0"))
         friction = {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths), "load": self.loads}
         if self.options.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
                 raise ArgumentError("{wait} needs {hardness}: elastic contacts do not creep")
-            friction["wait"] = _sort_unique(self._quantities("wait", self.options.wait))
+            friction["wait"] = _sort_unique(self._parse_quantities("wait", self.options.wait))
         data = {
-            "surfaces": self._surfaces(), "contact": contact, "friction": friction, "ensemble": self._ensemble(),
+            "surfaces": self._build_surfaces_table(), "contact": contact, "friction": friction,
+            "ensemble": self._build_ensemble_table(),
             "known": self._uncertainty_table,
         }  # fmt: skip
         return _validate_study(data).with_checksums()
 
-    def _surfaces(self) -> dict[str, Any]:
+    def _build_surfaces_table(self) -> dict[str, Any]:
         press, level = self.press, self.options.level
         table: dict[str, Any] = {"kind": "measured", "press": press, "upper": self.files[0], "lower": self.files[1]}
         if self.options.cutoff == "none":
@@ -428,67 +435,68 @@ class Pair:
         elif self.options.cutoff is None:
             table |= self._filter_settings
         else:
-            table["cut_off"] = _sort_unique(self._quantities("cutoff", self.options.cutoff))
+            table["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
-            level = "mean"  # keep the measured orientation of the faces
+            level = "mean"  # keeps the measured orientation of the faces
         if level is not None:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
-            table |= {"rotate": float(self.options.rotate or 0.0), "surrogates": self._num_surrogates(0)}
+            table |= {"rotate": float(self.options.rotate or 0.0), "surrogates": self._parse_num_surrogates(0)}
             table |= {} if self.options.gap is None else {"gap": True}
         if (positions := self._listed_positions) is not None:
             table["positions"] = positions
         if press == "lines":
-            replaced = "none" if self.options.surrogates is None else str(self.options.surrogates)
-            if replaced not in get_args(Surrogates):
+            surrogate_choice = "none" if self.options.surrogates is None else str(self.options.surrogates)
+            if surrogate_choice not in get_args(Surrogates):
                 allowed = ", ".join(get_args(Surrogates))
                 raise ArgumentError(
-                    f"{{surrogates}} of lines must be one of {allowed}, got {{got}}", got=repr(replaced)
+                    f"{{surrogates}} of lines must be one of {allowed}, got {{got}}", got=repr(surrogate_choice)
                 )
-            table |= {"along": self.options.along or "x", "replace": replaced}
-            table |= {"offsets": self._positions()[1]} if self._listed_positions is None else {}
+            table |= {"along": self.options.along or "x", "replace": surrogate_choice}
+            table |= {"offsets": self._count_positions()[1]} if self._listed_positions is None else {}
             if self.options.travel is not None:
-                table["travel"] = self._quantity("travel", self.options.travel)
+                table["travel"] = self._parse_quantity("travel", self.options.travel)
         return table
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Cutoffs 0 and filtered, if unattributed wavelengths contribute much of the slope; empty otherwise.
+        """Keys of the surfaces table if much of the slope comes from wavelengths that may not belong to the surface.
 
-        Each scan is filtered at its own cutoff, or not at all. The filtered scans come first and give the quoted result
-        if all unattributed wavelengths are noise floors.
+        The study then has two cutoffs: unfiltered, and with each scan filtered at its own cutoff. The filtered scans
+        come first, and so give the quoted result, if all these wavelengths are noise floors of an instrument. The
+        dictionary is empty if no scan needs a filter.
         """
         limits = [[_find_instrument_limit(scan) for scan in file.scans] for file in self.files]
-        unattributed = [limit for part_limits in limits for limit in part_limits if limit is not None]
-        sides = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
-        longest = max((limit.cut_off for limit in unattributed), default=0.0)
-        if not 0 < longest < min(sides, default=0.0) / 4:
+        present_limits = [limit for part_limits in limits for limit in part_limits if limit is not None]
+        extents = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
+        longest_cutoff = max((limit.cut_off for limit in present_limits), default=0.0)
+        if not 0 < longest_cutoff < min(extents, default=0.0) / 4:
             return {}
-        parts = []
+        filtered_files = []
         for file, part_limits in zip(self.files, limits, strict=True):
             first, *others = (
                 scan.model_copy(update={"max_cut_off": _to_length(0.0 if limit is None else limit.cut_off)})
                 for scan, limit in zip(file.scans, part_limits, strict=True)
             )
-            parts.append(first.model_copy(update={"others": tuple(others) or None}))
-        floors = all(limit.origin == "instrument" for limit in unattributed)
-        cut_offs = ["0 um", exact_text(longest, "um")]
+            filtered_files.append(first.model_copy(update={"others": tuple(others) or None}))
+        are_noise_floors = all(limit.origin == "instrument" for limit in present_limits)
+        cut_offs = ["0 um", exact_text(longest_cutoff, "um")]
         return {
-            "cut_off": cut_offs[::-1] if floors else cut_offs, "both_readings": True,
-            **dict(zip(SIDES, parts, strict=True)),
+            "cut_off": cut_offs[::-1] if are_noise_floors else cut_offs, "both_readings": True,
+            **dict(zip(SIDES, filtered_files, strict=True)),
         }  # fmt: skip
 
-    def _ensemble(self) -> dict[str, Any]:
+    def _build_ensemble_table(self) -> dict[str, Any]:
         if self.press == "lines":
-            lines, offsets = self._positions()
+            lines, offsets = self._count_positions()
             repetitions = lines * offsets
         elif self.press == "surrogates":
-            repetitions = self._num_surrogates(DEFAULT_NUM_SURROGATES)
+            repetitions = self._parse_num_surrogates(DEFAULT_NUM_SURROGATES)
         else:
             shifts = 1 if self.options.gap is not None else self.options.shifts or DEFAULT_NUM_SHIFTS
             listed = self._listed_positions
-            repetitions = (shifts if listed is None else len(listed)) + self._num_surrogates(0)
-        # Each pair of scans has equally many members.
+            repetitions = (shifts if listed is None else len(listed)) + self._parse_num_surrogates(0)
+        # All pairs of scans have the same number of members.
         pairs = 1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
         if self._listed_positions is not None:
             repetitions *= pairs
@@ -499,17 +507,17 @@ class Pair:
 
     @cached_property
     def _listed_positions(self) -> list[Any] | None:
-        """Positions (µm) of the slider on the counterface, (x, y) for maps; None if only their number is given."""
+        """Listed positions (µm) of the slider on the counterface, (x, y) for maps; None if they are not listed."""
         if self.options.positions is None:
             return None
-        values = self._quantities("positions", self.options.positions)
+        values = self._parse_quantities("positions", self.options.positions)
         if self.press == "lines":
             return list(reject_negative("positions", values, self.options.positions))
         if len(values) % 2:
             raise ArgumentError("{positions} of maps must be pairs of x and y, got {got} values", got=str(len(values)))
         return [list(pair) for pair in zip(values[::2], values[1::2], strict=True)]
 
-    def _positions(self) -> tuple[int, int]:
+    def _count_positions(self) -> tuple[int, int]:
         """Return the number of pairs of lines, and the number of positions on each pair."""
         lines, offsets = self.options.lines or DEFAULT_LINES, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
@@ -524,7 +532,7 @@ class Pair:
             raise ArgumentError(f"{{offsets}} {offsets} needs a {{travel}} LENGTH, by which the slider is shortened")
         return lines, offsets or 1
 
-    def _num_surrogates(self, default: int) -> int:
+    def _parse_num_surrogates(self, default: int) -> int:
         text = "none" if self.options.surrogates is None else str(self.options.surrogates)
         if text == "none":
             return default
@@ -534,7 +542,7 @@ class Pair:
             )
         return int(text)
 
-    def _contact(self, mechanics: str) -> dict[str, Any]:
+    def _build_contact_table(self, mechanics: str) -> dict[str, Any]:
         elasticity = self.elasticity
         table: dict[str, Any] = {
             "mechanics": mechanics, "effective_modulus": exact_text(elasticity.effective_modulus, "GPa"),
@@ -555,14 +563,14 @@ class Pair:
                 table["junction_growth"] = 0.0
             table |= self._adhesion
         else:
-            table |= {"law": self._law(), "detection": self.options.detection or "gap-minimum"}
+            table |= {"law": self._build_law(), "detection": self.options.detection or "gap-minimum"}
             if self.options.curvature is not None:
                 table["curvature"] = self.options.curvature
         return table
 
     @property
     def _adhesion(self) -> dict[str, Quantity]:
-        """Work of adhesion and its range. Each must be a single value, because every value needs its own solution."""
+        """Work of adhesion and its range. They cannot be ranges, because every value needs its own solution."""
         quantities = {}
         for name in ("work_of_adhesion", "adhesion_range"):
             if (value := self.options.given(name)) is None:
@@ -570,7 +578,7 @@ class Pair:
             if isinstance(value, str) and UNCERTAINTY_PATTERN.search(value):
                 message = f"{{{name}}} must be one value; compute both ends of a range separately, got {{got}}"
                 raise ArgumentError(message, got=repr(value))
-            quantities[name] = self._quantity(name, value)
+            quantities[name] = self._parse_quantity(name, value)
             reject_negative(name, [quantities[name]], value)
         return quantities
 
@@ -578,43 +586,43 @@ class Pair:
     def _growth(self) -> UncertainInput | None:
         """Coefficient α of junction growth, or None if contacts do not grow.
 
-        The default is the value of the interface, or else of the softer material.
+        By default it is taken from the interface or, without an interface, from the softer material.
         """
-        given = self.options.junction_growth
-        if given is None:
-            grows = self._hardness is not None and not self._adhesion.get("work_of_adhesion")
-            calibrated = self.strength.growth if grows and self.strength is not None else None
-            if calibrated is not None:
-                return calibrated if calibrated.value else None
-            softer = softer_material(*map(material, self.elasticity.materials or ())) if grows else None
+        alpha_text = self.options.junction_growth
+        if alpha_text is None:
+            can_grow = self._hardness is not None and not self._adhesion.get("work_of_adhesion")
+            interface_growth = self.strength.growth if can_grow and self.strength is not None else None
+            if interface_growth is not None:
+                return interface_growth if interface_growth.value else None
+            softer = softer_material(*map(material, self.elasticity.materials or ())) if can_grow else None
             value = softer and softer.junction_growth
-            given = f"{value.low:g}..{value.high:g}" if value else 0.0
+            alpha_text = f"{value.low:g}..{value.high:g}" if value else 0.0
         elif self._hardness is None:
             raise ArgumentError("{junction_growth} needs {hardness}: elastic contacts do not grow")
         try:
-            alpha = parse_study_input("junction_growth", given)
+            alpha = parse_study_input("junction_growth", alpha_text)
         except ValueError as error:
             raise ArgumentError("{junction_growth} {why}", why=str(error).strip()) from None
         if alpha.value and self._adhesion.get("work_of_adhesion"):
-            raise ArgumentError("{junction_growth} must be 0 with {work_of_adhesion}, got {got}", got=repr(given))
+            raise ArgumentError("{junction_growth} must be 0 with {work_of_adhesion}, got {got}", got=repr(alpha_text))
         return alpha if alpha.value else None
 
     @property
     def _hardness(self) -> Quantity | None:
-        """Hardness as given, or else the hardness of the softer material."""
+        """Given hardness or, without one, the hardness of the softer material."""
         if self.options.hardness is None:
             value = self.elasticity.hardness
             return None if value is None else quantity(exact_text(value, "GPa"), "pressure")
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
-        self._read("hardness")  # its errors also list the hardness scales
-        hardness = self._quantity("hardness", self._nominal_value("hardness"))
+        self._parse_inputs("hardness")  # raises errors that also list the hardness scales
+        hardness = self._parse_quantity("hardness", self._nominal_value("hardness"))
         if not hardness > 0:
             raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.options.hardness))
         return hardness
 
-    def _law(self) -> Any:
-        """Return the contact law of the asperity model with its parameters."""
+    def _build_law(self) -> Any:
+        """Return the contact law of the asperity model, with its parameters, as a value of the study."""
         if self.contact_law != JacksonGreen.name:
             return self.contact_law
         strength, ratio = self.options.yield_strength, self.elasticity.poisson_ratio
@@ -625,11 +633,11 @@ class Pair:
         if strength is None:
             strength = exact_text(float(self._hardness or 0.0) / HARDNESS_TO_YIELD_RATIO, "GPa")
         else:
-            strength = self._quantity("yield_strength", strength)
+            strength = self._parse_quantity("yield_strength", strength)
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
     def _load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
-        """Return the loads of the load curve, mN, which are common to all contact models."""
+        """Return the loads (mN) at which contacts are solved, the same for all contact models."""
         max_load = None
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
@@ -644,21 +652,26 @@ class Pair:
                     area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip
         loads = self.loads
-        unloaded = (
+        preloads = (
             loads[:1] if self._has_zero_load else []
-        )  # no result is interpolated between zero and the other loads
-        loaded = loads[len(unloaded) :] or loads
-        lighter = NUM_ADHESION_LOADS if self._adhesion.get("work_of_adhesion") else 1
-        around = choose_load_steps(
-            loaded, press=self.press, mechanics="half-space" if "half-space" in self.contact_models else "asperities",
-            max_load=max_load, num_smaller=0 if loaded == unloaded else lighter,
+        )  # results between zero and the other loads are not interpolated
+        regular_loads = loads[len(preloads) :] or loads
+        num_smaller = NUM_ADHESION_LOADS if self._adhesion.get("work_of_adhesion") else 1
+        steps = choose_load_steps(
+            regular_loads, press=self.press,
+            mechanics="half-space" if "half-space" in self.contact_models else "asperities",
+            max_load=max_load, num_smaller=0 if regular_loads == preloads else num_smaller,
         )  # fmt: skip
-        return np.union1d(around, np.array(unloaded, np.float64))
+        return np.union1d(steps, np.array(preloads, np.float64))
 
     @cached_property
     def _body_attributes(self) -> BodyAttributes:
         placeholder = {"mu0": [0.0], "load": ["1 mN"]}
-        data = {"surfaces": self._surfaces(), "ensemble": self._ensemble(), "friction": placeholder}
+        data = {
+            "surfaces": self._build_surfaces_table(),
+            "ensemble": self._build_ensemble_table(),
+            "friction": placeholder,
+        }
         return body_attributes(_validate_study(data))
 
     @property
@@ -670,7 +683,7 @@ class Pair:
 
 
 def _validate_study(data: dict[str, Any]) -> Study:
-    """Validate the tables of a study. An error in the key of an option becomes an `ArgumentError` of the option."""
+    """Validate the tables of a study. If an invalid key is set by an option, the `ArgumentError` names the option."""
     try:
         return validated(Study, data, "pair")
     except StudyError as error:
@@ -681,7 +694,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the name of the option that sets a key of a study such as "friction.mu0[0]", or None."""
+    """Return the name of the option that sets a key of a study, such as "friction.mu0[0]"; None if no option does."""
     key = key.partition("[")[0]
     last = key.rpartition(".")[2]
     return next(
@@ -710,10 +723,10 @@ def _split_commas(value: Any) -> Any:
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Return the scans of a part: elements of a list, files in a folder, comma-separated names, or a single scan."""
+    """Return the scans of a part, given as a list, a folder, comma-separated names, or a single scan."""
     if isinstance(given, (list, tuple)):
         scans = list(given)
-    elif isinstance(given, str) and not given.strip():  # `Path` would interpret it as the current folder
+    elif isinstance(given, str) and not given.strip():  # `Path` would interpret an empty text as the current folder
         scans = [given]
     elif isinstance(given, (str, Path)) and Path(given).is_dir():
         scans = sorted(path for path in Path(given).iterdir() if not (path.is_dir() or path.name.startswith(".")))
@@ -729,7 +742,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_instrument_limit(scan: MeasuredFile) -> InstrumentLimit | None:
-    """Return the wavelength limit of a scan if unattributed wavelengths contribute much of the slope, or None."""
+    """Return the limit below which wavelengths may not belong to the surface; None if these hardly affect the slope."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None

@@ -32,7 +32,7 @@ from stiction.surfaces.surface import Surface
 
 
 class HeightData(Protocol):
-    """Heights of another library with their data: of surfalize or xarray."""
+    """Heights of another library, such as surfalize or xarray, in the attribute `data`."""
 
     @property
     def data(self) -> object:
@@ -40,7 +40,7 @@ class HeightData(Protocol):
 
 
 class Topography(Protocol):
-    """A topography of SurfaceTopography."""
+    """Topography of the library SurfaceTopography."""
 
     def heights(self) -> object:
         """Heights as an array."""
@@ -61,11 +61,11 @@ def _read_values(value: object) -> object:
     return [_read_value(item) for item in items] if isinstance(items, (list, tuple, range)) else _read_value(value)
 
 
-def _read_whole_number(value: object, least: int) -> int:
+def _read_whole_number(value: object, minimum: int) -> int:
     if isinstance(value, str) and value.strip().removeprefix("-").isdecimal():
         value = int(value)
     try:
-        return whole_number("", value, minimum=least)
+        return whole_number("", value, minimum=minimum)
     except ValueError as error:
         raise ValueError(str(error).strip()) from None
 
@@ -86,7 +86,7 @@ def _read_degrees(value: object) -> float:
 
 
 def _read_positions(value: object) -> object:
-    """Return lengths, or the lengths x and y of each position in a row."""
+    """Read lengths, or pairs (x, y) of lengths as a flat list."""
     value = scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     if not isinstance(items, (list, tuple)):
@@ -104,22 +104,22 @@ def _read_surrogates(value: object) -> object:
 
 
 HeightMap: TypeAlias = str | Path | Profile | Surface | NDArray[np.generic] | HeightData | Topography
-"""A measured profile or surface: a file, a body of this library or of another, or an array of heights."""
+"""Measured profile or surface: a file, a body of this or another library, or an array of heights."""
 Scan: TypeAlias = HeightMap | JoinedSpectrum
 Part: TypeAlias = Annotated[Scan | Sequence[Scan], SkipValidation]
-"""One scan of a part, or scans of several places on it."""
+"""One scan of a part, or scans at several places on it."""
 Gap: TypeAlias = Annotated[HeightMap, SkipValidation]
 InterfaceName: TypeAlias = Annotated[str | Path | Interface, SkipValidation]
 Value: TypeAlias = Annotated[str | float, PlainValidator(_read_value)]
-"""A number, in the unit of the option, or a text with a unit."""
+"""Number in the unit of the option, or text with a unit."""
 Values: TypeAlias = Annotated[
     str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_read_values)
 ]  # fmt: skip
-"""One value or several; a text may have several between commas."""
+"""One value or several values; commas separate the values of a text."""
 Positions: TypeAlias = Annotated[
     str | float | Sequence[str | float | Sequence[str | float]] | NDArray[np.float64], PlainValidator(_read_positions)
 ]  # fmt: skip
-"""Positions along profiles, or positions (x, y) of maps, also as a flat list."""
+"""Positions along profiles, or positions (x, y) of maps, which may be a flat list."""
 Count: TypeAlias = Annotated[int, PlainValidator(_read_count)]
 Seed: TypeAlias = Annotated[int, PlainValidator(_read_non_negative)]
 Degrees: TypeAlias = Annotated[float, PlainValidator(_read_degrees)]
@@ -132,7 +132,7 @@ LawChoice = Literal["hertz-sphere", "hertz-cylinder", "jackson-green"]
 Level = Literal["mean", "line", "plane", "quadratic", "none"]
 
 
-# ---- Where options apply ---------------------------------------------------------------------------------------------
+# ---- Conditions of options -------------------------------------------------------------------------------------------
 
 
 class PairFacts(Protocol):
@@ -181,198 +181,198 @@ class PairFacts(Protocol):
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition of an option, and the error message if the condition is not met."""
+    """Condition under which an option applies, and the error message otherwise."""
 
     holds: Callable[[PairFacts], bool]
-    message: str  # follows the name of the option; other options are written as {name}
+    message: str  # text after the name of the option; other options are written as {name}
 
 
-def condition(message: str) -> Callable[[Callable[[PairFacts], bool]], Condition]:
+def make_condition(message: str) -> Callable[[Callable[[PairFacts], bool]], Condition]:
     """Return a decorator that converts a function to a condition with a message."""
 
-    def make(holds: Callable[[PairFacts], bool]) -> Condition:
+    def decorate(holds: Callable[[PairFacts], bool]) -> Condition:
         return Condition(holds, message)
 
-    return make
+    return decorate
 
 
-@condition("must be one map")
+@make_condition("must be one map")
 def is_one_map(pair: PairFacts) -> bool:
-    """Return whether the gap is a single height map."""
+    """Return whether the gap is given by a single height map."""
     return pair.are_maps and pair.scan_counts == (1, 1)
 
 
-@condition("must not be combined with {gap}: its two faces belong together")
+@make_condition("must not be combined with {gap}: its two faces belong together")
 def has_two_bodies(pair: PairFacts) -> bool:
     """Return whether two bodies are given, and not the gap between them."""
     return pair.options.gap is None
 
 
-@condition("is for two profiles; a map contains its lay")
+@make_condition("is for two profiles; a map contains its lay")
 def has_two_profiles(pair: PairFacts) -> bool:
     """Return whether both bodies are profiles."""
     return pair.are_profiles
 
 
-@condition("is for two profiles that are pressed as lines; other bodies have an area")
+@make_condition("is for two profiles that are pressed as lines; other bodies have an area")
 def presses_profiles_as_lines(pair: PairFacts) -> bool:
-    """Return whether two profiles are pressed as lines, which have no width."""
+    """Return whether two profiles are pressed as lines."""
     return pair.are_profiles and pair.press == "lines"
 
 
-@condition("generates surfaces from a spectrum and needs scans without masked points")
+@make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def makes_surrogates_of_whole_scans(pair: PairFacts) -> bool:
-    """Return whether no surrogates are made of scans with masked points."""
+    """Return whether surrogates, if any, are made of scans without masked points."""
     return not (pair.has_missing and pair.has_surrogates)
 
 
-@condition("uses the asperity model and needs scans without masked points")
+@make_condition("uses the asperity model and needs scans without masked points")
 def presses_asperities_of_whole_scans(pair: PairFacts) -> bool:
-    """Return whether asperities are not pressed on scans with masked points."""
+    """Return whether the asperity model, if used, presses scans without masked points."""
     return not pair.has_missing or "asperities" not in pair.contact_models
 
 
-@condition("needs scans without masked points; {missing} interpolate fills them, and {crop} excludes them")
+@make_condition("needs scans without masked points; {missing} interpolate fills them, and {crop} excludes them")
 def has_whole_scans(pair: PairFacts) -> bool:
     """Return whether no points are masked."""
     return not pair.has_missing
 
 
-@condition("must not be combined with a spectrum, from which surfaces are generated")
+@make_condition("must not be combined with a spectrum, from which surfaces are generated")
 def has_no_spectrum(pair: PairFacts) -> bool:
     """Return whether no body is a spectrum of several scans."""
     return not pair.has_spectrum
 
 
-@condition("is for surfaces and surrogates; two profiles are one pair")
+@make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_pairs_of_lines(pair: PairFacts) -> bool:
-    """Return whether there are several pairs of lines: of surfaces, or of surrogates of profiles."""
+    """Return whether there are several pairs of lines, from surfaces or from surrogates of profiles."""
     return not pair.are_profiles or (pair.press == "lines" and pair.has_surrogates)
 
 
-@condition("is for lines; for maps give {lines} as well")
+@make_condition("is for lines; for maps give {lines} as well")
 def presses_lines(pair: PairFacts) -> bool:
     """Return whether lines are pressed."""
     return pair.press == "lines"
 
 
-@condition("is for lines of surfaces")
+@make_condition("is for lines of surfaces")
 def presses_lines_of_surfaces(pair: PairFacts) -> bool:
     """Return whether lines of height maps are pressed."""
     return pair.press == "lines" and not pair.are_profiles
 
 
-@condition("is for the areas of two maps, without {lines}")
+@make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairFacts) -> bool:
     """Return whether the areas of two height maps are pressed."""
     return pair.press == "areas"
 
 
-@condition("is for areas; lines are moved both ways")
+@make_condition("is for areas; lines are moved both ways")
 def moves_areas(pair: PairFacts) -> bool:
     """Return whether the members are areas."""
     return pair.press != "lines"
 
 
-@condition("is for lines, or for the areas of two maps")
+@make_condition("is for lines, or for the areas of two maps")
 def presses_scans(pair: PairFacts) -> bool:
     """Return whether lines or areas of the scans are pressed."""
     return pair.press != "surrogates"
 
 
-@condition("must not be given with {positions}")
+@make_condition("must not be given with {positions}")
 def has_no_positions(pair: PairFacts) -> bool:
     """Return whether the relative positions are not listed."""
     return pair.options.positions is None
 
 
-@condition("is for {surrogates}")
+@make_condition("is for {surrogates}")
 def presses_surrogates(pair: PairFacts) -> bool:
     """Return whether surrogates are pressed."""
     return pair.has_surrogates
 
 
-@condition("must not be combined with {check}, which uses both contact models")
+@make_condition("must not be combined with {check}, which uses both contact models")
 def presses_by_one_model(pair: PairFacts) -> bool:
-    """Return whether the pair is not pressed by both contact models."""
+    """Return whether a single contact model is used."""
     return not pair.options.check
 
 
-@condition("is for {mechanics} half-space")
+@make_condition("is for {mechanics} half-space")
 def presses_half_space(pair: PairFacts) -> bool:
-    """Return whether the half-space is pressed, for the result or as a check."""
+    """Return whether the half-space model is used, for the result or as a check."""
     return "half-space" in pair.contact_models
 
 
-@condition("is for {mechanics} half-space")
+@make_condition("is for {mechanics} half-space")
 def has_result_by_half_space(pair: PairFacts) -> bool:
-    """Return whether the result is that of the half-space."""
+    """Return whether the result is computed with the half-space."""
     return pair.contact_models[0] == "half-space"
 
 
-@condition("is for {mechanics} half-space alone")
+@make_condition("is for {mechanics} half-space alone")
 def presses_half_space_alone(pair: PairFacts) -> bool:
-    """Return whether the half-space is pressed, and no asperities as a check."""
+    """Return whether only the half-space model is used, without the asperity model as a check."""
     return pair.contact_models == ("half-space",)
 
 
-@condition("is for {mechanics} asperities")
+@make_condition("is for {mechanics} asperities")
 def presses_asperities(pair: PairFacts) -> bool:
-    """Return whether asperities are pressed, for the result or as a check."""
+    """Return whether the asperity model is used, for the result or as a check."""
     return "asperities" in pair.contact_models
 
 
-@condition("must not be combined with {lay} grooves, which needs the law of cylinders")
+@make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
 def suits_grooves(pair: PairFacts) -> bool:
-    """Return whether the contact law is that of cylinders where the lay is grooves."""
+    """Return whether the contact law suits the lay: grooves require the law of cylinders."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
 
-@condition("is for {law} jackson-green")
+@make_condition("is for {law} jackson-green")
 def has_law_with_yield(pair: PairFacts) -> bool:
-    """Return whether asperities yield by the law of Jackson and Green."""
+    """Return whether the contact law is that of Jackson and Green, with a yield strength."""
     return pair.contact_law == JacksonGreen.name
 
 
-@condition("must not be combined with {hardness}, which determines it")
+@make_condition("must not be combined with {hardness}, which determines it")
 def has_no_hardness_for_asperities(pair: PairFacts) -> bool:
-    """Return whether no hardness sets the yield strength of asperities."""
+    """Return whether no hardness is given that would set the yield strength of asperities."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
-@condition("is for {mechanics} half-space, and for {law} jackson-green")
+@make_condition("is for {mechanics} half-space, and for {law} jackson-green")
 def has_plastic_contacts(pair: PairFacts) -> bool:
     """Return whether the contact model has a hardness."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
 
-@condition("needs {creep}, the exponent of indentation creep")
+@make_condition("needs {creep}, the exponent of indentation creep")
 def has_creep(pair: PairFacts) -> bool:
     """Return whether an exponent of creep is given."""
     return pair.options.creep is not None
 
 
-@condition("is for {wait}")
+@make_condition("is for {wait}")
 def has_dwell_times(pair: PairFacts) -> bool:
     """Return whether dwell times are given."""
     return pair.options.wait is not None
 
 
-@condition("is for {work_of_adhesion}")
+@make_condition("is for {work_of_adhesion}")
 def has_work_of_adhesion(pair: PairFacts) -> bool:
     """Return whether a work of adhesion is given."""
     return pair.options.work_of_adhesion is not None
 
 
-@condition("must not be combined with {interface}, which contains mu0 and tau0")
+@make_condition("must not be combined with {interface}, which contains mu0 and tau0")
 def has_no_interface(pair: PairFacts) -> bool:
     """Return whether no interface gives mu0 and tau0 jointly."""
     return pair.options.interface is None
 
 
-@condition("is for {young} and {law} jackson-green")
+@make_condition("is for {young} and {law} jackson-green")
 def needs_poisson_ratio(pair: PairFacts) -> bool:
-    """Return whether Poisson's ratio is used: with Young's modulus, or by the law of Jackson and Green."""
+    """Return whether Poisson's ratio is used, with Young's modulus or in the law of Jackson and Green."""
     return pair.options.young is not None or pair.contact_law == JacksonGreen.name
 
 
@@ -382,7 +382,7 @@ OptionKind = Literal["length", "pressure", "force", "time", "work of adhesion"]
 DEFAULT_UNITS: dict[OptionKind, str] = {
     "length": "µm", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m²",
 }  # fmt: skip
-"""Unit of a plain number of each kind of quantity."""
+"""Unit of a number without a unit, by the kind of quantity."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -392,35 +392,35 @@ class FormField:
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"
     example: str = ""
-    empty: str = ""  # first entry of a list of choices, for the default
-    choices: tuple[tuple[str, str], ...] = ()  # values and their texts, of a field that is a list of choices
-    size: int = 0  # width of the field in characters, 0 for any
-    unit: str = ""  # unit that is added to a bare number
-    has_commas: bool = False  # a comma separates values, and is no decimal mark
-    keyboard: Literal["", "numeric", "decimal"] = ""  # of a phone
+    empty: str = ""  # label of the default in a list of choices
+    choices: tuple[tuple[str, str], ...] = ()  # values and labels of a list of choices
+    size: int = 0  # width of the field in characters; 0 for the default width
+    unit: str = ""  # unit that is appended to a number without a unit
+    has_commas: bool = False  # True if commas separate values, so that they are no decimal commas
+    keyboard: Literal["", "numeric", "decimal"] = ""  # keyboard that a phone shows
 
 
 @dataclass(frozen=True)
 class Option:
     """Declaration of a pair option for the command line, Python, the study file and the app."""
 
-    value: str  # metavariable of the command line, "PRESSURE"; empty for a switch
-    help: str  # a sentence or two; other options are written as {name}
+    value: str  # placeholder of the value on the command line, such as PRESSURE; empty for a switch
+    help: str  # one or two sentences, in which other options are written as {name}
     kind: OptionKind | None = None
-    usual: str = ""  # the default in words
-    flag: str = ""  # name on the command line where it differs from the field
-    argument: str = ""  # name in Python where it differs from the field
-    key: str = ""  # key of a study that it sets
+    usual: str = ""  # description of the default
+    flag: str = ""  # name on the command line, if it differs from the name of the field
+    argument: str = ""  # name in Python, if it differs from the name of the field
+    key: str = ""  # key of a study that the option sets
     field: FormField | None = None
     applies: tuple[Condition, ...] = ()
-    is_common: bool = False  # in the short help
-    is_repeatable: bool = False  # on the command line
-    is_list: bool = False  # a comma separates values for one file
-    is_in_python: bool = True  # a parameter of `stiction.pair`
+    is_common: bool = False  # True if the short help lists the option
+    is_repeatable: bool = False  # True if the option may be repeated on the command line
+    is_list: bool = False  # True if commas separate several values for one file
+    is_in_python: bool = True  # True if `stiction.pair` has the parameter
 
 
 class OptionGroup(BaseModel):
-    """A group of options; None stands for the default."""
+    """Group of options. The value None stands for the default."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, arbitrary_types_allowed=True)
 
@@ -723,7 +723,7 @@ class PairOptions(
     title: ClassVar[str] = "Options of a pair"
 
     def given(self, name: str) -> object:
-        """Return the value of an option, or None where it has its default."""
+        """Return the value of an option, or None for the default."""
         value: object = getattr(self, name)
         return None if value is False else value
 
@@ -731,26 +731,26 @@ class PairOptions(
 OPTION_GROUPS: tuple[type[OptionGroup], ...] = (
     FrictionOptions, MaterialOptions, ContactOptions, SurfaceOptions, EnsembleOptions, ReadingOptions, ComputingOptions,
 )  # fmt: skip
-"""Groups in the order of the help."""
+"""Groups of options in the order in which the help lists them."""
 
 
-def _declared_option(field: FieldInfo) -> Option:
+def _find_declaration(field: FieldInfo) -> Option:
     return next(item for item in field.metadata if isinstance(item, Option))
 
 
 PAIR_OPTIONS: dict[str, Option] = {
-    name: _declared_option(field) for group in OPTION_GROUPS for name, field in group.model_fields.items()
+    name: _find_declaration(field) for group in OPTION_GROUPS for name, field in group.model_fields.items()
 }  # fmt: skip
-"""Every option by the name of its field."""
+"""All options, by the name of the field."""
 
 READING_OPTION_NAMES: tuple[str, ...] = tuple(
     name for name in ReadingOptions.model_fields if name not in ("texture", "tip")
 )
-"""Options that are arguments of `read_measurement`."""
+"""Names of the options that are arguments of `read_measurement`."""
 
 
 def split_list(name: str, text: str) -> str | tuple[str, ...]:
-    """Return the values of an option in a text between commas, or the text if the option has one value."""
+    """Split the text of an option at commas, or return it unchanged if the option has a single value."""
     return tuple(split_values(text)) if PAIR_OPTIONS[name].is_list and "," in text else text
 
 
@@ -759,25 +759,25 @@ CHECK_ORDER: tuple[str, ...] = tuple(
     for group in (SurfaceOptions, ContactOptions, EnsembleOptions, FrictionOptions, MaterialOptions)
     for name in group.model_fields
 )
-"""Options in the order in which their conditions are checked: surfaces and contact model come first."""
+"""Names of the options in the order in which their conditions are checked."""
 
 
 def list_choices(name: str) -> tuple[str, ...]:
     """Return the allowed words of an option, or an empty tuple if its values are not words."""
     annotation = PairOptions.model_fields[name].annotation
-    literal = next((each for each in get_args(annotation) if get_args(each)), annotation)
-    return tuple(each for each in get_args(literal) if isinstance(each, str))
+    literal = next((argument for argument in get_args(annotation) if get_args(argument)), annotation)
+    return tuple(argument for argument in get_args(literal) if isinstance(argument, str))
 
 
-# ---- Names of options, as the caller writes them ---------------------------------------------------------------------
+# ---- Names of options on the command line and in Python --------------------------------------------------------------
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Options by the name of the surface function's argument that they set."""
+"""Names of options by the names of the arguments of surface functions that they set."""
 
 
 def format_command_line_name(name: str) -> str:
-    """Return the name of an option on the command line, such as "--hardness"."""
+    """Return the name of an option as written on the command line, such as "--hardness"."""
     name = _OPTION_ALIASES.get(name, name)
     option = PAIR_OPTIONS.get(name)
     return option.flag if option and option.flag else f"--{name.replace('_', '-')}"
@@ -796,29 +796,29 @@ def argument_errors() -> Iterator[None]:
     try:
         yield
     except ValidationError as error:
-        fault = error.errors(include_url=False)[0]
-        name, given = str(fault["loc"][0]) if fault["loc"] else "", fault["input"]
-        match fault["type"]:
+        first_error = error.errors(include_url=False)[0]
+        name, given = str(first_error["loc"][0]) if first_error["loc"] else "", first_error["input"]
+        match first_error["type"]:
             case "literal_error":
                 allowed = list_choices(name)
-                near = difflib.get_close_matches(str(given), allowed, n=1)
-                hint = f"; did you mean {near[0]}?" if near else ""
-                why = f"must be {' or '.join(allowed)}, got {short_repr(given)}{hint}"
+                suggestions = difflib.get_close_matches(str(given), allowed, n=1)
+                hint = f"; did you mean {suggestions[0]}?" if suggestions else ""
+                reason = f"must be {' or '.join(allowed)}, got {short_repr(given)}{hint}"
             case "string_type":
-                why = f"must be a text, got {short_repr(given)}"
+                reason = f"must be a text, got {short_repr(given)}"
             case "bool_type":
-                why = f"must be True or False, got {short_repr(given)}"
+                reason = f"must be True or False, got {short_repr(given)}"
             case "missing":
-                why = "must be given"
+                reason = "must be given"
             case "extra_forbidden":
-                near = difflib.get_close_matches(name, PairOptions.model_fields, n=1)
-                why = f"is no option of a pair{f'; is it {near[0]}?' if near else ''}"
+                suggestions = difflib.get_close_matches(name, PairOptions.model_fields, n=1)
+                reason = f"is no option of a pair{f'; is it {suggestions[0]}?' if suggestions else ''}"
             case _:
-                why = fault["msg"].removeprefix("Value error, ")
-        raise ArgumentError(f"{{{name}}} {{why}}", why=why) from None
+                reason = first_error["msg"].removeprefix("Value error, ")
+        raise ArgumentError(f"{{{name}}} {{reason}}", reason=reason) from None
 
 
 def read_options(values: dict[str, object]) -> PairOptions:
-    """Return options from values by field name. Raises an `ArgumentError` if a value is invalid."""
+    """Validate options from values by field name. Raises an `ArgumentError` if a value is invalid."""
     with argument_errors():
         return PairOptions.model_validate(values)
