@@ -57,8 +57,8 @@ def test_adhesive_member_equals_half_space_of_its_surfaces(adhesive_result):
     data, contact = adhesive_result.dataset.isel(cut_off=0, repetition=1), adhesive_result.study.contact
     bodies = load_bodies(adhesive_result.study).member(1, 0.0).pair
     directions = {"direction": data["direction"].values.tolist(), "sliding": "all"}
-    curve = half_space(*bodies, data["load"].values, **contact.solid(), **directions)
-    free = half_space(*bodies, [0.0], **contact.solid(), **directions)
+    curve = half_space(*bodies, data["load"].values, **contact.solver_arguments(), **directions)
+    free = half_space(*bodies, [0.0], **contact.solver_arguments(), **directions)
     assert data["contact_load"].values == pytest.approx(curve.contact_load, rel=REPEATED_SOLUTION_TOLERANCE)
     assert float(data["pull_off"]) == pytest.approx(free.pull_off, rel=LOAD_PATH_TOLERANCE)
     assert float(data["pull_off"]) > 0

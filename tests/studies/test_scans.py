@@ -215,5 +215,5 @@ def test_caveat_about_repeated_extreme_ends_when_accepted(tmp_path, monkeypatch)
     assert (caveat.severity, caveat.text.partition(":")[0]) == ("caution", "both scans")
     assert "--missing-value -9999" in caveat.cure
     assert find_repeated_extremes(missing_value="-9999") == find_repeated_extremes(accept="repeated-extreme") == []
-    (caveat,) = MeasuredFile.holding(Profile(heights, spacing=100.0), "upper").caveats
+    (caveat,) = MeasuredFile.from_body(Profile(heights, spacing=100.0), "upper").caveats
     assert caveat.name == "repeated-extreme"

@@ -354,7 +354,7 @@ class TestMeasuredStudies:
         monkeypatch.chdir(tmp_path)
         assert parse_study(text, "here").with_checksums().surfaces.upper.file == str(tmp_path / "scan.npy")
         with pytest.raises(ValueError, match="cannot be read"):
-            AREA_STUDY.surfaces.upper.with_absolute_paths(tmp_path / "none").known()
+            AREA_STUDY.surfaces.upper.with_absolute_paths(tmp_path / "none").with_checksums()
         assert Study().with_checksums() == Study()
 
 

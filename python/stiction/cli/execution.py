@@ -95,7 +95,7 @@ def compute_in_folder(
             announce=show_status, **options,
         )  # fmt: skip
     except OtherStudyError as error:
-        raise error.with_advice(_conflict_advice(error, study, replaceable="replace" in options)) from None
+        raise error.with_remedy(_conflict_advice(error, study, replaceable="replace" in options)) from None
     except KeyboardInterrupt:
         detail = ""
         with contextlib.suppress(StoreError):  # no result is stored yet

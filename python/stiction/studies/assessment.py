@@ -103,17 +103,17 @@ class Check(NamedTuple):
     shown: str = "digits"  # format of the number: "digit" for one digit, "digits" for two, "percent", or a unit
     about: str = ""  # number in the text; by default the checked number
 
-    def caveat(self, numbers: Mapping[str, float]) -> Caveat:
+    def to_caveat(self, numbers: Mapping[str, float]) -> Caveat:
         """Return the caveat for a point at which the checked number exceeds the limit."""
         value = numbers[self.about or self.name]
         if self.shown in ("digits", "digit"):
-            words = significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
+            number_text = significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
                 "-", "\N{MINUS SIGN}"
             )
         else:
-            words = percent(value) if self.shown == "percent" else with_unit(value, self.shown)
+            number_text = percent(value) if self.shown == "percent" else with_unit(value, self.shown)
         return Caveat(
-            self.text.replace("{}", words), self.cure, self.severity, name=self.name, value=numbers[self.name],
+            self.text.replace("{}", number_text), self.cure, self.severity, name=self.name, value=numbers[self.name],
             limit=self.limit,
         )  # fmt: skip
 
@@ -251,11 +251,11 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
         yield Caveat(text, cure, "fault")
         return
     members = value_of(point, "members")
-    ok = (
+    num_solved = (
         float(point["ok"].min()) if "ok" in point else math.nan
     )  # in the direction in which the fewest members have a solution
-    if ok < MAX_AFFECTED_FRACTION * members:
-        text = f"only {ok:.0f} of {members:.0f} members have an answer"
+    if num_solved < MAX_AFFECTED_FRACTION * members:
+        text = f"only {num_solved:.0f} of {members:.0f} members have an answer"
         yield Caveat(text, "check the statuses, and try another load", "fault")
     numbers = _compute_checked_numbers(point, study, value)
     pressures = list_pressure_checks(study, modulus_of(point, study))
@@ -281,23 +281,23 @@ def apply_checks(checks: Checks, numbers: Mapping[str, float]) -> Iterator[Cavea
     """Yield the caveat of the first check that fails in each group; a check without its number passes."""
     for group in checks:
         failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
-        yield from (check.caveat(numbers) for check in itertools.islice(failed, 1))
+        yield from (check.to_caveat(numbers) for check in itertools.islice(failed, 1))
 
 
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, float]:
     width = value.upper - value.lower
     area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
-    steps = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    cell = float(np.prod(steps)) if steps.size == 2 and study.uses_half_space else math.nan  # for maps
-    own = {
+    spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
+    cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan  # for maps
+    checked = {
         check.name: value_of(point, check.name)
         for group in ([STEEP_SURFACE_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS)
         for check in group
     }
-    merged = _area_fraction(point, study) > MERGED_AREA_FRACTION
+    is_merged = _area_fraction(point, study) > MERGED_AREA_FRACTION
     mu0, members = float(point["mu0"]), float(point["ok"].min() if "ok" in point else value_of(point, "members"))
-    relative = value.value / mu0 if mu0 > 0 and float(point["tau0"]) == 0 else math.nan
-    return own | {
+    ratio_to_mu0 = value.value / mu0 if mu0 > 0 and float(point["tau0"]) == 0 else math.nan
+    return checked | {
         "deficit": -value.value,
         "missing_interval": float(math.isnan(value.lower) or math.isnan(value.upper)),
         "half_width": width / (2 * value.value) if value.value else math.inf * width,
@@ -305,12 +305,12 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleVal
         # Contacts that have merged over much of the nominal area are few, but average over many asperities.
         "contact_count": count,
         "contacts_missing_of_all": MIN_TOTAL_CONTACTS - count * members,
-        "contacts_missing": math.nan if merged else MIN_CONTACTS_PER_MEMBER - count,
-        "contacts_wanting": math.nan if merged else CAUTION_CONTACTS_PER_MEMBER - count,
-        "share_of_mu0": 1 - abs(relative - 1),
+        "contacts_missing": math.nan if is_merged else MIN_CONTACTS_PER_MEMBER - count,
+        "contacts_wanting": math.nan if is_merged else CAUTION_CONTACTS_PER_MEMBER - count,
+        "share_of_mu0": 1 - abs(ratio_to_mu0 - 1),
         "beyond_mu0": value.value - mu0,
-        "share_on_separate": math.nan if merged else own["share_on_largest"],
-        "single_cells": float(count > 0 and area / count <= cell),
+        "share_on_separate": math.nan if is_merged else checked["share_on_largest"],
+        "single_cells": float(count > 0 and area / count <= cell_area),
     }
 
 
@@ -364,20 +364,27 @@ def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and value_of(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
         growth = find_junction_growth(study)
-        own, grown = tabor_friction(float(hardness), mu0, tau0, [0.0, VON_MISES_GROWTH])
-        bulk = float(hardness) * VON_MISES_GROWTH**-0.5
+        coefficient, grown = tabor_friction(float(hardness), mu0, tau0, [0.0, VON_MISES_GROWTH])
+        strength = float(hardness) * VON_MISES_GROWTH**-0.5
         interface = find_interface(study)
         if interface is not None and interface.growth is not None and not interface.has_growth(growth):
-            pair, tests = (each.short_text if each is not None else "0" for each in (growth, interface.growth))
-            text = f"the interface was calibrated with α = {tests} of junction growth, and the pair has α = {pair}"
+            alpha, test_alpha = (
+                estimate.short_text if estimate is not None else "0" for estimate in (growth, interface.growth)
+            )
+            text = (
+                f"the interface was calibrated with α = {test_alpha} of junction growth, and the pair has α = {alpha}"
+            )
             yield Caveat(text, "give both the same --junction-growth", "caution")
         if growth is not None:
             yield from _find_seizure_caveats(point, float(hardness), tau0, growth)
-        elif study.contact.junction_growth is None and not grown <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * own:
-            more = f"by up to {percent(grown / own - 1)}" if math.isfinite(grown) else "without limit (seizure)"
+        elif study.contact.junction_growth is None and not grown <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient:
+            increase_text = (
+                f"by up to {percent(grown / coefficient - 1)}" if math.isfinite(grown) else "without limit (seizure)"
+            )
             text = (
-                f"τ0 is {percent(tau0 / bulk)} of the shear strength of the softer body, {with_unit(bulk, 'GPa')}; "
-                f"junction growth, which is taken as 0, would raise the friction of a ductile body {more}"
+                f"τ0 is {percent(tau0 / strength)} of the shear strength of the softer body, "
+                f"{with_unit(strength, 'GPa')}; junction growth, which is taken as 0, would raise the friction of a "
+                f"ductile body {increase_text}"
             )
             cure = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
             if study.contact.adheres:  # junction growth of adhesive contacts is not solved
@@ -408,25 +415,38 @@ def _find_seizure_caveats(
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     """Yield caveats about neglected adhesion, an unresolved range of adhesion, and its missing uncertainty."""
     if not study.contact.adheres:
-        added = estimate_adhesion_load(point, study)
-        least = MAX_NEGLECTED_ADHESION if study.uses_half_space else 1.0  # the asperity model cannot include adhesion
-        if study.is_measured and study.contact.work_of_adhesion is None and added > least:
-            more = f"at least {percent(added)}" if added < 1 else "more than 100 %"
+        added_load = estimate_adhesion_load(point, study)
+        min_added = (
+            MAX_NEGLECTED_ADHESION if study.uses_half_space else 1.0
+        )  # the asperity model cannot include adhesion
+        if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added:
+            added_text = f"at least {percent(added_load)}" if added_load < 1 else "more than 100 %"
             work = f"{1e6 * TYPICAL_WORK_OF_ADHESION:g} mJ/m²"
-            text = f"adhesion of {work} would increase the load on the contacts by {more}"
-            also = "" if study.uses_half_space else "--mechanics half-space and "
-            yield Caveat(text, f"specify {also}--adhesion ('0 mJ/m^2' if there is none)", "caution")
+            text = f"adhesion of {work} would increase the load on the contacts by {added_text}"
+            options = "" if study.uses_half_space else "--mechanics half-space and "
+            yield Caveat(text, f"specify {options}--adhesion ('0 mJ/m^2' if there is none)", "caution")
         return
-    asked, taken = range_of(point, study)
-    if taken > asked:
-        ends = f"{with_unit(taken, 'um')}, the smallest on this grid, not {with_unit(asked, 'um')}"
+    given, resolved = range_of(point, study)
+    if resolved > given:
+        ends = f"{with_unit(resolved, 'um')}, the smallest on this grid, not {with_unit(given, 'um')}"
         text = f"the range of adhesion is {ends}"
         yield Caveat(
             text, "the pull-off force is close to that of a short range; scan more finely for the rest", "caution"
         )
-    known = {name.split("_")[0] for name in find_inputs(study)} & {"hardness", "effective", "young", "poisson"}
-    if known and value_of(point, "contact_load") > (1 + MAX_NEGLECTED_ADHESION) * float(point["load"]):
-        names = "the hardness" if known == {"hardness"} else "E*" if "hardness" not in known else "E* and the hardness"
+    uncertain_inputs = {name.split("_")[0] for name in find_inputs(study)} & {
+        "hardness",
+        "effective",
+        "young",
+        "poisson",
+    }
+    if uncertain_inputs and value_of(point, "contact_load") > (1 + MAX_NEGLECTED_ADHESION) * float(point["load"]):
+        names = (
+            "the hardness"
+            if uncertain_inputs == {"hardness"}
+            else "E*"
+            if "hardness" not in uncertain_inputs
+            else "E* and the hardness"
+        )
         text = f"the interval does not include the effect of {names} on the attraction"
         yield Caveat(text, "compute both ends of the ranges", "caution")
 
@@ -443,40 +463,42 @@ def estimate_adhesion_load(point: xarray.Dataset, study: Study) -> float:
     area, count, slope = (value_of(point, name) for name in ("contact_area", "contact_count", "rms_gradient"))
     if not (area > 0 and count > 0 and slope > 0):
         return math.nan
-    step = float(np.max(point.attrs.get("spacing_um", 0.0)))
-    length = max(ADHESION_RANGE, resolved_range(TYPICAL_WORK_OF_ADHESION, step, modulus_of(point, study)))
-    strips = has_nominal_area(point, study) and not study.is_areal  # profiles are 1 µm thick
-    width = area / count if strips else math.sqrt(area / count)
-    around = RIM_ATTRACTION_FACTOR * (length / (slope * width)) ** (2 / 3)
-    return float(TYPICAL_WORK_OF_ADHESION / length / pressure_of(point) * (1 + around))
+    spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))
+    attraction_range = max(ADHESION_RANGE, resolved_range(TYPICAL_WORK_OF_ADHESION, spacing, modulus_of(point, study)))
+    are_strips = has_nominal_area(point, study) and not study.is_areal  # profiles are 1 µm thick
+    contact_width = area / count if are_strips else math.sqrt(area / count)
+    rim_factor = RIM_ATTRACTION_FACTOR * (attraction_range / (slope * contact_width)) ** (2 / 3)
+    return float(TYPICAL_WORK_OF_ADHESION / attraction_range / pressure_of(point) * (1 + rim_factor))
 
 
 def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     sides = ("upper", "lower")
     if not all(f"{side}_spacing_um" in point.attrs for side in sides):
         return
-    steps = [float(np.max(point.attrs[f"{side}_spacing_um"])) for side in sides]
-    coarser, finer = (sides[steps.index(choose(steps))] for choose in (max, min))
-    if max(steps) > MAX_SPACING_RATIO * min(steps):
-        ratio = significant(max(steps) / min(steps), 2)
+    spacings = [float(np.max(point.attrs[f"{side}_spacing_um"])) for side in sides]
+    coarser, finer = (sides[spacings.index(select(spacings))] for select in (max, min))
+    if max(spacings) > MAX_SPACING_RATIO * min(spacings):
+        ratio = significant(max(spacings) / min(spacings), 2)
         text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so it lacks short wavelengths"
         yield Caveat(text, "scan both alike", "caution")
-    contact = value_of(point, "contact_area") / value_of(point, "contact_count")
+    mean_contact_area = value_of(point, "contact_area") / value_of(point, "contact_count")
     for side in sides:
-        part, hole = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
-        if part > MAX_INTERPOLATED_FRACTION or hole > contact:
-            text = f"{side}: {percent(part)} of the points are interpolated"
-            if hole > contact:
-                text += f", in gaps larger than the contacts, up to {hole:.3g} {'µm²' if study.is_areal else 'µm'}"
+        fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
+        if fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
+            text = f"{side}: {percent(fraction)} of the points are interpolated"
+            if largest_gap > mean_contact_area:
+                text += (
+                    f", in gaps larger than the contacts, up to {largest_gap:.3g} {'µm²' if study.is_areal else 'µm'}"
+                )
             yield Caveat(
                 text, "use --missing mask to press measured points only, or --crop to a complete region", "caution"
             )
     if study.surfaces.press == "surrogates":
-        piece = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))
-        whole = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in sides)
-        if piece < MAX_AFFECTED_FRACTION * whole:
-            text = f"pieces of {with_unit(piece, 'um')} are pressed, without the longer wavelengths of the scan"
-            yield Caveat(f"{text} of {with_unit(whole, 'um')}", "use profiles without --lay isotropic", "caution")
+        piece_length = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))
+        scan_length = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in sides)
+        if piece_length < MAX_AFFECTED_FRACTION * scan_length:
+            text = f"pieces of {with_unit(piece_length, 'um')} are pressed, without the longer wavelengths of the scan"
+            yield Caveat(f"{text} of {with_unit(scan_length, 'um')}", "use profiles without --lay isotropic", "caution")
 
 
 def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:

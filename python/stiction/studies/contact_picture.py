@@ -94,11 +94,11 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
         return None
     index = int(members["repetition"].values[find_typical_index(area)])
     member = load_bodies(study).member(index, cut_off)
-    pressed = OneLoad.of(study, member.pair, load)
-    if pressed is None:
+    solution = OneLoad.of(study, member.pair, load)
+    if solution is None:
         return None
-    table = pressed.table()
-    picture = _build_map_picture(pressed, table) if study.is_areal else _build_line_picture(pressed)
+    table = solution.table()
+    picture = _build_map_picture(solution, table) if study.is_areal else _build_line_picture(solution)
     for name, (column, unit, long_name) in _CONTACT_VARIABLES.items():
         picture[name] = ("contact", getattr(table, column).astype(np.float64), {"units": unit, "long_name": long_name})
     return picture.assign_attrs({"member": index, "load_mN": load, "x": member.x, "y": member.y})
@@ -122,7 +122,7 @@ def coming_and_going(result: Result) -> xarray.Dataset | None:
     cell = {name: float(values[0]) for name, values in study.surfaces.cells().items()}
     try:
         pair = _load_pair(study, index, cell)
-        solve: Any = functools.partial(half_space, *pair, **contact.solid())
+        solve: Any = functools.partial(half_space, *pair, **contact.solver_arguments())
         loads = np.array([0, *LOADS_PER_PULL_OFF]) * solve([0.0]).pull_off
         loads = np.append(loads[loads < max_load], max_load)
         loading, unloading = solve(loads), solve(loads[::-1])
@@ -148,15 +148,15 @@ def find_typical_index(area: Floats) -> int:
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 
-def _build_line_picture(pressed: OneLoad) -> xarray.Dataset:
+def _build_line_picture(solution: OneLoad) -> xarray.Dataset:
     import xarray
 
-    upper, lower = pressed.upper, pressed.lower
-    if isinstance(pressed.curve, HalfSpaceCurve):
-        gap = pressed.curve.contact(0).gap
+    upper, lower = solution.upper, solution.lower
+    if isinstance(solution.curve, HalfSpaceCurve):
+        gap = solution.curve.contact(0).gap
     else:
         gap = upper.heights - lower.heights
-        gap = gap - gap.min() - pressed.curve.approach[0]
+        gap = gap - gap.min() - solution.curve.approach[0]
     length = {"units": "um"}
     return xarray.Dataset(
         {"lower_height": ("height_x", lower.heights, length), "gap": ("height_x", gap, length)},
@@ -164,12 +164,12 @@ def _build_line_picture(pressed: OneLoad) -> xarray.Dataset:
     )
 
 
-def _build_map_picture(pressed: OneLoad, table: ContactList) -> xarray.Dataset:
+def _build_map_picture(solution: OneLoad, table: ContactList) -> xarray.Dataset:
     import xarray
 
-    upper, lower, pressure = pressed.upper, pressed.lower, None
-    if isinstance(pressed.curve, HalfSpaceCurve):
-        solved = pressed.curve.at(0)
+    upper, lower, pressure = solution.upper, solution.lower, None
+    if isinstance(solution.curve, HalfSpaceCurve):
+        solved = solution.curve.at(0)
         pressure, patch = solved.on_grid(solved.values), solved.on_grid(solved.patch)
     else:
         patch = _number_discs(lower, table)
@@ -186,16 +186,16 @@ def _build_map_picture(pressed: OneLoad, table: ContactList) -> xarray.Dataset:
         "height_x": ("height_x", np.arange(0, columns, step) * dx, length),
     }
     if pressure is not None:
-        inside = ~table.at_edge if (~table.at_edge).any() else np.ones(table.force.size, dtype=bool)
-        largest = int(np.argmax(np.where(inside, table.force, -1.0)))
-        box = []
+        is_interior = ~table.at_edge if (~table.at_edge).any() else np.ones(table.force.size, dtype=bool)
+        largest = int(np.argmax(np.where(is_interior, table.force, -1.0)))
+        slices = []
         for centre, size in ((table.y[largest] / dy, rows), (table.x[largest] / dx, columns)):
             width = min(max(size // ZOOM_DIVISOR, MIN_ZOOM_SIZE), size)
             first = int(np.clip(centre - width / 2, 0, size - width))
-            box.append(slice(first, first + width))
-        variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[*box], {"units": "GPa"})
-        variables["zoom_height"] = (("zoom_y", "zoom_x"), lower.heights[*box], length)
-        for name, window, spacing in zip(("zoom_y", "zoom_x"), box, (dy, dx), strict=True):
+            slices.append(slice(first, first + width))
+        variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[*slices], {"units": "GPa"})
+        variables["zoom_height"] = (("zoom_y", "zoom_x"), lower.heights[*slices], length)
+        for name, window, spacing in zip(("zoom_y", "zoom_x"), slices, (dy, dx), strict=True):
             coordinates[name] = (name, np.arange(window.start, window.stop) * spacing, attributes_of(name[-1]))
     return xarray.Dataset(variables, coordinates)
 
@@ -208,9 +208,9 @@ def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
             np.maximum([(y + sign * radius) / dy, (x + sign * radius) / dx], 0).round().astype(int) for sign in (-1, 1)
         )
         rows, columns = (np.arange(first, last + 1) for first, last in zip(low, high, strict=True))
-        inside = np.hypot(rows[:, np.newaxis] * dy - y, columns * dx - x) <= radius + min(dx, dy) / 2
+        is_in_disc = np.hypot(rows[:, np.newaxis] * dy - y, columns * dx - x) <= radius + min(dx, dy) / 2
         window = numbers[low[0] : high[0] + 1, low[1] : high[1] + 1]
-        window[inside[: window.shape[0], : window.shape[1]]] = number
+        window[is_in_disc[: window.shape[0], : window.shape[1]]] = number
     return numbers
 
 
@@ -233,10 +233,10 @@ def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int]
         cell_areas = areas.isel(dict(zip(cells, cell_index, strict=True)))
         cell = {name: float(cell_areas[name]) for name in cells}
         for load, index in _select_members(cell_areas, unique_loads, indices):
-            pressed = OneLoad.of(study, _load_pair(study, index, cell), load)
-            if pressed is not None:
+            solution = OneLoad.of(study, _load_pair(study, index, cell), load)
+            if solution is not None:
                 columns: dict[str, Any] = {f"{name}{_COLUMN_SUFFIXES[name]}": value for name, value in cell.items()}
-                table = pressed.table()
+                table = solution.table()
                 columns |= {"load_mN": load, "x_um": table.x, "y_um": table.y, "force_mN": table.force}
                 columns |= {"area_um2": table.area, "mean_pressure_GPa": table.force / table.area}
                 columns |= {"slope_x": table.slope_x, "slope_y": table.slope_y, "at_edge": table.at_edge}

@@ -36,29 +36,31 @@ class PairSlopes:
     measured: Any = ...  # mask of points measured in both bodies
 
     @classmethod
-    def of(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
+    def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
         """Compute the slopes of a pair on one grid with natural cubic splines."""
-        along = {side: compute_slopes(body) for side, body in (("upper", upper), ("lower", lower))}
-        magnitude = {side: np.sqrt(sum(np.square(slope) for slope in slopes)) for side, slopes in along.items()}
+        slopes_by_side = {side: compute_slopes(body) for side, body in (("upper", upper), ("lower", lower))}
+        magnitude = {
+            side: np.sqrt(sum(np.square(slope) for slope in slopes)) for side, slopes in slopes_by_side.items()
+        }
         missing = combine_missing(upper, lower)
         measured = ... if missing is None else ~missing
         limits = {side: float(np.quantile(slope[measured], 1 - STEEPEST_FRACTION)) for side, slope in magnitude.items()}
         steep = {side: magnitude[side] > limit for side, limit in limits.items()}
-        return cls(along["upper"], along["lower"], steep, limits, measured)
+        return cls(slopes_by_side["upper"], slopes_by_side["lower"], steep, limits, measured)
 
-    def of_gap(self, angles: Floats) -> tuple[float, Floats]:
+    def compute_gap_slopes(self, angles: Floats) -> tuple[float, Floats]:
         """Return the rms gradient of the gap, and its rms slopes along directions (degrees)."""
         gap = [(above - below)[self.measured] for above, below in zip(self.upper, self.lower, strict=True)]
         squares = [float(np.square(slope).mean()) for slope in gap]
         if len(gap) == 1:
             return float(np.sqrt(squares[0])), np.full(angles.size, np.sqrt(squares[0]))
         radians = np.radians(angles)
-        along = (
+        squares_by_direction = (
             squares[1] * np.cos(radians) ** 2
             + squares[0] * np.sin(radians) ** 2
             + float((gap[0] * gap[1]).mean()) * np.sin(2 * radians)
         )
-        return float(np.sqrt(sum(squares))), np.sqrt(np.maximum(along, 0.0))
+        return float(np.sqrt(sum(squares))), np.sqrt(np.maximum(squares_by_direction, 0.0))
 
 
 def compute_slopes(body: Profile | Surface) -> list[Floats]:
@@ -83,7 +85,7 @@ class ContactList:
     pressure: Floats  # (p,), GPa
     weight: Floats  # (p,), relative weight of each pressure in the true contact area
 
-    def statistics(self) -> dict[str, Any]:
+    def compute_statistics(self) -> dict[str, Any]:
         """Compute the stored statistics: load fractions, and quantiles of contact area and pressure."""
         order = np.argsort(self.pressure, kind="stable")
         below = np.cumsum(self.weight[order])
@@ -99,8 +101,8 @@ def _compute_quantiles(values: Floats) -> Floats:
     """Compute the same quantiles as `numpy.quantile`, but ten times faster for few values."""
     ordered, position = np.sort(values), np.array(STORED_PROBABILITIES) * (values.size - 1)
     below = position.astype(np.intp)
-    low, high, part = ordered[below], ordered[np.minimum(below + 1, values.size - 1)], position - below
-    return np.where(part < 0.5, low + (high - low) * part, high - (high - low) * (1 - part))
+    low, high, weight = ordered[below], ordered[np.minimum(below + 1, values.size - 1)], position - below
+    return np.where(weight < 0.5, low + (high - low) * weight, high - (high - low) * (1 - weight))
 
 
 LOAD_FRACTION_FORMULAS: dict[str, Callable[[ContactList], float]] = {
@@ -111,47 +113,50 @@ LOAD_FRACTION_FORMULAS: dict[str, Callable[[ContactList], float]] = {
 """Formulas of contact statistics, by their names in `QUANTITIES`."""
 
 
-def list_contact_patches(pressed: ContactSolution) -> ContactList:
+def list_contact_patches(solution: ContactSolution) -> ContactList:
     """Compute the contact table of a half-space solution."""
-    problem, pressure, patch = pressed.problem, pressed.values, pressed.patch - 1
+    problem, pressure, patch = solution.problem, solution.values, solution.patch - 1
     total = np.bincount(patch, weights=pressure)
 
     def mean(values: Floats) -> Floats:
         return np.asarray(np.bincount(patch, weights=pressure * values) / total, np.float64)
 
-    indices = np.unravel_index(pressed.points, problem.gap.shape)
+    indices = np.unravel_index(solution.points, problem.gap.shape)
     positions = [(index * step).astype(np.float64) for index, step in zip(indices, problem.spacing, strict=True)]
-    along = [slope[pressed.points] for slope in problem.slope]
+    slope_components = [slope[solution.points] for slope in problem.slope]
     zeros = np.zeros(pressure.size)
-    edge = np.zeros(pressure.size, dtype=bool)
+    is_at_edge = np.zeros(pressure.size, dtype=bool)
     for index, size in zip(indices, problem.gap.shape, strict=True):
-        edge |= (index == 0) | (index == size - 1)
+        is_at_edge |= (index == 0) | (index == size - 1)
     return ContactList(
         x=mean(positions[-1]), y=mean(positions[0] if len(positions) == 2 else zeros),
         force=np.asarray(problem.cell * total, np.float64),
-        area=np.asarray(problem.cell * np.bincount(patch, weights=pressed.share), np.float64), slope_x=mean(along[-1]),
-        slope_y=mean(along[0] if len(along) == 2 else zeros), cells=np.bincount(patch).astype(np.float64),
-        at_edge=np.bincount(patch, weights=edge) > 0, pressure=pressure, weight=np.ones(pressure.size),
+        area=np.asarray(problem.cell * np.bincount(patch, weights=solution.share), np.float64),
+        slope_x=mean(slope_components[-1]), slope_y=mean(slope_components[0] if len(slope_components) == 2 else zeros),
+        cells=np.bincount(patch).astype(np.float64),
+        at_edge=np.bincount(patch, weights=is_at_edge) > 0, pressure=pressure, weight=np.ones(pressure.size),
     )  # fmt: skip
 
 
-def list_asperity_contacts(touching: Contacts, body: Profile | Surface) -> ContactList:
+def list_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> ContactList:
     """Compute the contact table of the asperity model; both bodies have the same grid."""
     spacing, extent = body.spacings, np.atleast_1d(body.extent)
-    normal = touching.normal
-    steep = -normal[:, :2] / normal[:, 2:]
-    x, y = touching.centre[:, 0], touching.centre[:, 1]
-    half = touching.axes[:, 0]
+    normal = contacts.normal
+    tilt = -normal[:, :2] / normal[:, 2:]
+    x, y = contacts.centre[:, 0], contacts.centre[:, 1]
+    half_width = contacts.axes[:, 0]
     if len(spacing) == 1:
-        cells = 2 * half / spacing[0]
-        at_edge = (x - half < 0) | (x + half > extent[0])
+        cells = 2 * half_width / spacing[0]
+        at_edge = (x - half_width < 0) | (x + half_width > extent[0])
     else:
-        cells = touching.area / float(np.prod(spacing))
-        at_edge = (x - half < 0) | (x + half > extent[1]) | (y - half < 0) | (y + half > extent[0])
+        cells = contacts.area / float(np.prod(spacing))
+        at_edge = (
+            (x - half_width < 0) | (x + half_width > extent[1]) | (y - half_width < 0) | (y + half_width > extent[0])
+        )
     return ContactList(
-        x=x, y=y if len(spacing) == 2 else np.zeros(x.size), force=touching.force * normal[:, 2], area=touching.area,
-        slope_x=steep[:, 0], slope_y=steep[:, 1] if len(spacing) == 2 else np.zeros(x.size), cells=cells,
-        at_edge=at_edge, pressure=touching.force / touching.area, weight=touching.area,
+        x=x, y=y if len(spacing) == 2 else np.zeros(x.size), force=contacts.force * normal[:, 2], area=contacts.area,
+        slope_x=tilt[:, 0], slope_y=tilt[:, 1] if len(spacing) == 2 else np.zeros(x.size), cells=cells,
+        at_edge=at_edge, pressure=contacts.force / contacts.area, weight=contacts.area,
     )  # fmt: skip
 
 
@@ -165,10 +170,10 @@ def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[
     }
 
 
-def find_load_on_steep_points(pressed: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
+def find_load_on_steep_points(solution: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
     """Compute the fraction of the load on the steepest tenth of each body from a half-space solution."""
-    total = pressed.values.sum()
+    total = solution.values.sum()
     return {
-        f"share_on_steepest_{side}": float(pressed.values[mask.ravel()[pressed.points]].sum() / total)
+        f"share_on_steepest_{side}": float(solution.values[mask.ravel()[solution.points]].sum() / total)
         for side, mask in slopes.steep.items()
     }

@@ -164,13 +164,13 @@ class ContactTable(Case):
         """Return all sliding rules."""
         raise NotImplementedError
 
-    def ways(self) -> tuple[Direction, ...]:
+    def directions_of_motion(self) -> tuple[Direction, ...]:
         """Return all directions of motion, from `shear` or `direction`."""
         raise NotImplementedError
 
     def degrees(self) -> Floats:
         """Return all directions of motion, in degrees from +x towards +y."""
-        return np.array([degrees_of(way) for way in self.ways()])
+        return np.array([degrees_of(way) for way in self.directions_of_motion()])
 
     def motions(self) -> dict[str, list[Any]]:
         """Return the sliding rules and directions (degrees) that form dimensions of a result."""
@@ -205,7 +205,7 @@ class GeneratedContact(ContactTable):
         """Return all sliding rules."""
         return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
 
-    def ways(self) -> tuple[Direction, ...]:
+    def directions_of_motion(self) -> tuple[Direction, ...]:
         """Return all directions of motion, from `shear` or `direction`."""
         chosen = self.shear if self.direction is None else self.direction
         return chosen if isinstance(chosen, tuple) else (chosen,)
@@ -259,7 +259,7 @@ class MeasuredLinesContact(MeasuredContact):
 
     place: ClassVar[str] = "measured lines"
 
-    def ways(self) -> tuple[Direction, ...]:
+    def directions_of_motion(self) -> tuple[Direction, ...]:
         """Return both directions of motion."""
         return "+x", "-x"
 
@@ -271,7 +271,7 @@ class MeasuredAreasContact(MeasuredContact):
 
     direction: Directions = Field(default=DEFAULT_DIRECTIONS, description=DIRECTION_DESCRIPTION)
 
-    def ways(self) -> tuple[Direction, ...]:
+    def directions_of_motion(self) -> tuple[Direction, ...]:
         """Return all directions of motion."""
         assert self.direction is not None
         return self.direction if isinstance(self.direction, tuple) else (self.direction,)
@@ -347,7 +347,7 @@ class HalfSpaceContactTable(ContactTable):
             raise fault_at("tilt", 'must be "fixed" with periodic boundaries or a work of adhesion, got "free"')
         return self
 
-    def solid(self) -> dict[str, Any]:
+    def solver_arguments(self) -> dict[str, Any]:
         """Return the keyword arguments of `half_space` except bodies, loads and motion."""
         return {
             "effective_modulus": float(self.effective_modulus),
@@ -379,7 +379,7 @@ class AsperityContactTable(ContactTable):
     detection: DetectionKey = "gap-minimum"
     curvature: CurvatureKey = "convex"
 
-    def motion(self) -> dict[str, Any]:
+    def direction_arguments(self) -> dict[str, Any]:
         """Return the arguments for the direction of motion of a contact model; empty for pairs pressed to loads."""
         return {}
 
@@ -388,7 +388,7 @@ class AsperityContactTable(ContactTable):
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
-            curvature=self.curvature, sliding=sliding or self.rules()[0], **self.motion(),
+            curvature=self.curvature, sliding=sliding or self.rules()[0], **self.direction_arguments(),
         )  # fmt: skip
 
 
@@ -424,7 +424,7 @@ class GeneratedAsperities(AsperityContactTable, GeneratedContact):
         """Return all approaches, µm."""
         return array_of(self.approach)
 
-    def motion(self) -> dict[str, Any]:
+    def direction_arguments(self) -> dict[str, Any]:
         """Return the arguments for the direction of motion of a contact model."""
         return {"shear": self.shear, "direction": self.direction}
 
@@ -527,7 +527,7 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
     contact = case.model_validate(value)
     if isinstance(contact, MeasuredAreasContact):
         direction = contact.direction
-        if direction is None or len(contact.ways()) > MAX_DIRECTIONS:
+        if direction is None or len(contact.directions_of_motion()) > MAX_DIRECTIONS:
             raise fault_at("direction", f"must be from 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
         contact = contact.model_copy(update={"direction": tuple(contact.degrees().tolist())})
     is_profile = isinstance(surfaces, GeneratedProfiles)
@@ -537,8 +537,8 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
         try:
             contact.model().for_surfaces()
         except ValueError as error:
-            key, _, why = str(error).partition(" ")
-            raise fault_at(key, why) from None
+            key, _, reason = str(error).partition(" ")
+            raise fault_at(key, reason) from None
     if (
         isinstance(contact, HalfSpaceContactTable)
         and contact.hardness is not None
@@ -556,23 +556,23 @@ def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | Measure
     return contact
 
 
-def _extend_loads(given: Floats, ratio: float, steps: int) -> Floats:
+def _extend_loads(requested: Floats, ratio: float, steps: int) -> Floats:
     """Return the given loads (mN) and a load curve in equal ratios that extends below and above them."""
-    curve = np.geomspace(given.min() / ratio, given.max() * ratio, steps)
+    curve = np.geomspace(requested.min() / ratio, requested.max() * ratio, steps)
     # Given loads stay exact; curve loads almost equal to them are dropped.
-    is_new = np.abs(curve[:, np.newaxis] / given - 1).min(axis=1) > 1e-6
-    return np.unique(np.concatenate([given, curve[is_new]]))
+    is_new = np.abs(curve[:, np.newaxis] / requested - 1).min(axis=1) > 1e-6
+    return np.unique(np.concatenate([requested, curve[is_new]]))
 
 
-def _fill_loads(given: Floats) -> Floats:
+def _fill_loads(requested: Floats) -> Floats:
     """Return the given loads (mN) and loads between them, so that ratios are at most about `MAX_AREAL_LOAD_RATIO`."""
-    given = np.unique(given)
-    steps = np.ceil(np.log(given[1:] / given[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
-    between = [
+    requested = np.unique(requested)
+    steps = np.ceil(np.log(requested[1:] / requested[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
+    loads_between = [
         np.geomspace(low, high, count, endpoint=False)[1:]
-        for low, high, count in zip(given[:-1], given[1:], steps, strict=True)
+        for low, high, count in zip(requested[:-1], requested[1:], steps, strict=True)
     ]
-    return np.concatenate([given, *between])
+    return np.concatenate([requested, *loads_between])
 
 
 def choose_load_steps(
@@ -583,18 +583,18 @@ def choose_load_steps(
     All loads are below `max_load`. For areas there are `num_smaller` loads below the given loads, and the ratio of
     successive loads is at most `MAX_AREAL_LOAD_RATIO`.
     """
-    given = np.atleast_1d(float_array("loads", loads))
-    if not given.size or not (given > 0).all():
+    requested = np.atleast_1d(float_array("loads", loads))
+    if not requested.size or not (requested > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {loads!r}")
     if press == "lines" and mechanics == "asperities":
-        steps = _extend_loads(given, LINE_LOAD_MARGIN, NUM_LINE_LOADS)
+        steps = _extend_loads(requested, LINE_LOAD_MARGIN, NUM_LINE_LOADS)
     elif press == "lines":
-        steps = _extend_loads(given, HALF_PLANE_LOAD_MARGIN, NUM_HALF_PLANE_LOADS)
+        steps = _extend_loads(requested, HALF_PLANE_LOAD_MARGIN, NUM_HALF_PLANE_LOADS)
     else:
-        below = given.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
-        steps = np.unique(np.concatenate([_fill_loads(given), below, [given.max() * MAX_AREAL_LOAD_RATIO]]))
+        below = requested.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
+        steps = np.unique(np.concatenate([_fill_loads(requested), below, [requested.max() * MAX_AREAL_LOAD_RATIO]]))
     # Given loads stay exact; other loads are rounded to six digits.
-    exact = set(given.tolist())
+    exact = set(requested.tolist())
     rounded = np.array([load if load in exact else float(f"{load:.6g}") for load in steps.tolist()])
     lowest, highest = MAGNITUDES["force"]
     rounded = rounded[(lowest <= rounded) & (rounded <= highest)]

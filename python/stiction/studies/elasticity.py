@@ -26,7 +26,7 @@ class Elasticity:
     hardness_source: str = ""
     materials: tuple[str, str] | None = None  # of the upper and the lower body
     poisson_ratios: tuple[float, float] | None = None  # of the upper and the lower body
-    renamed: str = ""  # note if materials were given by alternative names
+    alias_note: str = ""  # note if materials were given by alternative names
 
 
 def find_elasticity(
@@ -38,20 +38,20 @@ def find_elasticity(
     Raises a `ValueError` if not exactly one of these is given, or if a value is invalid.
     """
     modulus, upper, lower = effective_modulus, upper_material, lower_material
-    for place, name in (("upper", upper), ("lower", lower)):
+    for side, name in (("upper", upper), ("lower", lower)):
         if not isinstance(name, str | None):
             raise ArgumentError(
-                f"{{{place}_material}} must be the name of a material, got {{got}}", got=short_repr(name)
+                f"{{{side}_material}} must be the name of a material, got {{got}}", got=short_repr(name)
             )
     materials_text = "{upper_material} and {lower_material}"
     sources = {"{effective_modulus}": modulus, "{young}": young, materials_text: upper or lower}
-    given = [source for source, value in sources.items() if value is not None]
+    given_sources = [source for source, value in sources.items() if value is not None]
     if young is not None and bool(upper) != bool(lower):
         return _combine_material_with_moduli(upper, lower, young, poisson)
-    if len(given) != 1:
+    if len(given_sources) != 1:
         raise ArgumentError(
             f"give {{effective_modulus}}, or {{young}} and {{poisson}}, or {materials_text}"
-            + (f", not both {' and '.join(given)}" if given else "")
+            + (f", not both {' and '.join(given_sources)}" if given_sources else "")
         )
     if upper or lower:
         if poisson is not None:
@@ -117,21 +117,25 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 def _combine_materials(upper: str, lower: str) -> Elasticity:
     """Return the elasticity of two materials, including the hardness of the softer material if it yields."""
-    above, below = _load_material("upper_material", upper), _load_material("lower_material", lower)
-    modulus = _round_to_three_digits(effective_modulus(above, below))
-    softer = softer_material(above, below) or min((above, below), key=lambda body: body.young_modulus)
+    upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
+    modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
+    softer = softer_material(upper_body, lower_body) or min(
+        (upper_body, lower_body), key=lambda body: body.young_modulus
+    )
     hardness, hardness_source = softer.hardness, f"{softer.name} does not yield"
     if hardness is not None:
         limits = "" if hardness.low == hardness.high else f", of {hardness.low:g} to {hardness.high:g} GPa"
         hardness_source = f"hardness {_round_to_three_digits(hardness):g} GPa{limits} ({hardness.source})"
     return Elasticity(
-        modulus, compliance_share=_round_to_three_digits(compliance_fraction(above, below)),
+        modulus, compliance_share=_round_to_three_digits(compliance_fraction(upper_body, lower_body)),
         poisson_ratio=float(softer.poisson_ratio),
         hardness=None if hardness is None else _round_to_three_digits(hardness),
-        source=f"{above.name} on {below.name}: E* {modulus:g} GPa", hardness_source=hardness_source,
-        materials=(above.name, below.name),
-        poisson_ratios=(_round_to_three_digits(above.poisson_ratio), _round_to_three_digits(below.poisson_ratio)),
-        renamed=_format_alias_note(dict.fromkeys(((upper, above.name), (lower, below.name)))),
+        source=f"{upper_body.name} on {lower_body.name}: E* {modulus:g} GPa", hardness_source=hardness_source,
+        materials=(upper_body.name, lower_body.name),
+        poisson_ratios=(
+            _round_to_three_digits(upper_body.poisson_ratio), _round_to_three_digits(lower_body.poisson_ratio)
+        ),
+        alias_note=_format_alias_note(dict.fromkeys(((upper, upper_body.name), (lower, lower_body.name)))),
     )  # fmt: skip
 
 

@@ -67,13 +67,13 @@ def use_idle_threads(
     if points < MIN_THREADED_POINTS or threads_per_task < 2:
         return function
 
-    def shared(*arguments: Any) -> _Result:
+    def run_with_threads(*arguments: Any) -> _Result:
         import scipy.fft
 
         with scipy.fft.set_workers(threads_per_task):
             return function(*arguments)
 
-    return shared
+    return run_with_threads
 
 
 @contextlib.contextmanager
@@ -94,8 +94,8 @@ def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterat
     is_notebook = Console().is_jupyter
     # In a notebook, rich needs ipywidgets for a bar. Without ipywidgets it prints one line of text at the end.
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
-    hidden = not (console.is_terminal or is_notebook)
-    with progress.Progress(*columns, console=console, transient=console.is_terminal, disable=hidden) as bar:
+    is_hidden = not (console.is_terminal or is_notebook)
+    with progress.Progress(*columns, console=console, transient=console.is_terminal, disable=is_hidden) as bar:
         task = bar.add_task("", total=total, completed=finished)
         yield lambda count=1: bar.advance(task, count)
 

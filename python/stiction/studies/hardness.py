@@ -142,7 +142,7 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Floats | float:
     """Return the ratio of E* to the E* of the study, for samples of the inputs by their names."""
-    return find_moduli(study).relative(samples)
+    return find_moduli(study).relative_modulus(samples)
 
 
 # ---- Areas over hardness ---------------------------------------------------------------------------------------------
@@ -239,7 +239,10 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
     upper, lower = bodies.member(index, surfaces.quoted_cut_off()).pair
     assert isinstance(contact, HalfSpaceContactTable), "the mechanics must be half-space"
     modulus *= float(contact.effective_modulus)
-    solid = contact.solid() | {"hardness": hardness if np.isfinite(hardness) else None, "effective_modulus": modulus}
+    solid = contact.solver_arguments() | {
+        "hardness": hardness if np.isfinite(hardness) else None,
+        "effective_modulus": modulus,
+    }
     carried = np.flatnonzero(loads < hardness * float(bodies.attributes().nominal_area or 0.0))
     areas = np.full((len(_list_area_names(study)), loads.size), np.nan)
     solid |= {"direction": contact.degrees().tolist()} if study.is_areal and len(areas) > 1 else {}

@@ -194,7 +194,7 @@ class _BallAreaFactor(_AreaFactor):
 
     def area_of(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
         """Return the ratio of the area to the area at the central moduli; elastic contacts do not grow."""
-        return np.asarray(self.moduli.relative(samples)) ** (-2 / 3)
+        return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
 
 
 @dataclass(frozen=True)
@@ -207,7 +207,7 @@ class _ResultAreaFactor(_AreaFactor):
     error: str | None  # name of the nuisance parameter for the error of the interpolated area
 
     @classmethod
-    def of(cls, result: Any, load: float, wait: float) -> _ResultAreaFactor | None:
+    def from_result(cls, result: Any, load: float, wait: float) -> _ResultAreaFactor | None:
         """Return the area factor of a result of measured half-spaces; None if no input is uncertain."""
         source = getattr(result, "source", result)
         study = study_of(getattr(result, "dataset", result))
@@ -348,7 +348,7 @@ class FrictionTest:
         """True area as a function of uncertain inputs, for a ball or a result; None if all inputs are exact."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
-        return _ResultAreaFactor.of(self.result, float(self.load), float(self.wait))
+        return _ResultAreaFactor.from_result(self.result, float(self.load), float(self.wait))
 
 
 @dataclass(frozen=True)

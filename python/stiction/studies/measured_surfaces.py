@@ -209,8 +209,8 @@ class MeasuredFile(Table):
     def _parse_list(cls, value: Any) -> Any:
         if not isinstance(value, (list, tuple)) or not value:
             return value
-        first, *others = ({"file": item} if isinstance(item, str) else item for item in value)
-        return {**first, "others": tuple(others)} if isinstance(first, Mapping) else first
+        first_table, *other_tables = ({"file": item} if isinstance(item, str) else item for item in value)
+        return {**first_table, "others": tuple(other_tables)} if isinstance(first_table, Mapping) else first_table
 
     @property
     def scans(self) -> tuple[MeasuredFile, ...]:
@@ -226,7 +226,7 @@ class MeasuredFile(Table):
         return change(self).model_copy(update={"others": self.others and tuple(map(change, self.others))})
 
     @classmethod
-    def holding(cls, body: Any, name: str) -> MeasuredFile:
+    def from_body(cls, body: Any, name: str) -> MeasuredFile:
         """Create an entry for a body in memory, also one of another library.
 
         Raises an `ArgumentError` if the body is invalid.
@@ -243,7 +243,7 @@ class MeasuredFile(Table):
             )  # fmt: skip
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
-    def kept(self, folder: Path, side: str) -> MeasuredFile:
+    def with_saved_bodies(self, folder: Path, side: str) -> MeasuredFile:
         """Write bodies in memory to files in a folder, and return the entry with these files instead."""
         return self._map_scans(lambda scan: scan._save_body(folder, side))
 
@@ -262,7 +262,7 @@ class MeasuredFile(Table):
             write(body, path)
         has_missing = not isinstance(body, JoinedSpectrum) and body.missing is not None
         options = {name: getattr(self, name) for name in ("tip", "texture", "max_cut_off", "height_factor")}
-        return MeasuredFile(file=str(path), missing="mask" if has_missing else "error", **options).known()
+        return MeasuredFile(file=str(path), missing="mask" if has_missing else "error", **options).with_checksums()
 
     def read(self) -> Body:
         """Read the profile, surface or spectrum, in µm. Raises a `ValueError` if the file has another checksum."""
@@ -299,7 +299,7 @@ class MeasuredFile(Table):
         """Return the cutoff wavelength (µm) at which this scan is filtered, for a cutoff of the pair."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
-    def filled(self) -> Floats:
+    def find_interpolated(self) -> Floats:
         """Return the fraction of interpolated points, and the size of the largest gap in the data.
 
         The size is an area (µm²) for height maps, and a length (µm) for profiles.
@@ -336,7 +336,7 @@ class MeasuredFile(Table):
         except OSError as error:
             raise ValueError(f"{printable_path(self.file)}: cannot be read: {error.strerror}") from None
 
-    def stamp(self) -> tuple[int, int] | None:
+    def find_stamp(self) -> tuple[int, int] | None:
         """Return the modification time (ns) and the size of the file; None if there is no file."""
         try:
             status = None if self.body else Path(self.file).stat()
@@ -352,7 +352,7 @@ class MeasuredFile(Table):
             )
         )
 
-    def known(self) -> MeasuredFile:
+    def with_checksums(self) -> MeasuredFile:
         """Return the entry with the current checksum of each file that has no checksum yet."""
         return self._map_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
@@ -437,7 +437,7 @@ class Members(Protocol):
     def member(self, index: int) -> Member:
         """Return a member by its index. Raises a `ValueError` if there are fewer members."""
 
-    def facts(self) -> SharedProperties:
+    def find_shared_properties(self) -> SharedProperties:
         """Return the properties that all members share."""
 
 
@@ -580,8 +580,8 @@ class MeasuredLines(MeasuredSurfaceKeys):
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
         travel = max(positions) if positions else None if self.travel is None else float(self.travel)
-        several = self.replace != "none" or isinstance(upper, Surface) or isinstance(lower, Surface)
-        pairs = LinePairs(upper, lower, travel, level, self.along, self.replace, seed, several=several)
+        has_several_pairs = self.replace != "none" or isinstance(upper, Surface) or isinstance(lower, Surface)
+        pairs = LinePairs(upper, lower, travel, level, self.along, self.replace, seed, several=has_several_pairs)
         return LineMembers(pairs, scans, self.offsets, positions)
 
 
@@ -627,7 +627,7 @@ class LineMembers:
         pair = slider, piece_below_slider(track, offset, slider)
         return Member(pair, offset, self.pairs.place(line), line=line, surrogate=self.pairs.surrogates != "none")
 
-    def facts(self) -> SharedProperties:
+    def find_shared_properties(self) -> SharedProperties:
         """Return the properties that all members share."""
         slider, track = self.pairs.pair(0)
         return _describe_lines(slider, track, len(slider) / len(track), self.scans)
@@ -690,7 +690,7 @@ class MeasuredAreas(MeasuredSurfaceKeys):
             rough = Surface(0.0 - gap.heights, history=(*gap.history, "a gap, below a flat face"), **grid)
             return GapMember(flat, rough)
         shifts = None if self.positions is None else tuple((float(x), float(y)) for x, y in self.positions)
-        pairs = build_map_pairs(upper, lower, self.level, seed, turned=self.rotate, shifts=shifts)
+        pairs = build_map_pairs(upper, lower, self.level, seed, rotation=self.rotate, shifts=shifts)
         return AreaMembers(pairs, scans, self.surrogates)
 
 
@@ -728,12 +728,18 @@ class MeasuredSurrogates(MeasuredSurfaceKeys):
 
 
 def build_map_pairs(
-    upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, turned: float = 0.0,
+    upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
     """Return pairs of pieces of two levelled maps, of which the upper map is rotated (degrees) and flipped."""
-    above = levelled(upper, level)
-    return MapPairs(flipped(rotated(above, turned) if turned else above), levelled(lower, level), level, seed, shifts)
+    levelled_upper = levelled(upper, level)
+    return MapPairs(
+        flipped(rotated(levelled_upper, rotation) if rotation else levelled_upper),
+        levelled(lower, level),
+        level,
+        seed,
+        shifts,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -757,13 +763,13 @@ class AreaMembers:
             )
         return Member(pairs.pair(shift), *pairs.moved(shift))
 
-    def facts(self) -> SharedProperties:
+    def find_shared_properties(self) -> SharedProperties:
         """Return the properties that all members share."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
         if isinstance(pairs, SpectrumPairs):  # the spacing is half the shortest wavelength
-            waves = (max(body.shortest, pairs.finest) for body in (pairs.upper, pairs.lower))
-            scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side) for shortest in waves]
+            wavelengths = (max(body.shortest, pairs.finest) for body in (pairs.upper, pairs.lower))
+            scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side) for shortest in wavelengths]
         return SharedProperties(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, scans)
 
 
@@ -780,11 +786,11 @@ class GapMember:
             raise ValueError(f"a gap has one member, got member {index}")
         return Member((self.flat, self.rough), 0.0, 0.0)
 
-    def facts(self) -> SharedProperties:
+    def find_shared_properties(self) -> SharedProperties:
         """Return the properties that all members share."""
-        both = self.flat, self.rough
+        faces = self.flat, self.rough
         return SharedProperties(
-            *both, float(np.prod(self.rough.extent)), self.rough.heights.shape, self.rough.spacing, [1.0, 1.0], both
+            *faces, float(np.prod(self.rough.extent)), self.rough.heights.shape, self.rough.spacing, [1.0, 1.0], faces
         )  # fmt: skip
 
 

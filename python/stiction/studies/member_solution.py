@@ -83,13 +83,13 @@ def pressed_to_loads(
     contact = study.contact
     loads, motions = contact.steps().size, (len(contact.rules()), contact.degrees().size)
     values = {name: _nothing(name, motions, loads) for name in variable_names(study) if name not in GAP}
-    slopes = PairSlopes.of(upper, lower) if study.is_measured else None
+    slopes = PairSlopes.from_pair(upper, lower) if study.is_measured else None
     if isinstance(contact, HalfSpaceContactTable):
         _by_half_space(contact, upper, lower, values, slopes, unloads=unloads)
     else:
         _by_asperities(contact, upper, lower, values, slopes)
     if slopes is not None:
-        gradient, slope = slopes.of_gap(contact.degrees())
+        gradient, slope = slopes.compute_gap_slopes(contact.degrees())
         values |= {"rms_gradient": np.asarray(gradient), "rms_slope": slope}
     return values
 
@@ -114,7 +114,9 @@ def _by_half_space(
     """Solve the elastic half-space at all loads; a load without a solution does not affect the others."""
     areal = isinstance(upper, Surface)
     first: list[float] | Literal["+x"] = contact.degrees().tolist() if areal else "+x"
-    solve = functools.partial(half_space, upper, lower, **contact.solid(), direction=first, sliding=contact.rules()[0])
+    solve = functools.partial(
+        half_space, upper, lower, **contact.solver_arguments(), direction=first, sliding=contact.rules()[0]
+    )
     sums = (*HALF_SPACE_SUMS, *(ADHESION[:1] if contact.adheres else ()))
 
     def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
@@ -142,7 +144,7 @@ def _by_half_space(
         for place, load in enumerate(at):
             pressed = curve.at(place)
             for name, value in (
-                list_contact_patches(pressed).statistics() | find_load_on_steep_points(pressed, slopes)
+                list_contact_patches(pressed).compute_statistics() | find_load_on_steep_points(pressed, slopes)
             ).items():
                 values[name][load] = value
     if contact.adheres:
@@ -201,7 +203,7 @@ def _by_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values
     values["closure_stiffness"][ok] = stiffness / np.prod(upper.extent) * MPA_OVER_MM
     for load in ok:
         table = list_asperity_contacts(listed(float(approach[load]), model=one), upper)
-        for name, value in (table.statistics() | find_load_on_steep_contacts(table, slopes)).items():
+        for name, value in (table.compute_statistics() | find_load_on_steep_contacts(table, slopes)).items():
             values[name][load] = value
 
 
@@ -231,7 +233,7 @@ class OneLoad:
         contact = study.contact
         if isinstance(contact, HalfSpaceContactTable):
             try:
-                curve = half_space(upper, lower, [load], **contact.solid(), sliding="all")
+                curve = half_space(upper, lower, [load], **contact.solver_arguments(), sliding="all")
             except RuntimeError:
                 return None
             return cls(upper, lower, curve)
@@ -400,8 +402,8 @@ def _onset(study: Study, curve: LoadCurve) -> Arrays:
     found = {name: np.zeros(curve.approach.size) for name in ONSET}
     for place in np.flatnonzero(curve.normal_elastic > 0).tolist():
         onset = curve.onset(
-            place, mu0=contact.onset.mu0, tau0=float(contact.onset.tau0), direction=contact.ways()[0], steps=[HALF],
-            poisson=contact.onset.poisson_ratio,
+            place, mu0=contact.onset.mu0, tau0=float(contact.onset.tau0), direction=contact.directions_of_motion()[0],
+            steps=[HALF], poisson=contact.onset.poisson_ratio,
         )  # fmt: skip
         values = (onset.stiffness, onset.displacement_at_sliding, float(onset.slipped_load[0]))
         for name, value in zip(ONSET, values, strict=True):

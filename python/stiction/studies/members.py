@@ -187,46 +187,49 @@ class LoadedBodies:
                 raise ValueError(f"surfaces.{side}: two scans of a part are identical; give each place once")
         if surfaces.first_scanned and math.prod(surfaces.scan_counts) > 1:
             raise ValueError("surfaces.surrogates: must be 0 if a part has several scans")
-        self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepared)
+        self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_members)
 
-    def _prepared(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
+    def _prepare_members(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
         """Return the members of two scans at a cutoff (µm, 0 for none).
 
         Raises a `ValueError` if the scans have no members.
         """
-        surfaces, places = self._surfaces, (upper, lower)
+        surfaces, indices = self._surfaces, (upper, lower)
         scans = self._parts[0][upper], self._parts[1][lower]
-        files = (getattr(surfaces, side).scans[place] for side, place in zip(SIDES, places, strict=True))
-        above, below = (file.cut_off_at(wavelength) for file in files)
-        return surfaces.members(scans, (above, below), self._seed)
+        files = (getattr(surfaces, side).scans[index] for side, index in zip(SIDES, indices, strict=True))
+        upper_cutoff, lower_cutoff = (file.cut_off_at(wavelength) for file in files)
+        return surfaces.members(scans, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> Member:
         """Return a member at a cutoff (µm, 0 for unfiltered scans)."""
         surfaces = self._surfaces
         # Each pair of scans has its own positions, but surrogates of all pairs of scans need different random numbers.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
-        number = index if has_surrogates else index // math.prod(surfaces.scan_counts)
-        return self.members(wavelength, *surfaces.scans_of(index)).member(number)
+        member_of_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
+        return self.members(wavelength, *surfaces.scans_of(index)).member(member_of_pair)
 
     def attributes(self) -> BodyAttributes:
         """Return the attributes of the bodies for a result: nominal area, history, grid and missing data."""
-        facts = self.members(self._surfaces.quoted_cut_off()).facts()
+        properties = self.members(self._surfaces.quoted_cut_off()).find_shared_properties()
         attributes: dict[str, Any] = {
-            side: "\n".join(body.history) for side, body in zip(SIDES, (facts.upper, facts.lower), strict=True)
+            side: "\n".join(body.history)
+            for side, body in zip(SIDES, (properties.upper, properties.lower), strict=True)
         }
         attributes |= {
-            "shape": np.array(facts.shape, np.int64),
-            "spacing_um": np.array(facts.spacing, np.float64),
-            "fraction_used": np.array(facts.used, np.float64),
+            "shape": np.array(properties.shape, np.int64),
+            "spacing_um": np.array(properties.spacing, np.float64),
+            "fraction_used": np.array(properties.used, np.float64),
         }
-        for side, scan in zip(SIDES, facts.scans, strict=True):
+        for side, scan in zip(SIDES, properties.scans, strict=True):
             attributes[f"{side}_spacing_um"] = np.atleast_1d(np.asarray(scan.spacing, np.float64))
             attributes[f"{side}_extent_um"] = np.atleast_1d(np.asarray(scan.extent, np.float64))
-            if (filled := getattr(self._surfaces, side).filled()).any():
-                attributes[f"{side}_filled"] = filled
-        return BodyAttributes(nominal_area=float(facts.area) * self._measured(), attributes=attributes)
+            if (interpolated := getattr(self._surfaces, side).find_interpolated()).any():
+                attributes[f"{side}_filled"] = interpolated
+        return BodyAttributes(
+            nominal_area=float(properties.area) * self._find_measured_fraction(), attributes=attributes
+        )
 
-    def _measured(self) -> float:
+    def _find_measured_fraction(self) -> float:
         """Return the fraction of the area with data in both bodies, as a mean over the first members."""
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
@@ -258,7 +261,7 @@ def load_bodies(study: Study) -> LoadedBodies:
     """Load the measured bodies of a study. They are cached, and read again only if a file has changed."""
     surfaces = study.surfaces
     assert isinstance(surfaces, MeasuredSurfaces)
-    stamps = tuple(scan.stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
+    stamps = tuple(scan.find_stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
     return _load_cached(surfaces, study.ensemble.seed, stamps)
 
 

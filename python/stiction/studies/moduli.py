@@ -57,7 +57,7 @@ class Moduli:
             inputs["effective_modulus"] = self.effective_modulus
         return {name: value for name, value in inputs.items() if not value.is_exact}
 
-    def relative(self, samples: Mapping[str, Floats]) -> Floats | float:
+    def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
         """Return the ratio of E* to its central value, for samples of `inputs`."""
         if "effective_modulus" in samples:
             return samples["effective_modulus"] / self.middle

@@ -141,7 +141,7 @@ class Pair:
                         f"{{{name}}} is for files: if one body is in memory, read the other file first, got {{{name}}}"
                     )
             body = self._from_array(side, index, body) if is_array else body
-            return MeasuredFile.holding(body, side).model_copy(update=properties)
+            return MeasuredFile.from_body(body, side).model_copy(update=properties)
         table = properties | {"file": str(body)}
         for name in READING_OPTION_NAMES:
             if (value := self._select_value(name, index)) in (None, ""):
@@ -405,7 +405,7 @@ class Pair:
             remarks.append(f"{elasticity.source}, {elasticity.hardness_source}")
         elif elasticity.source:
             remarks.append(f"{elasticity.source}; the hardness is that of --hardness")
-        remarks += [elasticity.renamed] if elasticity.renamed else []
+        remarks += [elasticity.alias_note] if elasticity.alias_note else []
         if self.options.gap is not None:
             remarks.append(GAP_REMARK)
         return remarks

@@ -447,7 +447,7 @@ class OtherStudyError(StoreError):
         super().__init__(f"{printable_path(path)}: contains another study; {advice}\n{format_differences(differ)}")
         self.path, self.stored, self.differ = path, stored, differ
 
-    def with_advice(self, advice: str) -> OtherStudyError:
+    def with_remedy(self, advice: str) -> OtherStudyError:
         """Return a copy of the error whose message ends with another remedy."""
         return OtherStudyError(self.path, self.stored, self.differ, advice)
 

@@ -378,7 +378,11 @@ class Study(Table):
             return self
 
         def known(file: MeasuredFile, side: str) -> MeasuredFile:
-            return (file if folder is None else file.kept(folder, side)).with_absolute_paths(Path.cwd()).known()
+            return (
+                (file if folder is None else file.with_saved_bodies(folder, side))
+                .with_absolute_paths(Path.cwd())
+                .with_checksums()
+            )
 
         return self.model_copy(update={"surfaces": self.surfaces.with_files(known)})
 
