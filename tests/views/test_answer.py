@@ -82,6 +82,17 @@ FAULTS = {
 }  # fmt: skip
 
 
+def test_sentence_contains_assessment_caveats_version_and_adhesion():
+    caveat = Caveat("a parabola carries the load", "try --level quadratic", "caution")
+    (point,) = summarize(
+        measured().assign_attrs(stiction_version="1.2.3"), measured_study(), input_caveats=[caveat]
+    ).points
+    sentence = sentence_text(point)
+    assert f"assessment: {point.verdict} ({caveat.text}" in sentence
+    assert "stiction 1.2.3" in sentence
+    assert "no adhesion" in sentence
+
+
 @pytest.mark.parametrize("name", FAULTS)
 def test_point_with_fault_has_no_number_in_its_sentence(name):
     raising, silent, word = FAULTS[name]

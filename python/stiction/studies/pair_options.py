@@ -571,7 +571,7 @@ class MaterialOptions(OptionGroup):
         applies=(needs_poisson_ratio,), field=FormField(label="ν", place="body"),
     )] = None  # fmt: skip
     hardness: Annotated[Value | None, Option(
-        "PRESSURE", 'Hardness of the softer body, "2 GPa" or "150 HV": the largest contact pressure.',
+        "PRESSURE", 'Hardness of the softer body, the largest contact pressure: "2 GPa", "150 HV" or "150 HV ± 10 %".',
         kind="pressure", usual="that of the material", is_common=True, key="contact.hardness",
         applies=(has_plastic_contacts,), field=FormField(label="hardness, GPa", place="body", unit="GPa"),
     )] = None  # fmt: skip
@@ -619,16 +619,18 @@ class FrictionOptions(OptionGroup):
         applies=(presses_profiles_as_lines,), field=FormField(label="width of profiles", example="1 mm"),
     )] = None  # fmt: skip
     mu0: Annotated[Values | None, Option(
-        "NUMBERS", 'Molecular friction coefficients, "0.3" or "0.3,0.4".', key="friction.mu0", is_common=True,
+        "NUMBERS", 'Molecular friction coefficients, "0.3,0.4", or one with its uncertainty, "0.30±0.02" or '
+        '"0.2..0.4".', key="friction.mu0", is_common=True,
         applies=(has_no_interface,), field=FormField(label="μ0", place="load"),
     )] = None  # fmt: skip
     tau0: Annotated[Values | None, Option(
-        "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa".', kind="pressure", usual="0 MPa", key="friction.tau0",
-        is_common=True, applies=(has_no_interface,), field=FormField(label="τ0, MPa", place="load", unit="MPa"),
+        "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa", or one with its uncertainty, "30..80 MPa".',
+        kind="pressure", usual="0 MPa", key="friction.tau0", is_common=True, applies=(has_no_interface,),
+        field=FormField(label="τ0, MPa", place="load", unit="MPa"),
     )] = None  # fmt: skip
     interface: Annotated[InterfaceName | None, Option(
         "NAME|FILE", "Both {mu0} and {tau0}: a file of stiction calibrate, or a name that stiction interfaces lists.",
-        key="known.interface",
+        key="known.interface", is_common=True,
     )] = None  # fmt: skip
     direction: Annotated[Values | None, Option(
         "DEGREES", 'Directions of motion of the upper body, from +x towards +y, "0,90".', usual="every 30 degrees",

@@ -113,9 +113,9 @@ def pair(
     width : str or float, µm, optional
         Width across two profiles that a force acts on. By default 1 um.
     mu0 : str or float, or several, optional
-        Molecular friction coefficients, "0.3" or "0.3,0.4".
+        Molecular friction coefficients, "0.3,0.4", or one with its uncertainty, "0.30±0.02" or "0.2..0.4".
     tau0 : str or float, or several, GPa, optional
-        Adhesive shear strengths, "0 MPa,50 MPa". By default 0 MPa.
+        Adhesive shear strengths, "0 MPa,50 MPa", or one with its uncertainty, "30..80 MPa". By default 0 MPa.
     interface : str, path or Interface, optional
         Both `mu0` and `tau0`: a file of stiction calibrate, or a name that stiction interfaces lists.
     direction : str or float, or several, optional
@@ -131,7 +131,8 @@ def pair(
     poisson : str or float, or several, optional
         Poisson's ratios, "0.3" or "0.3,0.33".
     hardness : str or float, GPa, optional
-        Hardness of the softer body, "2 GPa" or "150 HV": the largest contact pressure. By default that of the material.
+        Hardness of the softer body, the largest contact pressure: "2 GPa", "150 HV" or "150 HV ± 10 %". By default that
+        of the material.
     yield_strength : str or float, GPa, optional
         Yield strength of the softer body, for `law` jackson-green. By default the hardness over 2.84.
     junction_growth : str or float, optional

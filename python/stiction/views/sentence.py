@@ -57,7 +57,7 @@ def sentence_text(point: PointSummary) -> str:
     )
     parts = [f"{text}, at {inputs_text(point)}", note_text(point)]
     parts += [f"assumed: {', '.join(assumed)}"] if assumed else []
-    parts += filter(None, [covers_text(point), roughness_text(point), finer_text(point)])
+    parts += filter(None, [covers_text(point), roughness_text(point), finer_text(point), assessment_text(point)])
     return "; ".join(parts) + "."
 
 
@@ -67,6 +67,14 @@ def covers_text(point: PointSummary) -> str:
         return ""
     inputs = dict.fromkeys(left.words for left in point.budget) or [f"the mean over {_averaged(point)}"]
     return f"95 % interval of {', '.join(inputs)}"
+
+
+def assessment_text(point: PointSummary) -> str:
+    """Return the assessment with the caveats, and the version that computed the result if it is stored."""
+    caveats = "; ".join(caveat.text for caveat in point.caveats)
+    text = f"assessment: {point.verdict}" + (f" ({caveats})" if caveats else "")
+    version = point.values.attrs.get("stiction_version")
+    return f"{text}; computed with stiction {version}" if version else text
 
 
 def roughness_text(point: PointSummary) -> str:
@@ -205,6 +213,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
     if study.uses_half_space:
         parts.append("contact of half-spaces" if study.contact.hardness is None else "contact of yielding half-spaces")
     parts += list_assumptions(study)
+    parts += ["no adhesion"] if study.contact.work_of_adhesion is not None and not study.contact.adheres else []
     cut_off = float(values["cut_off"]) if "cut_off" in values.coords else 0.0
     parts.append(f"scans filtered at {with_unit(cut_off, 'um')}" if cut_off > 0 else "scans not filtered")
     return tuple(parts)
