@@ -225,7 +225,7 @@ def test_columns_use_their_sliding_rule_and_mechanics():
     column = claims.COLUMNS["half-spaces"]
     study = column.to_study(100)
     assert study.ensemble.repetitions == claims.MIN_REPETITIONS
-    assert study.surfaces == claims.COLUMNS["half-spaces, all rub"].to_study(100).surfaces
+    assert study.surfaces == claims.COLUMNS["half-spaces, friction at all contacts"].to_study(100).surfaces
     result = empty_dataset(study)
     load = study.contact.steps()
     for name, values in {

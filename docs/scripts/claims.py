@@ -128,14 +128,14 @@ _GAP_MINIMA = {"contact.detection": "gap-minimum"}
 _ALL_RUB = {**_GAP_MINIMA, "contact.sliding": "all", "surfaces.fractal_dimension.count": 15}
 
 COLUMNS: Mapping[str, Column] = {
-    "lines, asperities, gap minima": Column("figure7", _GAP_MINIMA, "opposing", 20, "gap-minima"),
-    "the same, all rub": Column("figure7", _ALL_RUB, "all", 20, "all-rub"),
-    "areas, asperities": Column("figure6-areal", _AREAS, "opposing", 80, "areas"),
-    "areas, asperities, all rub": Column("figure6-areal", _AREAS, "all", 80, "areas"),
+    "profiles, asperities, gap minima": Column("figure7", _GAP_MINIMA, "opposing", 20, "gap-minima"),
+    "the same, friction at all contacts": Column("figure7", _ALL_RUB, "all", 20, "all-rub"),
+    "height maps, asperities": Column("figure6-areal", _AREAS, "opposing", 80, "areas"),
+    "height maps, asperities, friction at all contacts": Column("figure6-areal", _AREAS, "all", 80, "areas"),
     "half-planes": Column("figure6-half-plane", _HALF_PLANES, "opposing", 100, "half-planes"),
-    "half-planes, all rub": Column("figure6-half-plane", _HALF_PLANES, "all", 100, "half-planes"),
+    "half-planes, friction at all contacts": Column("figure6-half-plane", _HALF_PLANES, "all", 100, "half-planes"),
     "half-spaces": Column("figure6-areal", _HALF_SPACES, "opposing", 66, "half-spaces"),
-    "half-spaces, all rub": Column("figure6-areal", _HALF_SPACES, "all", 66, "half-spaces"),
+    "half-spaces, friction at all contacts": Column("figure6-areal", _HALF_SPACES, "all", 66, "half-spaces"),
 }
 """Columns by title."""
 
@@ -486,33 +486,107 @@ def _change(what: Quantity, one: dict[str, float], other: dict[str, float]) -> M
 
 _BY_MU0 = ({"mu0": 1.0}, {"mu0": 0.1})
 _BY_TAU0 = ({"tau0": 0.2}, {"tau0": 0.0})
-_SAME = "largest change over D by"
+_LARGEST_CHANGE = "largest relative change of the"
 
 PARTS = (
-    Part("1a", "smallest R² over D of a line A = c F_N", 0.95, math.inf, _linearity),
-    Part("1b", "exponent of A ∝ F_N^p, at the D where it is farthest from 1", 0.9, 1.1, _exponent),
-    Part("2a", "friction at D = 1.4 to 1.5 over that at D = 1 to 1.2", 1.0, math.inf, _growth),
-    Part("2b", "slope of ln mu_s against D: above D = 1.5 minus below", 0.0, math.inf, _steepening),
-    Part("2c", "rise of mu_s from D up to 1.2 to D = 1.4 to 1.5: mu0 = 1, less 0.1", 0.0, math.inf, _amplification),
-    Part("3a", "least friction at 200 MPa over that at 0, of all D and three loads", 1.0, math.inf, _raised),
-    Part("3b", "rise of mu_s by 200 MPa: D up to 1.2, less D from 1.6", 0.0, math.inf, _raised_at_low_dimensions),
-    Part("3c", "rise of mu_s by 200 MPa: light load, less heavy load", 0.0, math.inf, _raised_at_low_load),
+    Part("1a", "smallest R² for any D of a straight line A = c F_N", 0.95, math.inf, _linearity),
+    Part("1b", "exponent p of A ∝ F_N^p at the D with the largest deviation from 1", 0.9, 1.1, _exponent),
+    Part("2a", "mu_s at D = 1.4 to 1.5 divided by mu_s at D = 1 to 1.2", 1.0, math.inf, _growth),
+    Part("2b", "slope of ln mu_s with D above D = 1.5 minus slope below", 0.0, math.inf, _steepening),
     Part(
-        "3d", "largest relative change of mu_s by 1 MPa, of all D and three loads", -math.inf, 0.05, _of_weak_adhesion
+        "2c",
+        "increase of mu_s from D ≤ 1.2 to D = 1.4 to 1.5, at mu0 = 1 minus at mu0 = 0.1",
+        0.0,
+        math.inf,
+        _amplification,
     ),
-    Part("4a", "friction at 200 MPa: D = 1 to 1.2 over D = 1.3 to 1.5", 1.0, math.inf, _dip_from(*_LOW)),
-    Part("4b", "friction at 200 MPa: D = 1.6 to 1.7 over D = 1.3 to 1.5", 1.0, math.inf, _dip_from(*_HIGH)),
-    Part("4c", "D of least friction at 200 MPa", *_MINIMUM, _minimum),
-    Part("5", "friction at light over that at heavy load, D from 1.5", 1.0, math.inf, _light_over_heavy),
-    Part("6", "least mu_s/mu0 over D, mu0 = 0.4", -math.inf, 1.0, _below_mu0),
-    Part("7a", "A/F_N at 0.2 µm over that at 0.05 µm", -math.inf, 1.0, _steeper_over_flatter("area", 0.0)),
-    Part("7b", "friction at 200 MPa: 0.2 µm over 0.05 µm", -math.inf, 1.0, _steeper_over_flatter("friction", 0.2)),
-    Part("7c", "rise of friction to D = 1.5 to 1.6: 0.05 µm over 0.2 µm", -math.inf, 1.0, _rise_of_flatter),
-    Part("7d", "rise of mu_s by 200 MPa at D up to 1.2: 0.05 µm, less 0.2 µm", 0.0, math.inf, _adhesion_of_flatter),
-    Part("8a", f"{_SAME} mu0 0.1 → 1 of the area", -math.inf, 0.1, _change("area", *_BY_MU0)),
-    Part("8b", f"{_SAME} tau0 0 → 200 MPa of the area", -math.inf, 0.1, _change("area", *_BY_TAU0)),
-    Part("8c", f"{_SAME} mu0 0.1 → 1 of the stiffness", -math.inf, 0.1, _change("stiffness", *_BY_MU0)),
-    Part("8d", f"{_SAME} tau0 0 → 200 MPa of the stiffness", -math.inf, 0.1, _change("stiffness", *_BY_TAU0)),
+    Part(
+        "3a", "smallest ratio of mu_s at tau0 = 200 MPa to mu_s at 0, for all D and three loads", 1.0, math.inf, _raised
+    ),
+    Part(
+        "3b",
+        "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, minus at D ≥ 1.6",
+        0.0,
+        math.inf,
+        _raised_at_low_dimensions,
+    ),
+    Part(
+        "3c",
+        "increase of mu_s by tau0 = 200 MPa at light load, minus at heavy load",
+        0.0,
+        math.inf,
+        _raised_at_low_load,
+    ),
+    Part(
+        "3d",
+        "largest relative change of mu_s by tau0 = 1 MPa, for all D and three loads",
+        -math.inf,
+        0.05,
+        _of_weak_adhesion,
+    ),
+    Part(
+        "4a", "mu_s at tau0 = 200 MPa, D = 1 to 1.2, divided by mu_s at D = 1.3 to 1.5", 1.0, math.inf, _dip_from(*_LOW)
+    ),
+    Part(
+        "4b",
+        "mu_s at tau0 = 200 MPa, D = 1.6 to 1.7, divided by mu_s at D = 1.3 to 1.5",
+        1.0,
+        math.inf,
+        _dip_from(*_HIGH),
+    ),
+    Part("4c", "D with the smallest mu_s at tau0 = 200 MPa", *_MINIMUM, _minimum),
+    Part("5", "mu_s at light load divided by mu_s at heavy load, D ≥ 1.5", 1.0, math.inf, _light_over_heavy),
+    Part("6", "smallest mu_s/mu0 for any D, mu0 = 0.4", -math.inf, 1.0, _below_mu0),
+    Part("7a", "A/F_N at 0.2 µm divided by A/F_N at 0.05 µm", -math.inf, 1.0, _steeper_over_flatter("area", 0.0)),
+    Part(
+        "7b",
+        "mu_s at tau0 = 200 MPa, 0.2 µm, divided by mu_s at 0.05 µm",
+        -math.inf,
+        1.0,
+        _steeper_over_flatter("friction", 0.2),
+    ),
+    Part(
+        "7c",
+        "increase of mu_s up to D = 1.5 to 1.6 at 0.05 µm divided by increase at 0.2 µm",
+        -math.inf,
+        1.0,
+        _rise_of_flatter,
+    ),
+    Part(
+        "7d",
+        "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, at 0.05 µm minus at 0.2 µm",
+        0.0,
+        math.inf,
+        _adhesion_of_flatter,
+    ),
+    Part(
+        "8a",
+        f"{_LARGEST_CHANGE} area for any D if mu0 changes from 0.1 to 1",
+        -math.inf,
+        0.1,
+        _change("area", *_BY_MU0),
+    ),
+    Part(
+        "8b",
+        f"{_LARGEST_CHANGE} area for any D if tau0 changes from 0 to 200 MPa",
+        -math.inf,
+        0.1,
+        _change("area", *_BY_TAU0),
+    ),
+    Part(
+        "8c",
+        f"{_LARGEST_CHANGE} stiffness for any D if mu0 changes from 0.1 to 1",
+        -math.inf,
+        0.1,
+        _change("stiffness", *_BY_MU0),
+    ),
+    Part(
+        "8d",
+        f"{_LARGEST_CHANGE} stiffness for any D if tau0 changes from 0 to 200 MPa",
+        -math.inf,
+        0.1,
+        _change("stiffness", *_BY_TAU0),
+    ),
 )
 """Parts of all claims, at mu0 = 0.4, tau0 = 0 and the middle load unless stated otherwise."""
 
@@ -637,7 +711,7 @@ def columns_markdown(columns: Mapping[str, list[Outcome]]) -> str:
 
     def cell(outcome: Outcome) -> str:
         if not math.isfinite(outcome.value):
-            return "cannot be put"
+            return "not applicable"
         star = r"\*" if outcome.left_out else ""
         return f"{_value(outcome)}{star} {outcome.verdict}"
 
@@ -723,11 +797,11 @@ def write_tables(
     (tables / "variants.md").write_text(variants_markdown(others), encoding="utf-8")
     if not columns:
         return
-    beside = {f"lines, {result.sizes['repetition']} repetitions": outcomes}
+    beside = {f"profiles, {result.sizes['repetition']} repetitions": outcomes}
     most = repetitions or result.sizes["repetition"]
     if repetitions is not None:
         result = result_of(claims_study().with_changes({"ensemble.repetitions": most}), "columns/lines")
-        beside[f"lines, {most} repetitions"] = judge(result)
+        beside[f"profiles, {most} repetitions"] = judge(result)
     beside["the same by bands"] = judge(result, ruling="bands")
     for name, column in COLUMNS.items():
         study = column.to_study(most)

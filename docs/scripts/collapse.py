@@ -303,14 +303,14 @@ def compute_cases() -> list[dict]:
 # ---- What came out ---------------------------------------------------------------------------------------------------
 
 FAMILIES = {
-    "WM area": "Weierstrass-Mandelbrot areas", "self-affine area": "self-affine areas",
-    "stretched area": "stretched areas", "WM line": "Weierstrass-Mandelbrot lines",
-    "self-affine line": "self-affine lines", "measured area": "AFM map", "measured line": "stylus line",
+    "WM area": "Weierstrass-Mandelbrot maps", "self-affine area": "self-affine maps",
+    "stretched area": "stretched maps", "WM line": "Weierstrass-Mandelbrot profiles",
+    "self-affine line": "self-affine profiles", "measured area": "AFM map", "measured line": "stylus profile",
 }  # fmt: skip
 COLOURS = ("#0072B2", "#009E73", "#56B4E9", "#D55E00", "#E69F00", "#CC79A7", "0.2")
 EDGES = (0.0, 0.1, 0.3, 0.6, 1.0, 4.0)
 """Values of h' for the table."""
-SUMMED = {"points": "opposing, point by point", "opposing": "opposing, by patches", "all": "all rub"}
+SUMMED = {"points": "opposing, point by point", "opposing": "opposing, by patches", "all": "friction at all contacts"}
 
 
 def closed_form(pair: dict, rule: str, tau0: float, *, order: int = 2, kappa: float | None = None) -> float:
@@ -437,10 +437,16 @@ def draw(points: list[dict]) -> None:
     axes[1].axvline(least, color="0.6", lw=0.7, ls=":")
     axes[0].set(xlabel="mean slope $S = g_s / 2\\sqrt{2\\pi}$", ylabel="$\\mu_s$", title="opposing, no adhesion")
     axes[0].set(xscale="log", ylim=(0.18, 0.9))
-    axes[1].set(xlabel="$h'$", ylabel="$\\mu_s$", title="opposing, $\\tau_0$ 2 % of $E^*$; areas", xscale="log")
+    axes[1].set(xlabel="$h'$", ylabel="$\\mu_s$", title="opposing, $\\tau_0$ 2 % of $E^*$; height maps", xscale="log")
     axes[1].set(ylim=(0.25, 1.2))
-    axes[2].set(xlabel="$h'$", ylabel="over the closed form, %", title="opposing: by points, by patches (white)")
-    axes[3].set(xlabel="$h'$", ylabel="over the closed form, %", title="all rub: 2nd order, 1st order (white)")
+    axes[2].set(
+        xlabel="$h'$", ylabel="difference from the closed form, %", title="opposing: by points, by patches (white)"
+    )
+    axes[3].set(
+        xlabel="$h'$",
+        ylabel="difference from the closed form, %",
+        title="friction at all contacts: 2nd order, 1st order (white)",
+    )
     axes[2].set(xscale="log", ylim=(-26, 8))
     axes[3].set(xscale="log", ylim=(-2, 26))
     for ax in axes:

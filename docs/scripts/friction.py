@@ -16,7 +16,7 @@ DOCS = Path(__file__).parents[1]
 RESULTS = DOCS.parent / "build/claims/columns"
 MU0, TAU0, AMPLITUDE = 0.4, 0.2, 0.1
 SIDE, EXTENT = 256, 10.0
-STYLES = {"lines": ("#D55E00", "s", "lines, spheres"), "half-spaces": ("#0072B2", "o", "areas, half-space")}
+STYLES = {"lines": ("#D55E00", "s", "profiles, spheres"), "half-spaces": ("#0072B2", "o", "height maps, half-space")}
 
 
 def gradients(dimensions: np.ndarray) -> np.ndarray:

@@ -415,7 +415,7 @@ def picture(by_hurst, together):
     axes[0].set_yticks([0.05, 0.1, 0.2, 0.5], ["0.05", "0.1", "0.2", "0.5"])
     axes[0].set_yticks([], minor=True)
     axes[0].legend(fontsize=7.5, loc="lower right")
-    axes[1].set(ylabel="μ_s, all contacts rub", title="friction")
+    axes[1].set(ylabel="μ_s, friction at all contacts", title="friction")
     lengths, q = np.array(together["wavelength"]), 2 * math.pi / np.array(together["wavelength"])
     axes[2].plot(lengths, q**3.6 * together["known"], color="black", lw=1, label="known")
     ratio = np.array(together["ratio"], dtype=float)
