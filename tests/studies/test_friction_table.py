@@ -160,3 +160,28 @@ def test_table_command_equals_library(tmp_path):
 def test_table_command_rejects_bad_options(tmp_path, changes, message):
     assert_rejected(call_stiction("table", *COMMAND_OPTIONS, *changes, cwd=tmp_path), message)
     assert not (tmp_path / "table" / "table.nc").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"hurst_exponents": [1.2]}, r"hurst_exponents must be above 0 and at most 1, got \[1.2\]"),
+        ({"hurst_exponents": ["a"]}, "hurst_exponents must be an array of real numbers"),
+        ({"hurst_exponents": []}, "hurst_exponents must be numbers above 0"),
+        ({"rms": [-1]}, "rms must be numbers above 0"), ({"pressures": [0.0]}, "pressures must be numbers above 0"),
+        ({"mu0": [-1]}, "mu0 must not be negative"), ({"extent": "x"}, "extent must be"),
+        ({"effective_modulus": 0}, "effective_modulus must be a finite number above 0"),
+        ({"points": 3}, "surfaces.shape.*must be at least 4"), ({"repetitions": 0}, "ensemble.repetitions.*at least 1"),
+        ({"shortest_wavelength": 100}, "must be below the longest wavelength"),
+    ],
+)  # fmt: skip
+def test_table_study_rejects_impossible_values_in_plain_words(arguments, message):
+    with pytest.raises(ValueError, match=message) as error:
+        table_study(**arguments)
+    assert "pydantic" not in str(error.value)
+
+
+def test_table_study_accepts_single_numbers():
+    assert table_study(rms=0.03, mu0=0.3, hurst_exponents=0.8) == table_study(
+        rms=[0.03], mu0=[0.3], hurst_exponents=[0.8]
+    )

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats
-from stiction._units import exact_quantity
-from stiction.mechanics.friction import SIX_SUMS, compute_loads
+from stiction._checks import Floats, float_array, number
+from stiction._units import exact_quantity, short_repr
+from stiction.mechanics.friction import SIX_SUMS, compute_loads, friction_parameter
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
 from stiction.studies.maps import material_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study, study_of
+from stiction.studies.values import validated
 
 if TYPE_CHECKING:
     import xarray
@@ -78,8 +79,8 @@ def table_study(
 
     Raises
     ------
-    StudyError
-        If the study cannot be computed.
+    ValueError
+        If an argument has an impossible value; `StudyError` if the study cannot be computed.
 
     See Also
     --------
@@ -91,13 +92,23 @@ def table_study(
     >>> table_study(rms=[0.02]).surfaces.amplitudes()
     array([0.02])
     """
+    exponents = _checked_values("hurst_exponents", hurst_exponents)
+    if not all(exponent <= 1 for exponent in exponents):
+        raise ValueError(f"hurst_exponents must be above 0 and at most 1, got {short_repr(hurst_exponents)}")
+    lengths = {"extent": extent, "longest_wavelength": longest_wavelength, "shortest_wavelength": shortest_wavelength}
+    extent, longest_wavelength, shortest_wavelength = (
+        number(name, value, unit="µm", above=0) for name, value in lengths.items()
+    )
+    effective_modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
     area = extent**2
-    return Study.model_validate(
+    return validated(
+        Study,
         {
             "surfaces": {
                 "kind": "surface", "generator": "self-affine",
-                "fractal_dimension": sorted(2 - float(each) for each in hurst_exponents),
-                "amplitude": [exact_quantity(each, "um") for each in rms], "amplitude_measure": "Sq",
+                "fractal_dimension": sorted(2 - exponent for exponent in exponents),
+                "amplitude": [exact_quantity(height, "um") for height in _checked_values("rms", rms)],
+                "amplitude_measure": "Sq",
                 "longest_wavelength": exact_quantity(longest_wavelength, "um"),
                 "shortest_wavelength": exact_quantity(shortest_wavelength, "um"), "shape": [points, points],
                 "extent": [exact_quantity(extent, "um")] * 2,
@@ -106,12 +117,27 @@ def table_study(
                 "mechanics": "half-space", "boundary": "periodic",
                 "effective_modulus": exact_quantity(effective_modulus, "GPa"),
                 "direction": list(DIRECTIONS), "sliding": ["opposing", "all"],
-                "load": [exact_quantity(each * area, "mN") for each in sorted(pressures)],
+                "load": [
+                    exact_quantity(pressure * area, "mN")
+                    for pressure in sorted(_checked_values("pressures", pressures))
+                ],
             },
-            "friction": {"mu0": list(mu0), "tau0": [exact_quantity(each, "GPa") for each in tau0]},
+            "friction": {
+                "mu0": friction_parameter("mu0", mu0).reshape(-1).tolist(),
+                "tau0": [exact_quantity(value, "GPa") for value in friction_parameter("tau0", tau0).reshape(-1)],
+            },
             "ensemble": {"repetitions": repetitions, "seed": seed},
-        }
+        },
+        "table_study",
     )  # fmt: skip
+
+
+def _checked_values(name: str, values: ArrayLike) -> list[float]:
+    """Return one or several numbers above 0 as a list."""
+    array = np.atleast_1d(float_array(name, values))
+    if array.ndim != 1 or not array.size or not (array > 0).all():
+        raise ValueError(f"{name} must be numbers above 0, got {short_repr(values)}")
+    return [float(value) for value in array]
 
 
 def friction_table(
