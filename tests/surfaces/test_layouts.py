@@ -700,6 +700,63 @@ def test_flags_of_an_unknown_sense_are_rejected(tmp_path):
         assert read_measurement(path).heights.tolist() == LINE.tolist()
 
 
+def word_table(separator=",", words=("OK", "NG"), place=2, names=True):
+    """Return a profile of LINE with a column of words, of which the second marks points 4, 5 and 33."""
+    lines = [["x(um)", "z(um)"]] * names + [[f"{0.5 * at:.1f}", f"{z}"] for at, z in enumerate(LINE)]
+    flags = ["judgment"] * names + [words[at in (4, 5, 33)] for at in range(LINE.size)]
+    return "\n".join(
+        separator.join([*cells[:place], word, *cells[place:]]) for cells, word in zip(lines, flags, strict=True)
+    )
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " ", ", "])
+@pytest.mark.parametrize("words", [("OK", "NG"), ("pass", "fail"), ("", "spike"), ("A1", "B2")])
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_table_with_words_names_their_column(tmp_path, separator, words, place):
+    if separator == " " and not words[0]:
+        words = ("nan", words[1])
+    path = tmp_path / "a.csv"
+    path.write_text(word_table(separator, words, place))
+    numbers = ",".join(str(index) for index in range(3) if index != place)
+    with pytest.raises(FormatError, match=rf"column {place} \(judgment\).*'{words[1]}' \(3\).*--columns {numbers}\)"):
+        read_measurement(path)
+    chosen = read_measurement(path, columns=[index for index in range(3) if index != place])
+    assert chosen.heights.tolist() == LINE.tolist()
+    assert any("ignored" in step for step in chosen.history)
+    masked = read_measurement(path, missing_value=words[1], missing="mask")
+    assert np.flatnonzero(masked.missing).tolist() == [4, 5, 33]
+
+
+@pytest.mark.parametrize("words", [("OK", "OK"), ("OK", ""), ("OK", "NG")])
+def test_columns_ignores_words_of_a_table_without_names(tmp_path, words):
+    path = tmp_path / "a.txt"
+    path.write_text(word_table(";", words, names=False))
+    with pytest.raises(FormatError, match=r"words in column 2: 'OK'"):
+        read_measurement(path, unit="um")
+    assert read_measurement(path, unit="um", columns=[0, 1]).heights.tolist() == LINE.tolist()
+
+
+def test_column_of_unreadable_heights_is_not_a_column_of_flags(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(word_table(",", ("Err", "Err")))
+    assert read_measurement(path, columns=[0, 1], missing_value="Err").heights.tolist() == LINE.tolist()
+
+
+def test_words_of_a_single_line_are_not_a_column_of_words(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join(["x (um),z (um)", *(f"{0.5 * at},{z}" for at, z in enumerate(LINE)), "7.0,Err"]))
+    with pytest.raises(FormatError, match="'Err' is not a number"):
+        read_measurement(path)
+
+
+def test_columns_ignores_flags_of_an_unknown_meaning(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join(["x (um),z (um),flag", *(f"{0.5 * at},{z},{at % 2}" for at, z in enumerate(LINE))]))
+    with pytest.raises(FormatError, match=r"--columns"):
+        read_measurement(path)
+    assert read_measurement(path, columns=[0, 1]).heights.tolist() == LINE.tolist()
+
+
 @pytest.mark.parametrize("count", ["inf", "nan", "1e999", "-3", "2.5", "1e12", "abc", "", "0"])
 @pytest.mark.parametrize(
     ("name", "key"),

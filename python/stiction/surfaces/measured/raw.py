@@ -7,6 +7,9 @@ import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from stiction._checks import Floats
 
 LENGTH_UNITS = {
@@ -123,6 +126,16 @@ class Raw:
 
 
 @dataclass(frozen=True)
+class WordColumn:
+    """Column of words next to columns of numbers, such as a column of flags."""
+
+    place: int  # column number
+    words: str  # the most frequent words with their counts
+    rarest: str  # the least frequent word
+    missing: NDArray[np.bool_]  # (rows,) whether the word is one that the caller gave for missing points
+
+
+@dataclass(frozen=True)
 class ColumnTable:
     """Numbers in columns. One or two columns are a profile, or all columns together are a map."""
 
@@ -139,6 +152,7 @@ class ColumnTable:
     source: Source = Source()
     places: tuple[int, ...] | None = None  # column numbers in the file, if some columns are skipped
     caveats: tuple[FileCaveat, ...] = ()
+    word_columns: tuple[WordColumn, ...] = ()  # columns of words, whose values are NaN
 
     def column_digits(self, column: int) -> Digits | None:
         """Return a function that computes the values of the last printed digits of a column."""

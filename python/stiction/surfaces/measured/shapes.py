@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._text import printable
@@ -31,6 +32,7 @@ and occurs in positions that were stored in single precision."""
 MIN_COLUMNS = 4  # minimum number of columns of a matrix of heights in a text
 MAX_GRID_POINTS = 100_000_000  # points of a map
 MAX_LISTED_NAMES = 12  # names in a message
+MAX_PROFILE_COLUMNS = 3  # columns that a caller can choose: positions and heights, or x, y and z
 MIN_JITTERED_POSITIONS = 8  # minimum number of measured, slightly uneven positions that are recognised
 MAX_JITTER = 0.5  # largest range of the steps of measured positions, as a multiple of their mean
 MIN_TILT_CORRELATION = 0.98  # smallest correlation of heights with their index at which the surface counts as tilted
@@ -62,7 +64,7 @@ def select_heights(content: Content, channel: Selection | None, columns: Sequenc
     if channel is not None:
         raise FormatError(f"has no channels to choose from, but channel is {channel!r}")
     if isinstance(content, ColumnTable):
-        table = _with_flags(content)
+        table = _with_flags(_without_words(content, columns), columns)
         raw = _select_columns(table, columns) if columns is not None else _by_shape(table)
         return replace(raw, history=(*table.history, *raw.history), caveats=(*table.caveats, *raw.caveats))
     if columns is not None:
@@ -264,8 +266,47 @@ def _numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tupl
     )
 
 
-def _with_flags(table: ColumnTable) -> ColumnTable:
-    """Apply a column of flags. Remove the column, and the heights that it marks as invalid."""
+def _without_words(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
+    """Remove columns of words, and the heights of rows with a word that the caller gave for missing points.
+
+    Raises `FormatError` unless the caller gave such a word for each of these columns, or chose the columns.
+    """
+    word_places = [column.place for column in table.word_columns]
+    others = [place for place in range(table.values.shape[1]) if place not in word_places]
+    for column in table.word_columns:
+        name = f" ({printable(table.names[column.place])})" if table.names and table.names[column.place] else ""
+        text = f"column {column.place}{name}"
+        if column.missing.any():
+            step = f"{int(column.missing.sum())} points missing according to the words in {text}"
+            table = replace(table, values=_mask_heights(table.values, column.missing, others))
+        elif columns is None:
+            chosen = [place for place in others if not (table.names and _NUMBERING.fullmatch(table.names[place]))]
+            example = ",".join(map(str, chosen[:MAX_PROFILE_COLUMNS]))
+            raise FormatError(
+                f"has words in {text}: {column.words}; choose columns of numbers by columns (--columns {example}) to "
+                "ignore the words, or name the word of missing points by missing_value "
+                f"(--missing-value {column.rarest})"
+            )
+        else:
+            step = f"the words in {text} are ignored"
+        table = replace(table, history=(*table.history, step))
+    return replace(_with_columns(table, others), word_columns=()) if word_places else table
+
+
+def _mask_heights(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
+    """Return values with NaN in the missing rows, except in columns of positions."""
+    masked = np.where(missing[:, np.newaxis], np.nan, values)
+    for place in places:
+        if counts_evenly(values[:, place]):
+            masked[:, place] = values[:, place]
+    return masked
+
+
+def _with_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
+    """Apply a column of flags. Remove the column, and the heights that it marks as invalid.
+
+    Raises `FormatError` if the meaning of the flags is unknown, unless the caller chose the columns.
+    """
     for place, name in enumerate(table.names):
         flags = table.values[:, place]
         senses = [pattern.fullmatch(name.strip()) is not None for pattern in (_VALID, _INVALID, _FLAG_NAME)]
@@ -273,21 +314,19 @@ def _with_flags(table: ColumnTable) -> ColumnTable:
             continue
         is_valid, is_invalid, _ = senses
         zeros, ones = int((flags == 0).sum()), int((flags == 1).sum())
-        if not is_valid and not is_invalid and zeros and ones:
-            raise FormatError(
-                f"has flags in column {place} ({printable(name)}), {zeros} of 0 and {ones} of 1, without a meaning: "
-                'name the column "valid" if 1 marks measured points, or "invalid" if 1 marks '
-                "missing points"
-            )
         other_columns = [index for index in range(table.values.shape[1]) if index != place]
         if not is_valid and not is_invalid:
-            step = f"column {place} ({printable(name)}) removed: all its flags are equal"
+            if zeros and ones and columns is None:
+                raise FormatError(
+                    f"has flags in column {place} ({printable(name)}), {zeros} of 0 and {ones} of 1, without a "
+                    'meaning: name the column "valid" if 1 marks measured points, or "invalid" if 1 marks missing '
+                    "points; or choose other columns (--columns) to ignore the flags"
+                )
+            reason = "removed: all its flags are equal" if not (zeros and ones) else "is ignored"
+            step = f"column {place} ({printable(name)}) {reason}"
             return replace(_with_columns(table, other_columns), history=(*table.history, step))
         missing = flags == (1 if is_invalid else 0)
-        values = np.where(missing[:, np.newaxis], np.nan, table.values)
-        for index in other_columns:  # flags do not apply to positions
-            if counts_evenly(table.values[:, index]):
-                values[:, index] = table.values[:, index]
+        values = _mask_heights(table.values, missing, other_columns)
         step = f"{int(missing.sum())} points missing according to the flags in column {place} ({printable(name)})"
         return replace(_with_columns(table, other_columns, values=values), history=(*table.history, step))
     return table

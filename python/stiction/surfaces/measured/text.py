@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from stiction._text import printable
 from stiction.surfaces.measured.decode import TEXT, Text, decode
 from stiction.surfaces.measured.header import parse_column_heads, parse_declarations, parse_history
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import Channels, ColumnTable, Content, FormatError, Raw, Source
+from stiction.surfaces.measured.raw import Channels, ColumnTable, Content, FormatError, Raw, Source, WordColumn
 from stiction.surfaces.measured.shapes import counts_evenly
 from stiction.surfaces.measured.split import (
     Dialect,
@@ -21,6 +22,7 @@ from stiction.surfaces.measured.split import (
     find_number_runs,
     parse_block,
 )
+from stiction.surfaces.measured.word_columns import FoundColumn, describe_words, replace_word_columns
 
 MAX_STEP_LENGTH, MAX_STEPS = 1000, 1000  # maximum number of characters of a history step in a header, and of steps
 # Maximum number of numeric lines below the data, as a fraction of the lines of data.
@@ -57,6 +59,7 @@ def with_source(content: Content, text: Text, layout: str) -> Content:
 
 def parse_table(text: Text) -> ColumnTable | Channels:
     """Parse the largest run of numeric lines and the header above it as a table. Several equal runs are channels."""
+    text, word_columns = replace_word_columns(text)
     runs = find_number_runs(text)
     if not runs:
         raise FormatError(
@@ -71,7 +74,7 @@ def parse_table(text: Text) -> ColumnTable | Channels:
     _reject_unreadable(text, dialect, len(dialect.cells(text.line(last))), runs)
     block = parse_block(text, first, last, dialect, ragged=True)
     if len(equal_runs := _find_equal_runs(text, runs, (first, last), dialect)) > 1:
-        return _to_channels(text, equal_runs, dialect)
+        return _to_channels(text, equal_runs, dialect, word_columns)
     end = int(block.lines[-1]) + 1
     below = int((text.kinds[end:] == 1).sum())
     if below > MAX_FOOTER_FRACTION * block.lines.size + 2:
@@ -80,10 +83,10 @@ def parse_table(text: Text) -> ColumnTable | Channels:
             f"{text.describe_line(line)} has numbers of another table than lines {first + 1} to {end}; "
             "leave one of them in the file"
         )
-    return _table(text, block, 0)
+    return _table(text, block, 0, word_columns)
 
 
-def _table(text: Text, block: NumberBlock, begin: int) -> ColumnTable:
+def _table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence[FoundColumn] = ()) -> ColumnTable:
     """Return a block, its header, which starts at line `begin`, and its footer as a table."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = text.lines(begin, first), text.lines(end, len(text)) if begin == 0 else []
@@ -107,6 +110,16 @@ def _table(text: Text, block: NumberBlock, begin: int) -> ColumnTable:
             *(f"{text.describe_line(line)} skipped as a count or a size" for line in block.omitted[:MAX_STEPS]),
         ),
         source=describe_source(block),
+        word_columns=tuple(
+            WordColumn(
+                found.place,
+                describe_words(found.counts),
+                printable(min(found.counts, key=found.counts.__getitem__), 20),
+                np.isin(block.lines, found.missing_lines),
+            )
+            for found in word_columns
+            if found.place < width
+        ),
     )
 
 
@@ -179,7 +192,9 @@ def _find_equal_runs(
     return equal_runs
 
 
-def _to_channels(text: Text, runs: list[tuple[int, int]], dialect: Dialect) -> Channels:
+def _to_channels(
+    text: Text, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[FoundColumn] = ()
+) -> Channels:
     """Return blocks with equal numbers of columns as channels. Each channel has its own header."""
     begins = [0, *(last + 1 for _, last in runs)]
     names = []
@@ -191,7 +206,7 @@ def _to_channels(text: Text, runs: list[tuple[int, int]], dialect: Dialect) -> C
         names = [f"{name}, line {first + 1}" for name, (first, _) in zip(names, runs, strict=True)]
 
     def read(line: int) -> Raw | ColumnTable:
-        table = _table(text, parse_block(text, *runs[line], dialect, ragged=True), begins[line])
+        table = _table(text, parse_block(text, *runs[line], dialect, ragged=True), begins[line], word_columns)
         return replace(table, source=replace(table.source, column=names[line]))
 
     return Channels(tuple(names), read, None)

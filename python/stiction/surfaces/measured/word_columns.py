@@ -1,0 +1,137 @@
+"""Columns of words next to columns of numbers in a text, such as a column of flags "OK" and "NG"."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from stiction._text import printable
+from stiction.surfaces.measured.decode import BLANK, NUMBERS, TEXT, Text
+from stiction.surfaces.measured.split import Dialect, cell_kind, find_number_runs
+
+_SEPARATORS = ("\t", ";", "|", None, ",")  # the comma last, because it may be a decimal mark of the others
+_NUMBER = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
+_MISSING = "nan"  # replaces the words
+_SAMPLE_LINES = 400  # lines that decide whether a separator is possible
+MIN_ROWS = 4  # smallest number of rows in which columns of words are searched
+MAX_LISTED_WORDS = 4  # words of a column in a message
+
+
+@dataclass(frozen=True)
+class FoundColumn:
+    """Column of words in a text, with the lines where the word is one that the caller gave for missing points."""
+
+    place: int
+    counts: Mapping[str, int]
+    missing_lines: tuple[int, ...]  # counted from 0
+
+
+def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
+    """Replace the words in columns without numbers by ``nan``; return the text and these columns."""
+    runs = find_number_runs(text)
+    if not (text.words or _has_words_at_numbers(text, runs)):
+        return text, ()
+    lines = np.flatnonzero(text.kinds != BLANK).tolist()
+    largest_run = max((last + 1 - first for first, last in runs), default=0)
+    samples = {separator: _find_table(text, lines[:_SAMPLE_LINES], separator) for separator in _SEPARATORS}
+    separator = max(samples, key=lambda key: len(samples[key].numeric))  # the first of equal ones
+    if not samples[separator].words:
+        return text, ()
+    table = samples[separator] if len(lines) <= _SAMPLE_LINES else _find_table(text, lines, separator)
+    if not table.words or len(table.lines) < max(MIN_ROWS, len(lines) / 2, largest_run):
+        return text, ()
+    replaced = text.data.decode("utf-8", "replace").split("\n")
+    for line, cells in zip(table.lines, table.rows, strict=True):
+        replaced[line] = (separator or " ").join(
+            _MISSING if index in table.words else f'"{cell}"' if separator and separator in cell else cell
+            for index, cell in enumerate(cells)
+        )
+    columns = (
+        FoundColumn(place, counts, tuple(table.missing_lines.get(place, ())))
+        for place, counts in sorted(table.words.items())
+    )
+    return replace(text, data="\n".join(replaced).encode()), tuple(columns)
+
+
+def describe_words(counts: Mapping[str, int]) -> str:
+    """Return the most frequent words of a column with their counts, as in ``'OK' (58) and 'NG' (2)``."""
+    words = sorted(counts.items(), key=lambda item: -item[1])
+    shown = [f"{printable(word, 20)!r} ({count})" for word, count in words[:MAX_LISTED_WORDS]]
+    if len(words) > MAX_LISTED_WORDS:
+        shown.append(f"{len(words) - MAX_LISTED_WORDS} others")
+    return " and ".join(filter(None, [", ".join(shown[:-1]), shown[-1]]))
+
+
+def _has_words_at_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
+    """Return whether no line consists of numbers, or a line with words is next to a line of numbers below the first."""
+    if not runs:
+        return True
+    kinds = text.kinds[text.kinds != BLANK]
+    numbers = np.flatnonzero(kinds == NUMBERS)
+    return bool((kinds[numbers[0] :] == TEXT).any()) or (
+        numbers[0] > 0 and any(map(_NUMBER.fullmatch, re.split(r"[\t;|, ]+", text.line(runs[0][0] - 1))))
+    )
+
+
+@dataclass
+class _WordTable:
+    numeric: set[int] = field(default_factory=set)  # columns with numbers
+    lines: list[int] = field(default_factory=list)
+    rows: list[list[str]] = field(default_factory=list)
+    words: dict[int, Counter[str]] = field(default_factory=dict)  # by column
+    missing_lines: dict[int, list[int]] = field(default_factory=dict)  # with a word for a missing point, by column
+
+
+def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _WordTable:
+    """Return the lines of the most frequent width whose cells are numbers, except in columns without numbers."""
+    rows = [_split(text.line(line), separator) for line in lines]
+    is_number = [[_NUMBER.fullmatch(cell) is not None for cell in row] for row in rows]
+    widths = Counter(len(row) for row, numbers in zip(rows, is_number, strict=True) if any(numbers))
+    table = _WordTable()
+    if not widths:
+        return table
+    width = widths.most_common(1)[0][0]
+    dialect, given = Dialect(separator, "."), {word.casefold() for word in text.words}
+    numeric = table.numeric
+    numeric |= {
+        index
+        for row, numbers in zip(rows, is_number, strict=True)
+        for index, number in enumerate(numbers)
+        if number and len(row) == width
+    }
+    kinds: dict[int, Counter[str]] = {}
+    for line, row, numbers in zip(lines, rows, is_number, strict=True):
+        if len(row) != width or not any(numbers):
+            continue
+        if any(not numbers[index] and cell_kind(row[index], dialect, text) is None for index in numeric):
+            continue
+        table.lines.append(line)
+        table.rows.append(row)
+        for index in set(range(width)) - numeric:
+            kinds.setdefault(index, Counter())[row[index]] += 1
+            if row[index].casefold() in given:
+                table.missing_lines.setdefault(index, []).append(line)
+    for index, counts in kinds.items():
+        words = Counter({cell: count for cell, count in counts.items() if _is_word(cell, dialect, text, given)})
+        if (
+            words and not {cell.casefold() for cell in counts} <= given
+        ):  # a column without any value is not one of flags
+            table.words[index] = words
+    return table
+
+
+def _is_word(cell: str, dialect: Dialect, text: Text, given: set[str]) -> bool:
+    return bool(cell) and (cell.casefold() in given or cell_kind(cell, dialect, text) is None)
+
+
+def _split(line: str, separator: str | None) -> list[str]:
+    """Split a line into all of its cells, also empty ones at its end."""
+    if separator is None:
+        return line.replace('"', " ").split()
+    cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), []) if '"' in line else None
+    return [cell.strip() for cell in (line.split(separator) if cells is None else cells)]
