@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stiction._number_format import from_to, percent, quoted, significant, with_interval, with_unit
-from stiction.studies.assessment import Caveat
+from stiction.studies.assessment import VERDICTS, Caveat
 from stiction.studies.summary import Left, summarize
 from stiction.views.text import (
+    MAX_POINTS,
     assessment_text,
     axes_text,
     format_table,
@@ -168,9 +169,25 @@ def test_overview_counts_caveats_beyond_its_lines():
     at["share_beyond_hertz"].loc[{"fractal_dimension": 1.2}] = 0.6
     summary = summarize(at, generated_study())
     text, short = overview_text(summary), overview_text(summary, 1)
-    assert " more: see" not in text
-    assert short.splitlines()[-1].endswith(" more: see the report or --json")
+    assert " more: " not in text
+    assert short.splitlines()[-1].endswith(" more: summary() shows all")
+    assert overview_text(summary, 1, complete="--verbose").splitlines()[-1].endswith(" more: --verbose shows all")
     assert len(short.splitlines()) < len(text.splitlines())
+
+
+def test_text_of_many_points_fits_on_a_screen():
+    at = generated(loads=tuple(np.linspace(0.01, 1, 30)), dimensions=tuple(np.linspace(1.1, 1.5, 15)))
+    summary = summarize(at, generated_study())
+    lines = result_text(summary, complete="--verbose").splitlines()
+    assert len(lines) <= 40
+    rows = [line for line in lines if line[0:1].isdigit() and line.endswith(tuple(VERDICTS.values()))]
+    assert 10 <= len(rows) <= MAX_POINTS
+    assert f"Shown: {len(rows)} of {len(summary.headlines)} points; --verbose shows all." in lines
+    complete = result_text(summary, verbose=True)
+    assert "Shown" not in complete
+    assert " more: " not in complete
+    all_rows = [line for line in complete.splitlines() if line.endswith(tuple(VERDICTS.values()))]
+    assert sum(line[0].isdigit() for line in all_rows) == len(summary.headlines)
 
 
 def test_quantities_of_several_cells_name_the_cell_that_they_are_of():

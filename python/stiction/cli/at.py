@@ -23,7 +23,7 @@ from stiction._errors import ArgumentError
 from stiction.cli.application import command, interruption, print_output, show_status
 from stiction.cli.execution import Workers
 from stiction.cli.options import Json, Verbose, option, reject_options
-from stiction.cli.result_output import open_with_warning
+from stiction.cli.result_output import VERBOSE, open_with_warning
 from stiction.mechanics.model import THICKNESS
 from stiction.mechanics.quantities import UNCERTAINTY
 
@@ -98,7 +98,8 @@ def at(
 ) -> None:
     """Print the static friction, true contact area and stiffness of a result at given loads, with intervals.
 
-    Loads, mu0 and tau0 default to the values of the study. Other values need no new contact computation. Each factor of
+    Loads, mu0 and tau0 default to the values of the study. Of many points, a few are printed; --verbose prints all, and
+    --json contains all. Other values need no new contact computation. Each factor of
     --scale-heights is computed once and stored with the result.
     """
     from stiction.views import rows, text
@@ -135,7 +136,7 @@ def at(
     else:
         if defaults := text.default_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
             print_output(defaults)
-        print_output(text.result_text(summary, verbose=verbose))
+        print_output(text.result_text(summary, verbose=verbose, complete=VERBOSE))
 
 
 def _print_scaled_heights(

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 MAX_CAVEAT_LINES = 5  # printed by `pair` and `run`, so that the values and the assessment fit on a terminal of 24 lines
 
+VERBOSE = "--verbose"  # option that shows all points and caveats
+
 
 def open_with_warning(directory: Path) -> Result:
     """Open the result in a directory and print a warning if it is not finished."""
@@ -60,8 +62,10 @@ def print_values(
         return lambda: None
     if not as_json:
         max_lines = MAX_CAVEAT_LINES if command == "pair" else None
-        answer = text.values_text(summary, verbose=verbose, max_lines=max_lines) if study.is_measured else ""
-        print_output(answer or text.overview_text(summary, MAX_CAVEAT_LINES))
+        if study.is_measured:
+            print_output(text.values_text(summary, verbose=verbose, max_lines=max_lines, complete=VERBOSE))
+        else:
+            print_output(text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete=VERBOSE))
 
     def print_remainder() -> None:
         complete_summary = result.summary()  # with the studies that were computed in the meantime

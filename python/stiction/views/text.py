@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
+COMPLETE = "summary()"  # method of a result that returns all points and caveats
 MIN_TERMINAL_WIDTH = 40  # characters; narrower terminals are treated as this wide
 Rows = Sequence[Sequence[str]]
 
@@ -107,7 +108,9 @@ def _join_cells(cells: Sequence[str], sizes: Sequence[int]) -> str:
 # ---- Any result ------------------------------------------------------------------------------------------------------
 
 
-def result_text(summary: Summary, *, verbose: bool = False, max_lines: int | None = None) -> str:
+def result_text(
+    summary: Summary, *, verbose: bool = False, max_lines: int | None = None, complete: str = COMPLETE
+) -> str:
     """Return a summary as text for the terminal: values, assessment and a table.
 
     Parameters
@@ -118,8 +121,10 @@ def result_text(summary: Summary, *, verbose: bool = False, max_lines: int | Non
     max_lines : int, optional
         Maximum number of lines for caveats. The first caveat and all faults are always printed; the number of omitted
         caveats is printed.
+    complete : str
+        Option or method that shows the omitted points and caveats.
     """
-    return values_text(summary, verbose=verbose, max_lines=max_lines) + resolution_and_onset_text(
+    return values_text(summary, verbose=verbose, max_lines=max_lines, complete=complete) + resolution_and_onset_text(
         summary, verbose=verbose
     )
 
@@ -135,18 +140,25 @@ def default_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
     return wrap_text(f"Values of the study by default: {'; '.join(words)}.") if words else ""
 
 
-def values_text(summary: Summary, *, verbose: bool = False, max_lines: int | None = None) -> str:
+def values_text(
+    summary: Summary, *, verbose: bool = False, max_lines: int | None = None, complete: str = COMPLETE
+) -> str:
     """Return `result_text` without the cutoff study and the onset of sliding."""
     at, study, headlines = summary.at, summary.study, summary.headlines
+    shown = headlines if verbose else _thin_points(headlines)
     first = at.sel({name: headlines[0].at[name] for name in CELLS if name in at.dims})
+    first = first.sel(load=sorted({point.at["load"] for point in shown}))
     parts = [history_text(at, study)] if verbose else []
     loaded = [point for point in headlines if not point.unloaded]
     sticking = headlines[0].sticking
     varying = [name for name in ("mu0", "tau0") if len({point.at[name] for point in headlines}) > 1]
     inputs = ", ".join(f"{_COORDINATE_LABELS[name]} = {_coordinate(name, headlines[0].at[name])}" for name in varying)
     lines = [wrap_text(pull_off_text(sticking, inputs))] if sticking is not None and sticking.pull_off[0] > 0 else []
-    lines += [coefficients_text(headlines)] if loaded else []
-    parts.append("\n".join([*lines, assessment_text(headlines, None if verbose else max_lines)]))
+    lines += [coefficients_text(shown)] if loaded else []
+    if len(shown) < len(headlines):
+        lines.append(wrap_text(f"Shown: {len(shown)} of {len(headlines)} points; {complete} shows all."))
+    limits = {} if verbose else {"max_lines": max_lines, "max_groups": MAX_CAVEATS}
+    parts.append("\n".join([*lines, assessment_text(headlines, complete=complete, **limits)]))
     is_known = any(math.isfinite(point.value) or point.unloaded for point in headlines)
     quantities = quantities_text(first, study, verbose=verbose, cell=_first_cell(headlines)) if is_known else ""
     details = _conditions_text(headlines[0]) if len(headlines) == 1 else ""
@@ -207,6 +219,26 @@ def coefficients_text(headlines: Sequence[PointSummary]) -> str:
         + "\n"
         + wrap_text(f"{shared}{note_text(headlines[0])}{assumed}", indent="  ")
     )
+
+
+def _thin_points(headlines: Sequence[PointSummary]) -> Sequence[PointSummary]:
+    """Return at most `MAX_POINTS` points, at evenly spaced values of each coordinate including first and last."""
+    values = {name: list(dict.fromkeys(point.at[name] for point in headlines)) for name in headlines[0].at}
+    if "hurst_exponent" in values:
+        values.pop("fractal_dimension", None)
+    counts = {name: len(coordinates) for name, coordinates in values.items()}
+    while math.prod(counts.values()) > MAX_POINTS:
+        counts[max(reversed(counts), key=lambda name: counts[name])] -= 1
+    if counts == {name: len(coordinates) for name, coordinates in values.items()}:
+        return headlines
+    kept = {
+        name: {coordinates[index] for index in np.linspace(0, len(coordinates) - 1, counts[name]).round().astype(int)}
+        for name, coordinates in values.items()
+    }
+    return [point for point in headlines if all(point.at[name] in kept[name] for name in kept)]
+
+
+MAX_POINTS = 15  # rows of the table of several points on the first screen
 
 
 def _coefficient(point: PointSummary, index: int) -> str:
@@ -302,31 +334,38 @@ def dwell_time_text(point: PointSummary) -> str:
     return f"After a dwell time: {', '.join(entries)}{reason}{rate}." if entries else ""
 
 
-def assessment_text(headlines: Sequence[PointSummary], max_lines: int | None = None) -> str:
-    """Format the assessment, the most useful measurement and the caveats with their remedies."""
+def assessment_text(
+    headlines: Sequence[PointSummary], max_lines: int | None = None, *, max_groups: int | None = None,
+    complete: str = COMPLETE,
+) -> str:  # fmt: skip
+    """Format the assessment, the most useful measurement and the caveats with their remedies.
+
+    Caveats of several points are grouped. At most `max_lines` lines of caveats, and at most `max_groups` groups without
+    `max_lines`, are printed; `complete` names what shows the others.
+    """
     if len({(point.verdict, point.caveats) for point in headlines}) == 1:
         point, caveats = headlines[0], headlines[0].caveats
         faults = sum(caveat.severity == "fault" for caveat in caveats)
         lines = [_caveat_line(caveat) for caveat in caveats]
-        printed = lines if max_lines is None else lines[: max(_count_within(lines, max_lines), faults, 1)]
+        num_shown = len(lines) if max_lines is None else max(_count_within(lines, max_lines), faults, 1)
         suffix = f". {words}" if len(headlines) == 1 and not point.unloaded and (words := budget_text(point)) else ""
         suffix = suffix or (" a coefficient" if point.unloaded else "")
-        remainder = (
-            [f"  {len(caveats) - len(printed)} more: see the report or --json"] if len(caveats) > len(printed) else []
-        )
-        return "\n".join([wrap_text(f"{point.verdict}{suffix}", hang="  "), *printed, *remainder])
-    groups: dict[tuple[str, str], list[Caveat]] = {}
-    for caveat in (caveat for point in headlines for caveat in point.caveats):
-        groups.setdefault((caveat.severity, _AMOUNT.sub("", caveat.text)), []).append(caveat)
-    lines = [
-        _caveat_line(group[0], f" ({len(group)} of {len(headlines)})")
-        for group in sorted(groups.values(), key=lambda group: group[0].severity != "fault")
-    ]
-    num_shown = MAX_CAVEATS if max_lines is None else max(_count_within(lines, max_lines), 1)
-    remainder = [f"  {len(lines) - num_shown} more: see the report or --json"] if len(lines) > num_shown else []
-    counts = [(verdict, sum(point.verdict == verdict for point in headlines)) for verdict in VERDICTS.values()]
-    assessed = ", ".join(f"{verdict} ({count} of {len(headlines)})" for verdict, count in counts if count)
-    return "\n".join([wrap_text(f"{assessed}."), *lines[:num_shown], *remainder])
+        first = wrap_text(f"{point.verdict}{suffix}", hang="  ")
+    else:
+        groups: dict[tuple[str, str], list[Caveat]] = {}
+        for caveat in (caveat for point in headlines for caveat in point.caveats):
+            groups.setdefault((caveat.severity, _AMOUNT.sub("", caveat.text)), []).append(caveat)
+        lines = [
+            _caveat_line(group[0], f" ({len(group)} of {len(headlines)})")
+            for group in sorted(groups.values(), key=lambda group: group[0].severity != "fault")
+        ]
+        num_shown = len(lines) if max_groups is None else max_groups
+        num_shown = num_shown if max_lines is None else max(_count_within(lines, max_lines), 1)
+        counts = [(verdict, sum(point.verdict == verdict for point in headlines)) for verdict in VERDICTS.values()]
+        assessed = ", ".join(f"{verdict} ({count} of {len(headlines)})" for verdict, count in counts if count)
+        first = wrap_text(f"{assessed}.")
+    omitted = len(lines) - num_shown
+    return "\n".join([first, *lines[:num_shown], *([f"  {omitted} more: {complete} shows all"] if omitted > 0 else [])])
 
 
 _AMOUNT = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?")
@@ -338,7 +377,7 @@ def _count_within(texts: Sequence[str], lines: int) -> int:
     return int(np.searchsorted(np.cumsum([text.count("\n") + 1 for text in texts]), lines, side="right"))
 
 
-MAX_CAVEATS = 6  # maximum number of caveats printed for several points; JSON and CSV contain all
+MAX_CAVEATS = 6  # groups of caveats of several points on the first screen
 
 
 def _caveat_line(caveat: Caveat, suffix: str = "") -> str:
@@ -554,15 +593,15 @@ def preview_text(summary: Summary) -> str:
 # ---- Overview --------------------------------------------------------------------------------------------------------
 
 
-def overview_text(summary: Summary, max_lines: int | None = None) -> str:
+def overview_text(summary: Summary, max_lines: int | None = None, *, complete: str = COMPLETE) -> str:
     """Format tables of mu_s of generated surfaces, one table for each sliding rule and amplitude.
 
     A table has a row for each cell of the study and a column for each load, and columns for mu0 and tau0 if the study
-    has several values. Caveats follow, in at most `max_lines` lines.
+    has several values. Caveats follow, in at most `max_lines` lines; `complete` shows the others.
     """
     at, study, headlines = summary.at, summary.study, summary.headlines
     chosen = at if _count_rows(at) <= MAX_OVERVIEW_ROWS else _ends_and_middle(at)
-    complete, at = at, chosen
+    all_values, at = at, chosen
     remainder = [name for name in ("amplitude", "sliding") if name in at.dims]
     varying = [name for name in ("mu0", "tau0") if at.sizes[name] > 1]
     tables, marked = [], False
@@ -583,9 +622,9 @@ def overview_text(summary: Summary, max_lines: int | None = None) -> str:
     if marked:
         note = "* outside the model: more than half of the load is on overlaps > R/10, or on radii < spacing"
         tables.append(wrap_text(note))
-    if left_out := _omission_text(at, complete, study):
+    if left_out := _omission_text(at, all_values, study):
         tables.append(wrap_text(left_out))
-    return "\n".join(tables) + f"\n\n{assessment_text(headlines, max_lines)}"
+    return "\n".join(tables) + f"\n\n{assessment_text(headlines, max_lines, complete=complete)}"
 
 
 MAX_OVERVIEW_ROWS = 40  # rows of an overview; a longer overview is limited to a few values of mu0 and tau0
