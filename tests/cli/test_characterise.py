@@ -47,7 +47,7 @@ def folder(tmp_path, profile, surface):
 
 def characterise(*arguments, cwd):
     """Run the command; return history, rest of the table, and figure."""
-    completed = check_stiction("characterise", *arguments, cwd=cwd, without_figures=True)
+    completed = check_stiction("characterise", *arguments, "--verbose", cwd=cwd, without_figures=True)
     assert completed.stderr == ""
     lines = completed.stdout.splitlines()
     assert lines.pop(0).startswith(f"{Path(arguments[0]).name}: ")
@@ -78,6 +78,23 @@ def test_characterise_file_equals_profile_in_memory(folder, profile):
     history, message, figure = characterise("heights.npy", "--unit", "um", "--spacing", "10 nm", cwd=folder)
     assert words(message) == table(characterisation_text(level))
     assert history == ["read from heights.npy", level.history[-1]]
+
+
+@pytest.mark.parametrize("file", ["scan.csv", "map.npy"])
+def test_characterise_prints_one_screen_without_verbose(folder, file):
+    options = ("--unit", "um", "--spacing", "50 nm,100 nm") if file == "map.npy" else ()
+    short, complete = (
+        check_stiction("characterise", file, *options, "-o", f"{name}.html", *more, cwd=folder).stdout.splitlines()
+        for name, more in (("short", ()), ("all", ("--verbose",)))
+    )
+    assert len(short) <= 40
+    omitted = next(int(line.split()[0]) for line in short if line.endswith(" more lines: --verbose shows all"))
+    assert omitted > 10
+    names = {line.split()[0] for line in short if line[:1] not in (" ", "")}
+    assert {"points", "friction", "Hurst", *(("Sq", "Sdq") if file == "map.npy" else ("Pq", "Pdq"))} <= names
+    assert set(short) - {f"{omitted} more lines: --verbose shows all", "wrote short.html, without a figure"} <= set(
+        complete
+    )
 
 
 def test_characterise_uses_unit_trend_band_and_output_options(folder, profile):

@@ -13,7 +13,7 @@ from stiction._arguments import parse_quantity
 from stiction._files import check_replaceable
 from stiction._text import MAX_PATH_LENGTH, printable, printable_path
 from stiction.cli.application import command, option_was_given, print_message, print_output
-from stiction.cli.options import Json, load_measurement, option
+from stiction.cli.options import Json, Verbose, load_measurement, option
 from stiction.cli.pair_options import given_options, pair_option
 from stiction.studies.measured_surfaces import MACHINING_PROCESSES
 from stiction.studies.pair_options import READING_OPTION_NAMES
@@ -99,12 +99,13 @@ def characterise(
     repeated: Repeated = False,
     dry_run: DryRun = False,
     output: Output = None,
+    verbose: Verbose = False,
     as_json: Json = False,
 ) -> None:
     """Compute roughness parameters, spectrum and Hurst exponent of measured profiles or surfaces.
 
-    For one file, print a table, and write an HTML report and a figure. For several files, write one CSV file with a row
-    for each. With --json, write only the file of --output.
+    For one file, print the main parameters (all of them with --verbose), and write an HTML report and a figure. For
+    several files, write one CSV file with a row for each. With --json, write only the file of --output.
     """
     from stiction.cli.result_output import message_printer
     from stiction.surfaces.cut_off import cut_off
@@ -151,7 +152,7 @@ def characterise(
     if as_json:
         print_output(views.characterisation_record(named, readings=[scan.record() for scan in readings]))
     elif len(files) == 1:
-        print_output(views.characterisation_text(characterisations[0]))
+        print_output(views.characterisation_text(characterisations[0], headline_only=not verbose))
     for path in outputs:
         remark = ""
         if len(files) > 1:
@@ -164,7 +165,9 @@ def characterise(
             remark = ", without a figure" if len(outputs) == 1 else ""
             arguments = ["stiction", "characterise", files[0].name]  # without directories and the output
             for parameter in context.command.params:
-                if parameter.name not in ("files", "output", "as_json") and option_was_given(context, parameter.name):
+                if parameter.name not in ("files", "output", "verbose", "as_json") and option_was_given(
+                    context, parameter.name
+                ):
                     arguments += [parameter.opts[0], str(context.params[parameter.name])]
             table = reading_table(readings[0], reading)
             name = printable(files[0].name)

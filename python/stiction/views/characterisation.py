@@ -71,6 +71,13 @@ class Row(NamedTuple):
     label: str
     texts: tuple[str, ...]
     values: tuple[dict[str, Any], ...] = ()
+    is_detail: bool = False  # omitted from the first screen of a terminal
+
+
+HEADLINE_PARAMETERS = (
+    "Pq", "Pt", "Pdq", "Ra", "Rq", "Rz", "Rsk", "RSm", "Wq", "Sq", "Sa", "Sz", "Ssk", "Sdq", "Sal", "Str", "Std",
+)  # fmt: skip
+"""Roughness parameters on the first screen of a terminal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,7 +235,9 @@ class Characterisation:
     def rows(self) -> list[Row]:
         """Rows of the table for the whole body."""
         points, steps = np.shape(self.body.heights)[::-1], np.atleast_1d(self.body.spacing)[::-1]
-        rows = [Row("" if index else "history", (step,)) for index, step in enumerate(self.body.history)]
+        rows = [
+            Row("" if index else "history", (step,), is_detail=True) for index, step in enumerate(self.body.history)
+        ]
         for index, (count, step) in enumerate(zip(points, steps.tolist(), strict=True)):
             along = f" along {'xy'[index]}" if self.spectrum is None else ""
             text = f"{count}{along}, {length_text(step)} apart, over {length_text(count * step)}"
@@ -243,14 +252,18 @@ class Characterisation:
         if self.spectrum is not None and isinstance(self.body, Profile):
             moments = spectral_moments(self.body, periodic=self.periodic)
             rows += [
-                _row("m0", moments.height, "um2"), _row("m2", moments.slope), _row("m4", moments.curvature, "1/um2"),
-                _row("nayak_parameter", moments.nayak_parameter, label="Nayak's parameter", words=" (m0 m4 / m2²)"),
+                row._replace(is_detail=True)
+                for row in (
+                    _row("m0", moments.height, "um2"), _row("m2", moments.slope),
+                    _row("m4", moments.curvature, "1/um2"),
+                    _row("nayak_parameter", moments.nayak_parameter, label="Nayak's parameter", words=" (m0 m4 / m2²)"),
+                )
             ]  # fmt: skip
             rows += _peak_rows("peak", self.spectrum)
         rows += [*self._scale_rows(), *self._hurst_rows()]
         if self.spectrum is not None:
             window = "without a window, periodic" if self.periodic else "after a Hann window"
-            rows.append(Row("spectrum", (f"{window}; moments over all of its wavelengths",)))
+            rows.append(Row("spectrum", (f"{window}; moments over all of its wavelengths",), is_detail=True))
         rows += [
             Row("" if index else "caveats", (f"{item.text}; {item.cure}",)) for index, item in enumerate(self.caveats)
         ]
@@ -283,12 +296,12 @@ class Characterisation:
             if name == "Std":
                 steepest = self._area[2]
                 text = f"{steepest:.1f}°, along which lines are steepest on the mean"
-                rows.append(Row("", (text,), (entry("steepest_direction", steepest, "degrees"),)))
+                rows.append(Row("", (text,), (entry("steepest_direction", steepest, "degrees"),), is_detail=True))
         return rows
 
     def _parameter_row(self, parameter: Parameter, value: float) -> Row:
         name = parameter.name
-        row = _row(name, value, _unit(parameter))
+        row = _row(name, value, _unit(parameter))._replace(is_detail=name not in HEADLINE_PARAMETERS)
         if name in ("Pdq", "Sdq"):
             other = entry(f"{name}_neighbours", self.slope_of_neighbours)
             text = f"{row.texts[0]} (seven points), {other['value']:.4g} (neighbours)"
@@ -461,13 +474,17 @@ def to_characterisation(body: Profile | Surface | Characterisation, **options: A
     return body if isinstance(body, Characterisation) else Characterisation(body, **options)
 
 
-def characterisation_text(body: Profile | Surface | Characterisation, **options: Any) -> str:
+def characterisation_text(
+    body: Profile | Surface | Characterisation, *, headline_only: bool = False, **options: Any
+) -> str:
     """Format history, parameters, moments and Hurst exponent of a profile or surface, one line each, with units.
 
     Parameters
     ----------
     body : Profile, Surface or Characterisation
         Levelled, not flat, with at least 7 points along each axis.
+    headline_only : bool
+        Whether to format only the rows for the first screen of a terminal, and a line with the number of the others.
     **options
         `band`, `tip_radius` and `periodic` of a `Characterisation`.
 
@@ -486,10 +503,15 @@ def characterisation_text(body: Profile | Surface | Characterisation, **options:
     points              4000, 10 nm apart, over 40 µm
     """
     result = to_characterisation(body, **options)
-    return "".join(
-        wrap_text(f"{row.label:<19} {'  '.join(f'{item:<23}' for item in row.texts)}".rstrip(), hang=" " * 20) + "\n"
-        for row in (*result.rows, *result.line_rows)
-    )
+    rows = [*result.rows, *(row._replace(is_detail=True) for row in result.line_rows)]
+    shown = [row for row in rows if not (headline_only and row.is_detail)]
+    lines = [
+        wrap_text(f"{row.label:<19} {'  '.join(f'{item:<23}' for item in row.texts)}".rstrip(), hang=" " * 20)
+        for row in shown
+    ]
+    if len(shown) < len(rows):
+        lines.append(f"{len(rows) - len(shown)} more lines: --verbose shows all")
+    return "\n".join([*lines, ""])
 
 
 def length_text(value: float) -> str:

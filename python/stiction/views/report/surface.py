@@ -80,7 +80,8 @@ def _meaning(characterisation: Characterisation) -> str:
 def _table(rows: list[Row]) -> str:
     """Return rows as markup; a row without a label continues the previous row."""
     lines: list[tuple[str, list[str]]] = []
-    for label, texts, _ in rows:
+    for row in rows:
+        label, texts = row.label, row.texts
         cells = [escaped(text) for text in texts]
         if label or len(lines[-1][1]) > 1:
             lines.append((f'<th scope="row">{escaped(label.strip())}</th>' if label else "<td></td>", cells))
