@@ -1,11 +1,12 @@
-"""Joint distribution of mu0 and tau0 from friction tests, by adaptive importance sampling over nuisances.
+"""Joint distribution of mu0 and tau0 from friction tests, by adaptive importance sampling over nuisance parameters.
 
-Nuisances are uncertain quantities that the tests share: the gain of the force cell, the true areas of the surfaces,
-ranges of hardness, junction growth, creep and moduli, the spread between runs, and the size of the errors if it is not
-given. For fixed nuisances the tests are linear in mu0 and tau0, except with junction growth, where the true area
-depends on both. The density of mu0 and tau0 is computed on a grid that covers its support. The integral of the
-density, the evidence, is the weight of the nuisances. Their proposal distribution, Student's t, starts at the best fit
-and is adapted to the evidence (Cappé et al. 2008, Statistics and Computing 18, 447-459).
+Nuisance parameters are uncertain quantities that the tests share: the gain of the force cell, the true areas of the
+surfaces, ranges of hardness, junction growth, creep and moduli, the spread between runs, and the size of the errors if
+it is not given. With fixed nuisance parameters the tests are linear in mu0 and tau0, except with junction growth, where
+the true area depends on both. The density of mu0 and tau0 is computed on a grid that covers its support. The integral
+of the density, which is called evidence, is the weight of a point of nuisance parameters. Their proposal distribution,
+Student's t, starts at the best fit and is adapted to the evidence (Cappé et al. 2008, Statistics and Computing 18,
+447-459).
 """
 
 from __future__ import annotations
@@ -31,42 +32,42 @@ from stiction.studies.interfaces import (
     evaluate_friction,
 )
 
-MIN_VARIATION = 0.1  # of A/F among tests (standard deviation over mean): mu0 and tau0 are not separated below it
-ROUND_POINTS, MAX_POINTS = 256, 8192  # nuisance points per round of adaptation; maximum for the result
-FINAL_POINTS = 256, 1024  # nuisance points of the result: the first number, doubled for each nuisance, up to the second
-MAX_SCORE = 5.0  # largest normal score of a nuisance; larger scores have no weight
-MAX_ROUNDS = 8  # rounds of adaptation
-MIN_SAMPLE_FRACTION = 0.4  # effective sample size over points at which adaptation ends
-MIN_EFFECTIVE = 300.0  # effective sample size of nuisances; the result uses more points below it
-STRENGTHS, COEFFICIENTS = 41, 31  # cells of tau0, and cells of mu0 for each of them
+MIN_VARIATION = 0.1  # smallest relative standard deviation of A/F among tests that separates mu0 and tau0
+ROUND_POINTS, MAX_POINTS = 256, 8192  # nuisance points per round of adaptation, and largest number for the result
+FINAL_POINTS = 256, 1024  # nuisance points of the result: first number, doubled for each parameter up to the second
+MAX_SCORE = 5.0  # largest normal score of a nuisance parameter; larger scores have no weight
+MAX_ROUNDS = 8  # largest number of rounds of adaptation
+MIN_SAMPLE_FRACTION = 0.4  # ratio of effective sample size to nuisance points at which the adaptation ends
+MIN_EFFECTIVE = 300.0  # smallest effective sample size of the result; below it more nuisance points are used
+STRENGTHS, COEFFICIENTS = 41, 31  # numbers of grid cells along tau0 and along mu0
 NUM_STRENGTH_PAIRS = 4000  # pairs of mu0 and tau0 that represent their joint distribution
 DEPTH = 34.0  # decrease of -2 ln(density) at which the grid ends: 5.8 standard deviations
 PROPOSAL_FREEDOM = 5.0  # degrees of freedom of the proposal, Student's t
 OUTLIER_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
 RUN_SPREAD = 0.10  # median of the half-Cauchy prior of the relative standard deviation between runs
 
-MAX_GRID_POINTS = 256  # nuisance points whose cells are computed together with junction growth
-GAIN, SPREAD = "gain", "spread between runs"  # names of nuisances
+MAX_GRID_POINTS = 256  # nuisance points that are computed together with junction growth
+GAIN, SPREAD = "gain", "spread between runs"  # names of nuisance parameters
 
 
 @dataclass(frozen=True)
 class _Best:
-    """Best fit of a problem: mu0, tau0, nuisances and residuals."""
+    """Best fit of a calibration problem: mu0, tau0, nuisance parameters and residuals."""
 
     mu0: float
     tau0: float  # GPa
     scores: Floats  # (nuisances,)
-    residuals: Floats  # (tests with sliding,), divided by the errors
-    slope: Floats  # Jacobian of the weighted residuals and the scores by the free strengths and the scores
-    robust: Floats  # (tests,) square roots of weights, smaller for outliers
-    scale: float  # factor of the errors, if no errors are given
+    residuals: Floats  # (tests with sliding,) residuals divided by the errors
+    slope: Floats  # derivatives of weighted residuals and scores with respect to free strengths and scores
+    robust: Floats  # (tests,) square roots of the weights, which are smaller for outliers
+    scale: float  # factor on the errors, if no errors are given
 
 
 @dataclass(frozen=True)
 class _Cells:
-    """Ranges of tau0 for every nuisance point, and ranges of mu0 around the best value at each tau0."""
+    """Grid cells: a range of tau0 for each nuisance point, and a range of mu0 around the best value at each tau0."""
 
-    triangle: Floats  # (points, 2, 3) upper rows of the triangular factor that defines the cells
+    triangle: Floats  # (points, 2, 3) upper rows of the triangular factors that define the cells
     depth: float
     low: Floats  # (points,) ends of tau0, GPa
     high: Floats
@@ -77,14 +78,14 @@ class _Cells:
 
 @dataclass(frozen=True)
 class _Grid:
-    """Cells of mu0 and tau0 for every nuisance point, and the logarithm of the probability in each cell."""
+    """Grid cells for each nuisance point, with the logarithm of the probability in each cell."""
 
     cells: _Cells
-    log_probability: Floats  # (points, tau0, mu0), without the prior of the nuisances
+    log_probability: Floats  # (points, tau0, mu0) log probabilities, without the prior of the nuisance parameters
 
 
 class CalibrationProblem:
-    """Equations of all tests, rub mu0 + stick tau0 = right, with errors and nuisances.
+    """Equations of all tests, rub mu0 + stick tau0 = right, with errors and nuisance parameters.
 
     Parameters
     ----------
@@ -95,7 +96,7 @@ class CalibrationProblem:
     known : (float or None, float or None)
         Fixed values of mu0 and tau0 (GPa); None if unknown.
     outliers : bool
-        Whether errors have Student's t distribution instead of the normal one.
+        True if errors follow Student's t distribution instead of a normal distribution.
     """
 
     def __init__(
@@ -144,10 +145,10 @@ class CalibrationProblem:
     def _columns(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Return the columns rub, stick and right (points, tests) at scores (points, nuisances).
+        """Return the columns rub, stick and right (points, tests) of the equations, at scores (points, nuisances).
 
-        With mu0 and tau0 (GPa), of shape (points, ...), stick is (points, tests, ...) and includes junction growth.
-        Otherwise contacts are assumed to slide with the measured coefficient.
+        If mu0 and tau0 (GPa) of shape (points, ...) are given, stick has the shape (points, tests, ...) and includes
+        junction growth. Otherwise the growth follows from the measured coefficients.
         """
         from scipy.special import ndtr
 
@@ -155,7 +156,7 @@ class CalibrationProblem:
         at = dict(zip(self.nuisances, np.clip(scores, -MAX_SCORE, MAX_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in cells)
         probability = {name: ndtr(values).reshape(shape) for name, values in at.items()}
-        areas: dict[Hashable, Floats] = {}  # by load and surfaces
+        areas: dict[Hashable, Floats] = {}  # cached by load and surfaces
 
         def area(test: int) -> Floats:
             equation, factor = self._friction[test], np.ones(shape)
@@ -174,7 +175,7 @@ class CalibrationProblem:
             return np.array([getattr(equation, name) for equation in self._friction])
 
         gain = np.exp(self.common * at[GAIN])[:, np.newaxis] if GAIN in at else np.ones((len(scores), 1))
-        # The measured coefficient is the gain times the true one; errors refer to the measured coefficient.
+        # The measured coefficient is the gain times the true coefficient; errors refer to the measured coefficient.
         rub = gain * column("rub") - self.measured * column("rub_normal")
         stick = gain * column("stick") - self.measured * column("stick_normal")
         right = self.measured - gain * column("elastic")
@@ -182,9 +183,9 @@ class CalibrationProblem:
         return rub, stick.reshape(*stick.shape, *(1 for _ in cells)) * factors, right
 
     def _run_offsets(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return unit vectors (runs, tests) and sizes (runs,) of the relative offsets of runs, over errors.
+        """Return directions (runs, tests) and sizes (runs,) of the relative offsets of runs, in units of the errors.
 
-        Offsets are relative to the fitted coefficients, because offsets relative to measured ones bias the fit low.
+        Offsets are relative to the fitted coefficients. Relative to measured coefficients they would bias the fit low.
         """
         self._run_errors = np.zeros(len(self.slid))
         if not len(self._members):
@@ -192,7 +193,9 @@ class CalibrationProblem:
         rub, stick, right = (each[0] for each in middle)
         mu0, tau0 = _nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
         shifts = self._members * (rub * mu0 + stick * tau0) / self.error
-        self._run_errors = (shifts * self.error).sum(axis=0)  # per unit of the spread, used for tests without sliding
+        self._run_errors = (shifts * self.error).sum(
+            axis=0
+        )  # offset of each test per unit of the spread, for tests without sliding
         shifts = np.where(self.slid, shifts, 0.0)
         sizes = np.linalg.norm(shifts, axis=1)
         there = sizes > 0
@@ -204,16 +207,16 @@ class CalibrationProblem:
 
     @property
     def pivot(self) -> float:
-        """Weighted mean of A/F of the tests, 1/GPa."""
+        """Weighted mean of the true area per load A/F of the tests, 1/GPa."""
         return float(np.average(self.ratio, weights=self._weight))
 
     @property
     def variation(self) -> float:
-        """Weighted standard deviation of A/F over its mean."""
+        """Weighted standard deviation of A/F, divided by the mean."""
         return float(np.sqrt(np.average((self.ratio - self.pivot) ** 2, weights=self._weight)) / self.pivot)
 
     def _spread(self, scores: Floats) -> Floats:
-        """Return relative standard deviations between runs, (points,)."""
+        """Return the relative standard deviations (points,) between runs."""
         from scipy.special import ndtr
 
         if SPREAD not in self.nuisances:
@@ -222,12 +225,12 @@ class CalibrationProblem:
         return np.asarray(RUN_SPREAD * np.tan(0.5 * math.pi * part))
 
     def _rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return independent equations (points, slid tests, 3) over errors, and logarithms of their norms."""
+        """Return decorrelated equations (points, slid tests, 3) in units of the errors, and the log of their norms."""
         rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
         return self._independent(rows, scale, spread)
 
     def _independent(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Return rows (points, slid tests, k) over errors, decorrelated within runs, and logarithms of norms."""
+        """Decorrelate rows (points, slid tests, k) within runs, in units of the errors; also return log norms."""
         norm = -np.count_nonzero(self.slid) * np.log(scale)
         if len(self._offsets):
             unit = self._offsets[:, self.slid]
@@ -240,7 +243,7 @@ class CalibrationProblem:
     def _residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return residuals (points, slid tests, ...) over errors with junction growth, and the columns.
+        """Return residuals (points, slid tests, ...) in units of the errors, with junction growth, and the columns.
 
         mu0 and tau0 (GPa) have the shape (points, ...). Residuals of seizing interfaces are infinite.
         """
@@ -259,9 +262,9 @@ class CalibrationProblem:
 
     @cached_property
     def best(self) -> _Best:
-        """Best fit of mu0, tau0 and nuisances.
+        """Best fit of mu0, tau0 and nuisance parameters.
 
-        Offsets of runs are free, so that residuals are within runs. Outliers have smaller weights.
+        Offsets of runs are free, so that residuals contain only the scatter within runs. Outliers have smaller weights.
         """
         from scipy.optimize import least_squares
 
@@ -357,14 +360,14 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _mean_ratio(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return the weighted A/F (1/GPa) of the tests with sliding, (samples,), at scores (samples, nuisances)."""
+        """Return the weighted mean A/F (1/GPa) of the tests that slid, (samples,), at scores (samples, nuisances)."""
         rub, stick, _ = self._columns(scores, mu0, tau0)
         ratio = stick[:, self.slid] / rub[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
 
     @cached_property
     def growth(self) -> UncertainInput | None:
-        """Junction growth α of the tests; None if tests differ, or if no test depends on α."""
+        """Junction growth α of the tests; None if α differs between tests, or if no test depends on α."""
         grown = [each.yields.growth for each in self._friction if each.yields and each.yields.growth]
         if grown:
             return grown[0] if len({each.text for each in grown}) == 1 else None
@@ -372,7 +375,7 @@ class CalibrationProblem:
         return parse_input("junction_growth", 0.0) if any(depend) else None
 
     def _growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return α of the tests, (samples,); NaN if tests differ, or if none depends on it."""
+        """Return samples of α of the tests; NaN if α differs between tests, or if no test depends on α."""
         from scipy.special import ndtr
 
         if self.growth is None or self.growth.is_exact:
@@ -389,7 +392,7 @@ class CalibrationProblem:
         return first.known["hardness"] if first is not None and len(names) == 1 and all(names) else None
 
     def _hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return the common hardness (GPa) of all tests, (samples,); NaN without one."""
+        """Return samples of the common hardness (GPa) of all tests; NaN if there is none."""
         from scipy.special import ndtr
 
         first = self._friction[0]
@@ -401,7 +404,7 @@ class CalibrationProblem:
     # ---- Density of mu0 and tau0 given the nuisances ----------------------------------------------------------------
 
     def _grid(self, points: Floats) -> _Grid:
-        """Return the grid of mu0 and tau0 at points (points, nuisances and the logarithm of the scale)."""
+        """Return the grid of mu0 and tau0 at points of nuisance parameters and of the logarithm of the scale."""
         from scipy.special import log_ndtr
 
         if self.grows and len(points) > MAX_GRID_POINTS:
@@ -474,7 +477,7 @@ class CalibrationProblem:
     ) -> _Cells:
         """Return cells around the best mu0 with junction growth.
 
-        The columns are for the measured coefficients.
+        The given columns belong to the measured coefficients.
         """
         robust = self.best.robust[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
 
@@ -491,7 +494,7 @@ class CalibrationProblem:
             return best_coefficients(residuals, start, tau0)
 
         if self.known[1] is None:
-            # With mu0 = 0 and the area at the measured coefficient, each test limits tau0.
+            # Each test limits tau0: its largest value follows from mu0 = 0 and the area at the measured coefficient.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = 2 * (math.sqrt(cells.depth) + math.sqrt(robust.size)) * error[:, self.slid] / robust
             with np.errstate(divide="ignore"):
@@ -502,12 +505,12 @@ class CalibrationProblem:
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         best, slope, _ = best_at(tau0)
         above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0 the coefficient increases more slowly with mu0, at least as fast as without growth.
+        # Below the best mu0 the coefficient increases more slowly with mu0, but at least as fast as without growth.
         below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
         return replace(cells, best=best, below=below, above=above)
 
     def _coefficients(self, cells: _Cells, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
-        """Return start and step of the cells of mu0 >= 0 at each tau0, for indices of points and rows."""
+        """Return start and step of the cells of mu0 >= 0 at each tau0, by the indices of points and rows."""
         if self.known[0] is not None:
             return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
         if cells.best is None:
@@ -530,7 +533,7 @@ class CalibrationProblem:
     def _sample(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
         """Return samples of mu0 and tau0 (GPa), and scores (samples, nuisances).
 
-        If `freedom` is given, errors are known up to a factor.
+        If `freedom` is given, the errors have an unknown common factor.
         """
         count = len(self.nuisances)
         active = [*range(count), *([count] if freedom is not None else [])]
@@ -539,7 +542,7 @@ class CalibrationProblem:
         for seed in range(1, MAX_ROUNDS if active else 0):
             if _effective(log_weight) > MIN_SAMPLE_FRACTION * ROUND_POINTS:
                 break
-            power = 1.0  # weights are tempered if a few points dominate
+            power = 1.0  # weights are flattened if a few points dominate
             while power > 1e-3 and _effective(power * log_weight) < 0.15 * ROUND_POINTS:
                 power *= 0.7
             weight = np.exp(power * (log_weight - log_weight.max()))
@@ -556,7 +559,7 @@ class CalibrationProblem:
         return self._resample(points, grid, log_weight)
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
-        """Return mean and covariance of nuisances and of the logarithm of the scale, around the best fit."""
+        """Return mean and covariance of the first proposal for nuisance parameters and the logarithm of the scale."""
         moved = [place for place, name in enumerate(self.nuisances) if name != SPREAD]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)
@@ -573,7 +576,7 @@ class CalibrationProblem:
     def _weigh(
         self, mean: Floats, covariance: Floats, active: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _Grid, Floats]:
-        """Return points of the proposal, their grids, and logarithms of their weights."""
+        """Draw points from the proposal, and return them with their grids and the logarithms of their weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -592,7 +595,7 @@ class CalibrationProblem:
         return points, grid, np.where(np.isfinite(log), log, -np.inf)
 
     def _resample(self, points: Floats, grid: _Grid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return samples from the cells of all nuisance points."""
+        """Draw samples from the grid cells of all nuisance points."""
         random = np.random.default_rng(0)
         inside = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
@@ -614,7 +617,7 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def advice(self) -> tuple[tuple[str, float, float], ...]:
-        """Return further tests that would separate mu0 and tau0, with the expected standard errors."""
+        """Return further tests that would separate mu0 and tau0, with the standard errors expected from them."""
         mu0, tau0 = self.best.mu0, self.best.tau0
         at = self.best.scores[np.newaxis], np.array([mu0]), np.array([tau0])
         rub, stick, _ = (each[0] for each in self._columns(*at))
@@ -637,7 +640,7 @@ class CalibrationProblem:
 
 
 def _concatenate(grids: Sequence[_Grid]) -> _Grid:
-    """Concatenate grids along the points."""
+    """Concatenate grids along the axis of points."""
     cells = [grid.cells for grid in grids]
     names = ("triangle", "low", "high", *(("best", "below", "above") if cells[0].best is not None else ()))
     joined: dict[str, Any] = {name: np.concatenate([getattr(each, name) for each in cells]) for name in names}
@@ -645,7 +648,10 @@ def _concatenate(grids: Sequence[_Grid]) -> _Grid:
 
 
 def _run_members(tests: Sequence[FrictionTest]) -> Floats:
-    """Return indicators (runs, tests) of runs; no rows unless there are two runs, one of them with two tests."""
+    """Return an indicator (runs, tests) of the tests of each run.
+
+    There are no rows unless there are two runs, of which one has two tests.
+    """
     runs = [test.run for test in tests]
     names = [run for run in dict.fromkeys(runs) if run is not None]
     if len(names) < 2 or all(runs.count(name) < 2 for name in names):
@@ -654,7 +660,7 @@ def _run_members(tests: Sequence[FrictionTest]) -> Floats:
 
 
 def _nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) -> tuple[float, float]:
-    """Return the best mu0 and tau0 (GPa), at least 0, of weighted equations (tests, 3)."""
+    """Return the least-squares mu0 and tau0 (GPa), at least 0, of weighted equations (tests, 3)."""
     from scipy.optimize import lsq_linear
 
     free = [value is None for value in known]
@@ -688,7 +694,7 @@ def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
     corner = one[:, 2] / np.where(one[:, 1] == 0, 1e-300, one[:, 1])
 
     def of(tau0: Floats) -> Floats:
-        mu0 = one[:, 2] - one[:, 1] * tau0  # times a positive factor
+        mu0 = one[:, 2] - one[:, 1] * tau0  # up to a positive factor
         return np.asarray((both[:, 2] - both[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
     least = np.min([of(np.maximum(each, 0.0)) for each in (centre, at_bound, corner, np.zeros(len(centre)))], axis=0)
@@ -704,7 +710,7 @@ def _range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
 
 
 def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 as `_range` does, for a fixed mu0."""
+    """Return the range of tau0 like `_range`, but for a fixed mu0."""
     one, both = triangle[:, 0], triangle[:, 1]
     curvature = both[:, 1] ** 2 + one[:, 1] ** 2
     centre = (both[:, 1] * both[:, 2] + one[:, 1] * (one[:, 2] - one[:, 0] * mu0)) / curvature
@@ -714,6 +720,6 @@ def _range_at(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Float
 
 
 def _effective(log_weight: Floats) -> float:
-    """Return the effective sample size of weights."""
+    """Return the effective sample size of weighted samples."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())

@@ -1,4 +1,4 @@
-"""Most likely mu0 and range of tau0 for contacts with junction growth, where tests are not linear in mu0 and tau0."""
+"""Most likely mu0 and range of tau0 with junction growth, for which friction tests are not linear in mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ import numpy as np
 
 from stiction._checks import Floats
 
-NUM_POINTS, NUM_SCANS = 13, 3  # number of tau0 in a scan, and of scans
+NUM_POINTS, NUM_SCANS = 13, 3  # number of values of tau0 in a scan, and number of scans
 NUM_STEPS = 3  # Gauss-Newton steps for the best mu0 at a tau0
-STEP = 1e-4  # step of mu0 for the derivative, over 0.1 + mu0
+STEP = 1e-4  # step of mu0 for the numerical derivative, relative to 0.1 + mu0
 
 Residuals = Callable[[Floats, Floats], Floats]
-"""Residuals (points, tests, ...) over their errors, from (points, ...) mu0 and tau0 (GPa); infinite at seizure."""
+"""Function from mu0 and tau0 (GPa), (points, ...), to residuals (points, tests, ...) in units of the errors.
+
+Residuals are infinite at seizure."""
 
 
 def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the best fit of mu0, at least 0, at each tau0, by the Gauss-Newton method.
+    """Return the best mu0, at least 0, for each tau0, by the Gauss-Newton method.
 
     Parameters
     ----------
@@ -28,9 +30,9 @@ def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tupl
     -------
     best : (points, n) array of float
     slope : (points, n) array of float
-        Norm of the derivatives of the residuals by mu0; NaN where interfaces seize.
+        Norm of the derivatives of the residuals with respect to mu0; NaN at seizure.
     squares : (points, n) array of float
-        Sum of squares of the residuals; infinite where interfaces seize.
+        Sum of squares of the residuals; infinite at seizure.
     """
     mu0 = start
     for step in range(NUM_STEPS + 1):
@@ -46,12 +48,12 @@ def best_coefficients(residuals: Residuals, start: Floats, tau0: Floats) -> tupl
 
 
 def range_of_strength(squares: Callable[[Floats], Floats], highest: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range (points,) of tau0 (GPa) in which sums of squares exceed their minimum by at most a depth.
+    """Return the range of tau0 (GPa) in which the sum of squares exceeds its minimum by at most `depth`.
 
     Parameters
     ----------
     squares : callable
-        Sums of squares at the best mu0, from (points, n) tau0 to (points, n).
+        Function from tau0 (points, n) to the sums of squares (points, n) at the best mu0.
     highest : (points,) array of float, GPa
         Upper bound of tau0.
     depth : float

@@ -1,4 +1,4 @@
-"""95 % intervals of means over independent repetitions at a load, and over neighboring positions.
+"""95 % confidence intervals of means over independent repetitions at a load, and over neighboring positions.
 
 The script docs/scripts/intervals.py measures their coverage, and their width relative to the best possible one.
 """
@@ -15,20 +15,20 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 
 CONFIDENCE = 0.95
-SLOPE_STEPS = 4  # steps on both sides of a crossing that give the slope of a mean
+SLOPE_STEPS = 4  # number of steps on each side of a crossing from which the slope of a mean is fitted
 MAX_LOAD_RATIO = 10.01
-"""Ratio of neighboring solved loads above which no value between them is interpolated."""
-CHUNK_SIZE = 2**15  # numbers that are processed at a time and fit into the cache
-MIN_SAMPLE_SIZE = 3  # values below which a sample has no interval
-MIN_NEIGHBORS = 8  # values below which mean and correlation cannot be separated
+"""Largest ratio of neighboring solved loads between which values are interpolated."""
+CHUNK_SIZE = 2**15  # numbers that are processed at a time, so that they fit into the processor cache
+MIN_SAMPLE_SIZE = 3  # smallest number of values for an interval
+MIN_NEIGHBORS = 8  # smallest number of neighboring values for an interval, because mean and correlation are fitted
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # skewness below which the scale is linear to round-off
-MAX_FREEDOM = 1e6  # degrees of freedom above which Student's t is normal
+_MIN_SKEWNESS = 1e-9  # smaller skewness is neglected, because the scale is then linear to round-off
+MAX_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is replaced by the normal distribution
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
-    """Return the quantile of Student's t for a two-sided interval of `CONFIDENCE`, by degrees of freedom."""
+    """Return the quantile of Student's t distribution for a two-sided interval with probability `CONFIDENCE`."""
     from scipy.special import stdtrit
 
     return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
@@ -36,20 +36,23 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class Crossing:
-    """First crossings of loads (l,) by curves (..., k), between steps index - 1 and index at a fraction of the step."""
+    """First crossings of loads (l,) by curves (..., k).
+
+    A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
+    """
 
     index: NDArray[np.intp]  # (..., l)
     fraction: Floats  # (..., l)
     reached: NDArray[np.bool_]  # (..., l)
-    below: NDArray[np.bool_]  # (..., l) loads below that of the first step
-    scale: tuple[Floats, Floats] | None = None  # curves and loads, if ratios are interpolated
+    below: NDArray[np.bool_]  # (..., l) True for loads below the load of the first step
+    scale: tuple[Floats, Floats] | None = None  # curves and loads, if ratios to the load are interpolated
 
     @classmethod
     def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> Crossing:
         """Find the first upward crossings by linear interpolation.
 
-        With `ratio`, value/load is interpolated over the logarithm of the load, and a load between two steps is reached
-        only if the ratio of these steps is at most `MAX_LOAD_RATIO`.
+        With `ratio`, the ratio of value and load is interpolated as a function of the logarithm of the load. A load
+        between two steps is then reached only if the ratio of their loads is at most `MAX_LOAD_RATIO`.
         """
         if ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -68,21 +71,21 @@ class Crossing:
         return cls(index, fraction, reached, ~reached & at_least[..., 0, :])
 
     def without_gaps(self, curve: Floats, loads: Floats) -> Crossing:
-        """Return the crossings without those after a step where curves (..., k) are NaN, except at loads of steps."""
+        """Remove crossings after a step at which curves (..., k) are NaN, except crossings at the load of a step."""
         before, there = self._around(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (there == loads)))
 
     def _around(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return curves (..., k) at the steps before and after the crossings, (..., l) each."""
+        """Return the values of curves (..., k) at the steps before and after each crossing, (..., l)."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
         return before, after
 
     def at(self, values: Floats, *, sums: bool = True) -> Floats:
-        """Return values (..., more, k) at the loads, (..., more, l); NaN where loads are not reached.
+        """Interpolate values (..., more, k) at the loads, (..., more, l); NaN at loads that are not reached.
 
-        Ratios of `sums` to the loads are interpolated linearly.
+        For `sums`, the ratio to the load is interpolated linearly.
         """
         own = self.index.ndim - 1
         more = (*self.index.shape[:-1], *(1,) * (values.ndim - 1 - own), -1)
@@ -95,15 +98,15 @@ class Crossing:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # At a step the step before it does not matter, even if it is NaN.
-        with np.errstate(invalid="ignore"):  # values such as the stiffness of complete contact are infinite
+        # At a crossing exactly at a step, the step before it may be NaN.
+        with np.errstate(invalid="ignore"):  # some values are infinite, such as the stiffness of complete contact
             there = np.where(fraction == 1, after, before + fraction * (after - before))
         if sums and self.scale is not None:
             there = there * self.scale[1]
         return np.where(reached, there, np.nan)
 
     def slope(self, values: Floats, over: Floats) -> Floats:
-        """Return slopes (..., l) of values over others, (..., k) each, at the steps in which the loads are reached."""
+        """Return the slopes (..., l) of values (..., k) with respect to other values (..., k), at the crossings."""
         index = np.maximum(self.index, 1)
         rise, run = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
@@ -116,17 +119,17 @@ class Crossing:
 
 
 class MeansAtLoads:
-    """Means of values where mean normal loads reach loads, and their jackknife intervals (docs, intervals.md).
+    """Means of values at given mean normal loads, with jackknife intervals (docs/explanation/intervals.md).
 
-    Let v and n be the values and normal loads of the repetitions at the crossing, and e the exponent of the mean curve,
-    mean(v) ~ mean(n)^e. Leaving out a repetition changes the logarithm of the mean by the change of ln mean(v) minus e
-    times that of ln mean(n). If the mean is zero, or changes its sign without a repetition, the interval is the
-    symmetric one of first order. The means (c, k) of c curves are given first, then the repetitions one by one.
+    Let v and n be the values and the normal loads of the repetitions at the crossing, and e the exponent of the mean
+    curve, mean(v) ~ mean(n)^e. Without one repetition, the logarithm of the mean at the load changes by the change of
+    ln mean(v) minus e times the change of ln mean(n). If the mean is zero, or changes its sign without some repetition,
+    a symmetric first-order interval is used. The means (c, k) of c curves are given first, then the repetitions.
     """
 
     def __init__(self, normal: Floats, values: Floats, repetitions: int, loads: Floats) -> None:
         self.crossing = Crossing.of(normal, loads)
-        # Points (p,): pairs of curves and loads that are reached.
+        # The points (p,) are all pairs of a curve and a load that the curve reaches.
         self._curve, load = np.nonzero(self.crossing.reached)
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -140,7 +143,7 @@ class MeansAtLoads:
         self.mean = self._over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
-        """Add repetitions: normal loads (c, k, r) and values (c, k, r)."""
+        """Add repetitions, given by normal loads (c, k, r) and values (c, k, r)."""
         self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         self._negative |= (values < 0).any(axis=(1, 2))
         at_a_time, others = max(1, CHUNK_SIZE // max(1, self._load.size)), self._repetitions - 1
@@ -148,7 +151,7 @@ class MeansAtLoads:
             each[:, np.newaxis] for each in (self._mean, self._mean_load, self._load, self._slope)
         )
         for first in range(0, normal.shape[2], at_a_time):
-            # Values (p, r) of each repetition, and the change of the means without it.
+            # Values (p, r) of each repetition, and the change of the mean if this repetition is omitted.
             own_load, own_value = (self._at(each[..., first : first + at_a_time]) for each in (normal, values))
             self._loads.add(own_load)
             self._values.add(own_value)
@@ -159,7 +162,7 @@ class MeansAtLoads:
                 self._plain.add(by_value - slope * by_load)
 
     def interval(self) -> tuple[Floats, Floats]:
-        """Return the lower and upper ends (c, l) after all repetitions were added."""
+        """Return the lower and upper ends (c, l) of the intervals, after all repetitions were added."""
         mean = self._mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
@@ -178,14 +181,14 @@ class MeansAtLoads:
         return np.asarray(before + self._fraction[:, np.newaxis] * (after - before))
 
     def _over_loads(self, of_points: Floats) -> Floats:
-        """Return values (p,) as (c, l), NaN where a load is not reached."""
+        """Return the values of the points (p,) as an array (c, l), with NaN for loads that are not reached."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
 
 
 class _Extent:
-    """Running sum, minimum and maximum of values (p, r) over r."""
+    """Running sum, minimum and maximum of values (p, r) along r."""
 
     def __init__(self, size: int) -> None:
         self._sum = np.zeros(size)
@@ -197,12 +200,12 @@ class _Extent:
         self._most = np.maximum(self._most, values.max(axis=1, initial=-np.inf))
 
     def leaves_more_than_nothing(self, mean: Floats) -> NDArray[np.bool_]:
-        """Return whether the sum keeps the sign of the mean without any one value."""
+        """Return whether the sum has the same sign if any single value is omitted."""
         return np.asarray(np.where(mean > 0, self._sum - self._most > 0, (mean < 0) & (self._sum - self._least < 0)))
 
 
 class PowerSums:
-    """Running sums of powers of jackknife values (..., r), and the half width of their interval."""
+    """Running sums of powers of jackknife values (..., r), from which the half width of an interval follows."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
@@ -234,7 +237,7 @@ class PowerSums:
 
 
 def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
-    """Return least-squares slopes (p,) of mean values (p, k) over mean normal loads (p, k) near the steps (p,)."""
+    """Return least-squares slopes (p,) of mean values (p, k) with respect to mean normal loads, near the steps (p,)."""
     first = np.maximum(index - 1 - SLOPE_STEPS, 0)[:, np.newaxis]
     last = np.minimum(index + SLOPE_STEPS, normal.shape[1] - 1)[:, np.newaxis]
     steps = first + np.arange(2 * SLOPE_STEPS + 2)
@@ -251,7 +254,7 @@ def _slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floats:
 
 
 def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean and its interval of values (r, ...) over the first axis by Student's t, without NaN.
+    """Return the mean of values (r, ...) along the first axis and its interval by Student's t; NaN are ignored.
 
     If no value is negative, Student's t applies to the logarithm of the mean, so that the interval is above 0.
     """
@@ -267,7 +270,7 @@ def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
-    """Return the ends of the interval of a mean from its half width, on a logarithmic scale unless signed."""
+    """Return the ends of the interval of a mean from its half width, which is logarithmic unless `signed`."""
     mean, half_width = np.asarray(mean, float), np.asarray(half_width, float)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         factor = np.exp(half_width / mean)
@@ -281,7 +284,7 @@ def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) 
 
 @lru_cache(maxsize=32)
 def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return 1' R^-1 1 and the variance inflation by correlation, and Student's quantile and density at 0."""
+    """Return constants of the mixture: 1' R^-1 1, variance inflation, and quantile and density of Student's t."""
     rho, lags = _CORRELATIONS, np.arange(1, count)
     ones = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -290,11 +293,11 @@ def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
 
 
 def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the mean and its interval of neighboring, correlated values (r, ...) over the first axis.
+    """Return the mean of neighboring, correlated values (r, ...) along the first axis, and its interval.
 
-    The interval (docs, intervals.md) is that of a mixture of autoregressive processes with correlations ρ from 0 to
-    0.95, weighted by their likelihood and by sqrt(1 - ρ), on a scale without skewness, and limited to the range of the
-    values. It is NaN for fewer than `MIN_NEIGHBORS` values, and if all values are equal.
+    The interval is derived in docs/explanation/intervals.md. It belongs to a mixture of autoregressive processes with
+    correlations ρ from 0 to 0.95, weighted by their likelihood and by sqrt(1 - ρ), on a scale without skewness. It is
+    limited to the range of the values, and NaN for fewer than `MIN_NEIGHBORS` values or if all values are equal.
     """
     count = values.shape[0]
     # Each row (c, r) is summed separately, so that its bits do not depend on the other rows.
@@ -313,13 +316,13 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     """Return the ends of the intervals of rows of values (c, r), NaN where all values are equal."""
     from scipy.special import stdtr
 
-    # Values in units of their standard deviation, to avoid overflow.
+    # Values are divided by their standard deviation, to avoid overflow.
     count, deviations = values.shape[1], values - mean[:, np.newaxis]
     spread = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
     differ = (spread > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(differ, spread, 1.0)[:, np.newaxis], _CORRELATIONS
     y[~differ] = np.linspace(-1.0, 1.0, count)
-    # Closed forms of the autoregressive process: 1' R^-1 1, weighted mean, and weighted sum of squares.
+    # Closed forms for the autoregressive process: 1' R^-1 1, weighted mean, and weighted sum of squares.
     ones, inflation, quantile, density = _mixture_constants(count)
     inner = y[:, 1:-1].sum(axis=1)[:, np.newaxis]
     centre = (y[:, :1] + y[:, -1:] + (1 - rho) * inner) / (1 + rho) / ones  # (c, rho)

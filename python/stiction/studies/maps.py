@@ -1,8 +1,8 @@
 """Ensemble means and intervals at the approach or load step where the mean normal load reaches a load.
 
-An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios; repetitions without contact
-count as zeros. The load is reached where mean(F_N), linear between the steps, first crosses it upwards; nothing is
-extrapolated. Members of which a load has no solution are left out.
+An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios. Repetitions without contact
+count as zeros. A load is reached where mean(F_N), interpolated linearly between the steps, first exceeds it; values are
+not extrapolated. Members without a solution at a load are omitted.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     import xarray
 
 Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-AT_ONCE = 2**20  # numbers of curves of a cell that are in memory at a time, however many mu0 and tau0
-CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of results that come before their members
+AT_ONCE = 2**20  # numbers in memory for the curves of a cell at a time, for any number of mu0 and tau0
+CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of results that precede the members
 MOTIONS = ("sliding", "direction")  # dimensions of results for several sliding rules and directions
 _LOADS = ("contact_count", *friction.SIX_SUMS[:3])
 
 _NEEDED = {"friction_coefficient": ("contact_count", *friction.SIX_SUMS), "normal_stiffness": _LOADS}
-"""Sums that a quantity consists of; any other quantity is stored itself."""
+"""Sums from which a quantity is computed; all other quantities are stored directly."""
 
 
 def _needed(what: str) -> tuple[str, ...]:
@@ -61,11 +61,11 @@ def friction_map(
     -------
     xarray.Dataset
         friction_coefficient, lower and upper (95 % interval from the repetitions; NaN for a single repetition), status
-        and the figures of `Validity`, over fractal_dimension, amplitude, load (mN), mu0 and tau0 (GPa), and before them
-        sliding and direction if the result has these. By the half-space there is no such validity: NaN. The status is
-        "ok", "no-contact", "self-locked" (mean(F_N) is zero or below at the largest approach), "not-reached" (no
-        approach carries as much) or "below-range" (the smallest approach carries more); the coefficient is NaN unless
-        it is "ok".
+        and the quantities of `Validity` (NaN for the half-space). The dimensions are fractal_dimension, amplitude, load
+        (mN), mu0 and tau0 (GPa), preceded by sliding and direction if the result has them. The status is "ok",
+        "no-contact", "self-locked" (mean(F_N) is not above 0 at the largest approach), "not-reached" (no approach
+        carries the load) or "below-range" (the smallest approach carries more than the load). The coefficient is NaN
+        unless the status is "ok".
 
     Raises
     ------
@@ -189,12 +189,12 @@ def cells_of(dataset: xarray.Dataset) -> list[str]:
 
 
 def repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Return values over some dimensions with the repetitions last, contiguous in memory for fast sums."""
+    """Return values with the repetitions as the last dimension, contiguous in memory for fast sums."""
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
 def means(result: Result | xarray.Dataset, names: Iterable[str] | None = None) -> xarray.Dataset:
-    """Compute means over members of some variables of a result, by default of all that depend on the member."""
+    """Average variables of a result over the members, by default all variables that depend on the member."""
     import xarray
 
     result = Result.of(result)
@@ -216,7 +216,7 @@ def means(result: Result | xarray.Dataset, names: Iterable[str] | None = None) -
 def solved_pieces(
     result: Result, names: Iterable[str] | None = None, change: Change | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield pieces of a result without members that lack a solution at a load."""
+    """Yield the pieces of a result, without members that have no solution at some load."""
     for piece in result.pieces(names):
         elastic = piece["normal_elastic"]
         known = np.isfinite(repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"]))
@@ -245,7 +245,7 @@ def ensemble_map(
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
     quantity = _EnsembleQuantity(dataset if change is None else change(dataset), what, load_values, *material)
-    # Two passes over the members: the means say where loads are reached, and intervals are of what each has there.
+    # The first pass over the members finds where the mean loads are reached. The second pass finds the intervals there.
     averages, others, count = _means(lambda: solved_pieces(result, quantity.names(), change), what, quantity.step)
     if not count:
         raise ValueError("no member of the result has a solution at every load")
@@ -267,7 +267,7 @@ def ensemble_map(
 
 
 class _EnsembleQuantity:
-    """Quantity of an ensemble at loads (mN), for every mu0 and tau0 (GPa)."""
+    """Quantity of an ensemble at loads (mN), for all mu0 and tau0 (GPa)."""
 
     def __init__(self, head: xarray.Dataset, what: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
         self.head, self.what, self.loads, self.mu0, self.tau0 = head, what, loads, mu0, tau0
@@ -275,11 +275,11 @@ class _EnsembleQuantity:
         self.dims = [*(motion for motion in MOTIONS if motion in head.dims), *cells_of(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
-        # A dataset of loads alone still has a friction coefficient, but no figures of validity.
+        # A dataset that contains only loads has a friction coefficient, but no quantities of validity.
         self.judged = all(name in head for name in SUMS)
 
     def names(self) -> tuple[str, ...]:
-        """Return the names of the variables to read."""
+        """Return the names of the variables that have to be read."""
         own = _needed(self.what)
         if self.what == "normal_stiffness" and self.step == "load":
             own = (*own, "approach")  # of each pair
@@ -288,7 +288,7 @@ class _EnsembleQuantity:
     def curves(
         self, cell: tuple[int, ...], sums: Sums, others: Sums, some: slice = slice(None)
     ) -> tuple[Floats, Floats]:
-        """Return normal loads and values (c, k, r) of some members for every mu0 and tau0 in a row."""
+        """Return normal loads and values (c, k, r) of some members, with all mu0 and tau0 along the first axis."""
         pair, other = (each.apply(operator.itemgetter((*cell, slice(None), some))) for each in (sums, others))
         material = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
         normal = friction.compute_load("normal", pair, *material)
@@ -309,7 +309,9 @@ class _EnsembleQuantity:
                 array[cell] = _by_load(found, self.shape)
             pair = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.curves(cell, averages, others)[0][..., 0]
-            locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)  # by friction, at the largest approach
+            locked = (pair.contact_count[-1] > 0) & (
+                normal[:, -1:] <= 0
+            )  # self-locked by friction at the largest approach
             why = friction.combine_status(
                 touched=bool(pair.contact_count.any()), reached=each.crossing.reached, below=each.crossing.below,
                 locked=locked,
@@ -340,12 +342,12 @@ class _EnsembleQuantity:
 
 
 def _by_load(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Rearrange values of curves (c, l), one per mu0 and tau0, over load, mu0 and tau0."""
+    """Rearrange values of curves (c, l), with one curve per mu0 and tau0, to the dimensions load, mu0 and tau0."""
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
-    """Return the sums over motions, cells, step and repetition, and the sums in which a quantity is linear."""
+    """Return the contact sums by motion, cell, step and repetition, and the sums in which a quantity is linear."""
     dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
 
@@ -379,7 +381,7 @@ def _values(sums: Sums, what: str, mu0: Floats, tau0: Floats) -> Floats:
 
 
 def _means(solved: Callable[[], Iterator[xarray.Dataset]], what: str, step: str) -> tuple[Sums, Sums, int]:
-    """Return means of `_sums_of` over members, in the form of one member, and the number of members."""
+    """Return the means of `_sums_of` over the members, with one repetition, and the number of members."""
     total: list[Sums] = []
     count = 0
     for piece in solved():

@@ -1,4 +1,4 @@
-"""Solution of a member of a study: its sums and statistics, and a pair at one load."""
+"""Solution of a member of a study: contact sums and statistics at all loads, or a pair at one load."""
 
 from __future__ import annotations
 
@@ -60,25 +60,25 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 STIFFNESS_STEP = 0.02
-"""The fraction of the approach on both sides of it over which the stiffness of asperities is taken."""
+"""Half width of the finite difference for the stiffness of asperities, as a fraction of the approach."""
 
-MPA_OVER_MM = 1e6  # in GPa/µm; a line is 1 µm thick
+MPA_OVER_MM = 1e6  # stiffness per area, MPa/mm in one GPa/µm; lines are 1 µm thick
 
 JUST_BEFORE = 1e-11
-"""Relative distance of an approach before a jump of the load: above the tolerance of `find_crossings`."""
+"""Relative distance of an approach before a jump of the load, which must exceed the tolerance of `find_crossings`."""
 
 
 UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
-"""Members, and cut-offs of each, of which the stiffness of unloading is known where there is a hardness."""
+"""Numbers of members, and of cutoffs of each member, for which the unloading stiffness of plastic bodies is solved."""
 
 
 def pressed_to_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, unloads: bool = False
 ) -> Arrays:
-    """Compute the sums of a pair at the elastic loads of its study, and statistics of measured bodies, by name.
+    """Compute the contact sums of a pair at the elastic loads of its study, and the statistics of measured bodies.
 
-    Arrays are (rules, directions, loads) of what depends on the motion, else (loads,); NaN, with no contacts, where a
-    load has no solution. Whether the stiffness of unloading is solved for decides about a third of the time.
+    Arrays have the shape (rules, directions, loads) if they depend on the motion, otherwise (loads,). At loads without
+    a solution they are NaN, and the number of contacts is 0. The unloading stiffness takes about a third of the time.
     """
     contact = study.contact
     loads, motions = contact.steps().size, (len(contact.rules()), contact.degrees().size)
@@ -95,7 +95,7 @@ def pressed_to_loads(
 
 
 def _nothing(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
-    """Return an array of NaN."""
+    """Return the values of a variable at loads without a solution: NaN, no contacts, or the status "not-solved"."""
     sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(STORED_PROBABILITIES)}
     shape = tuple(sizes[each] for each in QUANTITIES[name].along)
     if name == "status":
@@ -104,14 +104,14 @@ def _nothing(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
 
 
 def _ways(contact: ContactTable) -> list[Shear]:
-    """Return the directions on profiles."""
+    """Return the directions of motion along profiles, as "+x" or "-x"."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.degrees()]
 
 
 def _by_half_space(
     contact: HalfSpaceContactTable, upper: Any, lower: Any, values: Arrays, slopes: PairSlopes | None, *, unloads: bool
 ) -> None:
-    """Solve the elastic half-space at all loads; a load without a solution does not affect the others."""
+    """Solve the half-space at all loads. A load without a solution does not affect the other loads."""
     areal = isinstance(upper, Surface)
     first: list[float] | Literal["+x"] = contact.degrees().tolist() if areal else "+x"
     solve = functools.partial(
@@ -120,7 +120,7 @@ def _by_half_space(
     sums = (*HALF_SPACE_SUMS, *(ADHESION[:1] if contact.adheres else ()))
 
     def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
-        """Return the curve for every rule and direction; a curve of lines has +x."""
+        """Return the load curve for each sliding rule and direction, from a curve for the direction +x."""
         ways = [curve] if areal else [curve if way == "+x" else curve.with_direction(way) for way in _ways(contact)]
         rules = enumerate(contact.rules())
         return [[way if rule == 0 else way.with_sliding(sliding) for way in ways] for rule, sliding in rules]
@@ -159,21 +159,22 @@ def _by_half_space(
 def _by_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
     """Compute independent Hertz contacts at the approaches that carry the elastic loads.
 
-    Where the load jumps with the approach, as it does by cells, sums are in proportion between before and behind it.
+    With the detection criterion "cell" the load jumps at some approaches. Sums at a load within such a jump are
+    interpolated between the states just before and just after it.
     """
     model, areal = contact.model(), isinstance(upper, Surface)
-    if areal:  # of every direction together, or of profiles one for each
+    if areal:  # one curve for all directions of maps, or one for each direction of profiles
         models = [replace(model, direction=contact.degrees().tolist(), shear="+x").for_surfaces()]
     else:
         models = [replace(model, shear=way, direction=None).for_profiles() for way in _ways(contact)]
     one = replace(models[0], direction=0.0) if areal else models[0]
-    # Without friction F_N is the elastic load.
+    # Without friction, the normal force is the elastic load.
     approach, status = find_crossings(SurfacePair(upper, lower), contact.steps(), mu0=0.0, tau0=0.0, model=one)
     values["status"][:] = [STATUSES.index(each) for each in status.tolist()]
     ok = np.flatnonzero(status == STATUS_OK)
     if not ok.size:
         return
-    # Contacts by minima of the gap begin without a load, so that nothing jumps.
+    # Contacts at minima of the gap start at zero load, so the load does not jump.
     fractions = [1 - STIFFNESS_STEP, 1 - JUST_BEFORE * (one.detection == "cell"), 1, 1 + STIFFNESS_STEP]
     steps, place = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
     low, before, at, high = place.reshape(len(fractions), ok.size)
@@ -208,7 +209,10 @@ def _by_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values
 
 
 def found_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
-    """Return contact candidates up to an approach (µm) if contacts are minima of the gap, else both bodies."""
+    """Find the contact candidates up to an approach (µm), so that they are searched only once.
+
+    Returns both bodies if contacts are not minima of the gap.
+    """
     if model.detection != "gap-minimum":
         return upper, lower
     return (candidates(upper, lower, deepest=deepest, curvature=model.curvature),)
@@ -219,16 +223,16 @@ def found_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> t
 
 @dataclass(frozen=True, eq=False)
 class OneLoad:
-    """Pair under one elastic load."""
+    """Pair of bodies pressed by a single elastic load."""
 
     upper: Any
     lower: Any
-    curve: HalfSpaceCurve | LoadCurve  # of this load alone, pushed along +x
-    model: ContactModel | None = None  # how asperities were pressed
+    curve: HalfSpaceCurve | LoadCurve  # curve with this load only, with motion along +x
+    model: ContactModel | None = None  # contact model of the asperities
 
     @classmethod
     def of(cls, study: Study, pair: tuple[Any, Any], load: float) -> OneLoad | None:
-        """Press a pair to a load (mN) as its study defines; None without a solution."""
+        """Press a pair to a load (mN) with the contact model of its study; None if there is no solution."""
         upper, lower = pair
         contact = study.contact
         if isinstance(contact, HalfSpaceContactTable):
@@ -258,36 +262,43 @@ class OneLoad:
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
 CACHE_LINE = 64  # bytes
-HALF = 0.5  # of the sliding load, at which a result says what slips
+HALF = 0.5  # fraction of the sliding load at which a result contains the slipped fraction
 
 COSTS = {
     "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
     "half-space": 1e-3, "half-plane": 8e-4,
 }  # fmt: skip
-"""Seconds of one core, roughly: of an onset of sliding; of a point of a generated profile and of a generated area; of
-a point of a measured area, and of a load on that and on a measured line, all as asperities; and of a load on a
-half-space and a half-plane besides its solution. They decide how many members are a block."""
+"""Rough times of one core (s), which determine the number of members in a block.
+
+"onset" is the time of an onset of sliding. Times per grid point are for generated profiles and areas and for measured
+areas with the asperity model. Times per load are for asperities of measured areas and lines, and for half-spaces and
+half-planes in addition to their solution."""
 
 SOLUTION = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
-"""Seconds of one core of a solution of lines and areas over a power of their points, and the power."""
+"""Time of one core (s) of a half-space solution divided by a power of the number of points, and this power.
+
+The keys are False for lines and True for areas."""
 
 ITERATION = {False: (2.4e-8, 0.97), True: (1.1e-8, 1.1)}
-"""Seconds of one core of an iteration of lines and areas with adhesion over a power of their points, and the power."""
+"""Time of one core (s) of an iteration with adhesion divided by a power of the number of points, and this power.
+
+The keys are False for lines and True for areas."""
 
 ITERATIONS_PER_LOAD = 15
 MAX_PULL_OFF_ITERATIONS = 12_000
 PULL_OFF_ITERATIONS = {False: 100_000, True: 5000}
-"""Iterations of a load with adhesion, and up to the pull-off force: at most, and of lines and areas over
-E* Sq Sdq / (4 w) of the gap. Bodies near complete contact take the most. Fitted to 62 pairs of 64 to 256² points."""
+"""Numbers of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
+
+They are proportional to E* Sq Sdq / (4 w) of the gap up to a maximum. Bodies near complete contact take the most."""
 
 _kept = threading.local()
 
 
 def member_sums(study: Study, index: int) -> Arrays:
-    """Compute every variable of a member of a study, as arrays without the dimension of members.
+    """Compute all variables of a member of a study, as arrays without the dimension of members.
 
-    Measured bodies also have the `MEMBER_COORDINATES`. A load without a solution is NaN. Raises a `ValueError` if the
-    bodies cannot be loaded.
+    Measured bodies also have the `MEMBER_COORDINATES`. Values at loads without a solution are NaN. Raises a
+    `ValueError` if the bodies cannot be loaded.
     """
     arrays: Arrays = {name: np.empty(shape, dtype) for name, (shape, dtype) in arrays_of(study).items()}
     for place, part in _measured(study, index, arrays) if study.is_measured else _generated(study, index):
@@ -298,7 +309,7 @@ def member_sums(study: Study, index: int) -> Arrays:
 
 @functools.lru_cache(maxsize=4)
 def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
-    """Return shape and dtype of each variable of a member."""
+    """Return the shape and the data type of each variable of a member."""
     cells = len(study.surfaces.cells())
     return {
         name: ((*each.shape[:cells], *each.shape[cells + 1 :]), each.dtype)
@@ -307,7 +318,7 @@ def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
 
 
 def cost_of_member(study: Study) -> float:
-    """Estimate the seconds that a member takes on one core, whatever the number of members."""
+    """Estimate the time (s) of a member on one core."""
     cells = math.prod(values.size for values in study.surfaces.cells().values())
     loads = study.contact.steps().size
     points, areal = count_points(study), study.is_areal
@@ -324,7 +335,7 @@ def cost_of_member(study: Study) -> float:
 
 
 def cost_of_solution(study: Study) -> float:
-    """Return a rough estimate of the seconds of one core of one load of a half-space."""
+    """Estimate roughly the time (s) on one core of a half-space solution at one load."""
     areal = study.is_areal
     besides = COSTS["half-space" if areal else "half-plane"]
     if study.contact.adheres:
@@ -340,9 +351,9 @@ def _cost_of_iteration(study: Study) -> float:
 
 @functools.lru_cache(maxsize=16)
 def _relative_stiffness(study: Study) -> float:
-    """Return E* Sq Sdq / (4 w) of the first member's gap, 0 where files are gone.
+    """Return E* Sq Sdq / (4 w) of the gap of the first member; 0 if files are missing.
 
-    It is at least the elastic energy of complete contact over the work of adhesion, by the Cauchy-Schwarz inequality.
+    By the Cauchy-Schwarz inequality this is at least the elastic energy of complete contact per area, divided by w.
     """
     contact, gap = study.contact, np.zeros((0, 0))
     with contextlib.suppress(ValueError, OSError):
@@ -360,7 +371,7 @@ def _relative_stiffness(study: Study) -> float:
 
 
 def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
-    """Yield the values of a repetition with their cell index, fractal dimension and amplitude."""
+    """Yield the values of a repetition for each cell, with cell index, fractal dimension and amplitude."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _families(study, repetition)
         return
@@ -379,7 +390,7 @@ def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
 
 
 def _pressed_to_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
-    """Compute the sums of a pair at asperities, as arrays (steps,), or ([rules], steps) per motion."""
+    """Compute the contact sums of a pair with the asperity model, with shape (steps,) or ([rules], steps)."""
     steps, models = _steps(study.contact), _models(study.contact)
     bodies: Any = upper, lower
     if isinstance(upper, Surface):
@@ -395,7 +406,7 @@ def _pressed_to_approaches(study: Study, upper: Profile | Surface, lower: Profil
 
 
 def _onset(study: Study, curve: LoadCurve) -> Arrays:
-    """Compute the onset of sliding along the first direction at every approach; 0 without contact."""
+    """Compute the onset of sliding along the first direction at each approach; values are 0 without contact."""
     contact = study.contact
     assert isinstance(contact, AsperityContactTable)
     assert contact.onset is not None
@@ -422,9 +433,9 @@ def _steps(contact: Any) -> Floats:
 
 
 def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
-    """Compute the sums of profiles at asperities, several fractal dimensions per call.
+    """Compute the contact sums of profiles with the asperity model, for several fractal dimensions per call.
 
-    Each is an array (dimensions, amplitudes, rules, steps), of one rule where it does not depend on the motion.
+    Arrays have the shape (dimensions, amplitudes, rules, steps), with one rule if they do not depend on the motion.
     """
     surfaces: Any = study.surfaces
     steps, models = _steps(study.contact), _models(study.contact)
@@ -449,9 +460,9 @@ def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
 
 
 def _memory(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array that the tasks of a thread reuse, because the system provides new pages slowly.
+    """Return an uninitialised array that the tasks of a thread reuse, because new memory pages are slow.
 
-    It begins on a line of the cache: wide writes across two lines cost two.
+    The array is aligned to the cache lines of the processor, so that wide writes do not cross them.
     """
     memory: Floats | None = getattr(_kept, "memory", None)
     if memory is None or memory.shape != shape:
@@ -465,7 +476,7 @@ def _memory(shape: tuple[int, ...]) -> Floats:
 
 
 def _measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
-    """Yield a member at each cutoff; its place and kind are written to `arrays`."""
+    """Yield a member at each cutoff, and write the coordinates of the member to `arrays`."""
     unloads = index - study.surfaces.first_scanned < UNLOADED_MEMBERS
     for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))

@@ -1,4 +1,4 @@
-"""Numbers of one point of what `at_load` gives: one cell, load, mu0 and tau0."""
+"""Numbers of one point of a dataset of `at_load`, which is one cell, load, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RuleValue:
-    """Coefficient of static friction by one sliding rule."""
+    """Coefficient of static friction at a point, for one sliding rule."""
 
     rule: str  # "all" or "opposing"
-    value: float  # mean over the directions of the result, and the 95 % interval of everything known
+    value: float  # mean over the directions, followed by the combined 95 % interval
     lower: float
     upper: float
-    positions: tuple[float, float] = (math.nan, math.nan)  # of the mean over positions alone
-    next_test: tuple[float, float] = (math.nan, math.nan)  # between which one test lies, in one direction
-    low: float = math.nan  # four of five single members lie between this and the next
+    positions: tuple[float, float] = (math.nan, math.nan)  # sampling interval of the mean over positions
+    next_test: tuple[float, float] = (math.nan, math.nan)  # prediction interval of a single test in one direction
+    low: float = math.nan  # 10 % and 90 % quantile of single members
     high: float = math.nan
-    slopes: float = math.nan  # by the slopes of the gap alone (`gentle_friction`); NaN of generated bodies
+    slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies
 
 
 def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
-    """Yield a dataset for each cell, load, mu0 and tau0 of what `at_load` returns."""
+    """Yield a dataset for each point (cell, load, mu0 and tau0) of a dataset of `at_load`."""
     cells = [name for name in CELLS if name in at.dims]
     dims = [*cells, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
     for place in np.ndindex(*(at.sizes[name] for name in dims)):
@@ -44,25 +44,25 @@ def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 
 RULE_ORDER = ("all", "opposing")
-"""Sliding rules; of measured bodies the first comes first, because mu0 is measured on smooth faces."""
+"""Sliding rules in the order in which they are quoted for measured bodies: mu0 is measured on smooth faces."""
 
-CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of cells of any study
-STATISTICS = ("mean", "lower", "upper")  # a mean and the ends of its 95 % interval
+CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of the cells of all kinds of studies
+STATISTICS = ("mean", "lower", "upper")  # a mean, and the ends of its 95 % interval
 
 
 def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:
-    """Return symbol and value of the roughness exponent of a study: H for self-affine surfaces, else D."""
+    """Return symbol and value of the roughness exponent of a study: H for self-affine surfaces, otherwise D."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
 
 def by_rule(table: Any, rule: str) -> Any:
-    """Return one sliding rule of a table, which may be its only rule."""
+    """Select a sliding rule from an array, which may have no dimension of sliding rules."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
 def value_of(point: xarray.Dataset, name: str) -> float:
-    """Return the mean of a quantity at a point, over directions too if it depends on them; NaN if there is none."""
+    """Return the mean of a quantity at a point, averaged over directions if it has them; NaN if it is missing."""
     if name not in point.variables:
         return math.nan
     table = point[name]
@@ -73,7 +73,7 @@ def value_of(point: xarray.Dataset, name: str) -> float:
 
 
 def contact_status_of(point: xarray.Dataset, study: Study) -> str:
-    """Return the status of the true area at a point: "ok", "complete", or "above-nominal" of asperities."""
+    """Return the status of the true area at a point: "ok", "complete", or "above-nominal" for asperities."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
     above = value_of(point, "contact_area_fraction") > 1
@@ -81,7 +81,7 @@ def contact_status_of(point: xarray.Dataset, study: Study) -> str:
 
 
 def pressure_of(point: xarray.Dataset) -> float:
-    """Return the mean pressure in contact (GPa)."""
+    """Return the mean contact pressure (GPa) at a point."""
     if "mean_pressure" in point:
         return value_of(point, "mean_pressure")
     area = value_of(point, "contact_area")
@@ -90,30 +90,30 @@ def pressure_of(point: xarray.Dataset) -> float:
 
 
 def rules_of(study: Study) -> list[str]:
-    """Return the sliding rules of a study, the rule to quote first."""
+    """Return the sliding rules of a study; the first rule is quoted."""
     order = RULE_ORDER if study.is_measured else RULE_ORDER[::-1]
     return sorted(study.contact.rules(), key=order.index)
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether load over nominal area has a meaning, unlike for spheres on a strip of arbitrary thickness."""
+    """Return whether the nominal area has a meaning; it has none for spheres on a strip of arbitrary thickness."""
     if "nominal_area" not in point.coords:
         return False
     return study.is_areal or study.uses_half_space or "cylinder" in law_of(study)
 
 
 def law_of(study: Study) -> str:
-    """Return the name of the contact law of asperities in lower case; empty for a half-space."""
+    """Return the name of the contact law in lower case; empty for the half-space model."""
     return str(study.contact.law or "").lower()
 
 
 def is_capped(study: Study) -> bool:
-    """Return whether pressures have a limit."""
+    """Return whether the contact model limits the pressure, by a hardness or a yield strength."""
     return study.contact.hardness is not None or "jackson" in law_of(study)
 
 
 def modulus_of(point: xarray.Dataset, study: Study) -> float:
-    """Return E* in GPa."""
+    """Return E* (GPa) at a point."""
     return float(point["effective_modulus"] if "effective_modulus" in point.coords else study.contact.effective_modulus)
 
 
@@ -131,13 +131,13 @@ def is_unloaded(point: xarray.Dataset) -> bool:
 
 
 def hardness_of(study: Study) -> float:
-    """Return the hardness in GPa; NaN without one."""
+    """Return the hardness (GPa) of a study; NaN if it has none."""
     hardness = study.contact.hardness
     return math.nan if hardness is None else float(hardness)
 
 
 def plastic_adhesion(point: xarray.Dataset, study: Study) -> float | None:
-    """Return tau0/H', the adhesive part if all contacts yield; NaN for seizure, None without a hardness."""
+    """Return tau0/H', the adhesive friction if all contacts yield; NaN for seizure, None without a hardness."""
     hardness = hardness_of(study)
     if math.isnan(hardness) or not study.uses_half_space:
         return None
