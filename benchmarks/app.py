@@ -23,12 +23,12 @@ def size(driver, width: int, height: int) -> None:
 def until(driver, script: str) -> float:
     """Return the seconds until a script returns true."""
     start = time.perf_counter()
-    browser.wait(driver, lambda driver: driver.execute_script(f"return {script}"))
+    browser.wait_for(driver, lambda driver: driver.execute_script(f"return {script}"))
     return time.perf_counter() - start
 
 
 def rows() -> list[tuple[str, str]]:
-    with tempfile.TemporaryDirectory() as folder, browser.browser(f"{folder}/profile") as driver:
+    with tempfile.TemporaryDirectory() as folder, browser.start_browser(f"{folder}/profile") as driver:
         start = time.perf_counter()
         server = subprocess.Popen(
             [sys.executable, "-m", "stiction", "app", "--demo"], cwd=folder, stderr=subprocess.PIPE, text=True,

@@ -38,7 +38,7 @@ def steps(driver, slider: str) -> float:
         driver.find_element("id", slider).send_keys(
             "\ue014" if i // 10 % 2 == 0 else "\ue012"
         )  # ten steps to the right, then ten back
-        browser.settle(driver)
+        browser.wait_for_drawing(driver)
     times = driver.execute_script("return times")
     assert len(times) == STEPS, len(times)
     return statistics.median(times)
@@ -69,7 +69,7 @@ def median_excess(driver, dataset: xarray.Dataset) -> float:
 
 def rows() -> list[tuple[str, str]]:
     dataset = run(Study.named("figure6"), store=HERE.parent / "build/figure6").dataset
-    with tempfile.TemporaryDirectory() as folder, browser.browser(f"{folder}/profile") as driver:
+    with tempfile.TemporaryDirectory() as folder, browser.start_browser(f"{folder}/profile") as driver:
         page = Path(folder) / "report.html"
         start = time.perf_counter()
         save_report(dataset, page)

@@ -4,22 +4,22 @@ import os
 import signal
 from pathlib import Path
 
-# Each core has a process of tests: threads of linear algebra in each would wait for one another.
+# Tests run in one process for each core; additional threads for linear algebra would slow them down.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import pytest
 from stiction import Profile, random_phases, run, weierstrass_mandelbrot
 from support.command import disable_drawing
-from support.generated_studies import SMALL
+from support.generated_studies import SMALL_STUDY
 
-# A shell that runs the tests in the background has them and their children ignore Ctrl-C, which some of them press.
+# Background jobs of a shell ignore SIGINT, which some tests send to themselves.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
 def measured():
-    """measured(name): path of an instrument file; the test is skipped if it is absent."""
+    """Return a function that returns the path of a measured file, and skips the test if the file is absent."""
     folder = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
     def path(name):
@@ -32,7 +32,7 @@ def measured():
 
 @pytest.fixture(scope="session")
 def rough_pair():
-    """rough_pair(D): an upper and a lower profile with a slope spectrum up to the grid."""
+    """Return a function that generates an upper and a lower profile of a fractal dimension."""
 
     @functools.lru_cache(maxsize=8)
     def pair(dimension, *, points=12_000, repetition=0, amplitude=0.1, band_limit=None):
@@ -49,7 +49,7 @@ def rough_pair():
 
 @pytest.fixture(scope="session")
 def circular_arc():
-    """circular_arc(apex, radius, spacing, points, side): a cylinder or sphere of exact curvature."""
+    """Return a function that generates a circular arc: the profile of a cylinder or sphere."""
 
     def arc(apex, radius, spacing, points, side):
         x = np.arange(points) * spacing - apex
@@ -61,13 +61,13 @@ def circular_arc():
 
 @pytest.fixture(scope="session")
 def small_result():
-    """Result of the study `SMALL`; tests must not change it."""
-    return run(SMALL).dataset
+    """Return the dataset of `SMALL_STUDY`; tests must not change it."""
+    return run(SMALL_STUDY).dataset
 
 
 @pytest.fixture(scope="module")
 def no_figures():
-    """Context without figures, for tests that do not check figures: it saves most of their time."""
+    """Return a context manager that disables figures, for faster tests of other output."""
 
     @contextlib.contextmanager
     def undrawn():
@@ -80,6 +80,6 @@ def no_figures():
 
 @pytest.fixture
 def undrawn(no_figures):
-    """Disable figures for a test."""
+    """Disable figures during a test."""
     with no_figures():
         yield

@@ -19,7 +19,7 @@ from reference.boundary_elements import (  # noqa: E402  the tests repeat points
     EFFECTIVE_MODULUS,
     PERIOD,
     RMS_SLOPE,
-    TOLERANCE,
+    SOLVER_TOLERANCE,
     PeriodicAsperities,
     PeriodicHalfSpace,
     band_limited_profile,
@@ -40,7 +40,7 @@ THEORIES = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np.sqrt(8 /
 
 
 def measure_profile(
-    bandwidth: int, hurst: float, repetition: int, finer: int = 1, tolerance: float = TOLERANCE
+    bandwidth: int, hurst: float, repetition: int, finer: int = 1, tolerance: float = SOLVER_TOLERANCE
 ) -> np.ndarray:
     """Return contact fraction, count and stiffness (GPa/µm): (load, boundary elements | model | interacting, 3)."""
     points, _ = BANDWIDTHS[bandwidth]
@@ -48,7 +48,9 @@ def measure_profile(
     heights = band_limited_profile(random, hurst, bandwidth, finer * points)
     solid, asperities = PeriodicHalfSpace(heights, PERIOD, tolerance=tolerance), PeriodicAsperities(heights, PERIOD)
     pressures = LOADS * EFFECTIVE_MODULUS * RMS_SLOPE
-    return np.array([(solid.at(p), asperities.at(p), asperities.interacting(p)) for p in pressures])
+    return np.array(
+        [(solid.measure(p), asperities.measure(p), asperities.measure_with_interaction(p)) for p in pressures]
+    )
 
 
 def with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

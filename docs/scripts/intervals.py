@@ -10,7 +10,7 @@ from stiction.studies.intervals import neighbors_mean
 DOCS = Path(__file__).parent.parent
 sys.path.insert(0, str(DOCS.parent / "tests"))
 
-from reference.neighbours import DISTRIBUTION_NAMES, judged, of_quantity, traverses  # noqa: E402  the tests repeat some of it
+from reference.neighbours import DISTRIBUTION_NAMES, estimate_truth, measure_coverage, simulate_traverses  # noqa: E402  the tests repeat some of it
 
 TRIALS = 2000
 POSITIONS = (8, 16, 32, 64, 200)
@@ -53,12 +53,12 @@ def main():
         for positions in POSITIONS:
             for correlation in CORRELATIONS:
                 random = np.random.default_rng([positions, int(10 * correlation), DISTRIBUTION_NAMES.index(quantity)])
-                truth, best = of_quantity(quantity, positions, correlation, random)
-                values = traverses(quantity, TRIALS, positions, correlation, random)
+                truth, best = estimate_truth(quantity, positions, correlation, random)
+                values = simulate_traverses(quantity, TRIALS, positions, correlation, random)
                 values = values[(values != values[:, :1]).any(axis=1)]
                 cells = []
                 for method in METHODS.values():
-                    covered, width, _ = judged(method, values, truth, best)
+                    covered, width, _ = measure_coverage(method, values, truth, best)
                     cells.append(
                         f"{_marked(f'{covered:.3f}', covered < COVERED)}, {_marked(f'{width:.2f}', width > WIDEST)}"
                     )

@@ -50,7 +50,7 @@ def draw_report(driver, folder: Path) -> None:
 
 def draw_app(driver, folder: Path) -> None:
     """Draw the app with its two sample surfaces: the form, and the result of the half-space model."""
-    until = lambda script: browser.wait(driver, lambda driver: driver.execute_script(f"return {script}"))  # noqa: E731
+    until = lambda script: browser.wait_for(driver, lambda driver: driver.execute_script(f"return {script}"))  # noqa: E731
     server = subprocess.Popen(
         [sys.executable, "-m", "stiction", "app", "--demo"], cwd=folder, stderr=subprocess.PIPE, text=True,
         env=os.environ | {"BROWSER": "true", "TMPDIR": f"{folder}"},
@@ -70,7 +70,7 @@ def draw_app(driver, folder: Path) -> None:
         metrics["height"] = HEIGHTS["app_answer"]
         driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
         driver.execute_script("document.activeElement.blur(); document.getElementById('inputs').scrollTo(0, 0)")
-        browser.settle(driver)
+        browser.wait_for_drawing(driver)
         save_screenshot(driver, "app_answer", HEIGHTS["app_answer"])
     finally:
         server.send_signal(signal.SIGINT)
@@ -78,7 +78,7 @@ def draw_app(driver, folder: Path) -> None:
 
 
 def main() -> None:
-    with tempfile.TemporaryDirectory() as folder, browser.browser(f"{folder}/profile") as driver:
+    with tempfile.TemporaryDirectory() as folder, browser.start_browser(f"{folder}/profile") as driver:
         draw_report(driver, Path(folder))
         draw_app(driver, Path(folder))
 

@@ -22,7 +22,7 @@ from stiction.app.server import OPTIONS
 from stiction.cli import result_output
 from support.command import call_stiction, check_stiction
 
-pytestmark = browser.IN_BROWSER
+pytestmark = browser.BROWSER_MARKS
 
 CHANGED = "field.dispatchEvent(new Event('input', {bubbles: true}))"
 AGREEMENT = 1e-6  # the page has numbers in single precision
@@ -38,7 +38,7 @@ def app(tmp_path_factory):
 @pytest.fixture(scope="module")
 def driver(app, tmp_path_factory):
     """A browser with access to the server."""
-    with browser.browser(tmp_path_factory.mktemp("profile")) as driver:
+    with browser.start_browser(tmp_path_factory.mktemp("profile")) as driver:
         driver.set_page_load_timeout(PATIENCE)
         size(driver)
         driver.get(app.address)
@@ -157,7 +157,7 @@ def wait_for_page(driver):
     is_last = "inside?.URL.split('#')[0].endsWith(reportAddress)"
     busy = "getElementById('main')?.getAttribute('aria-busy')"
     busy = f"return {is_last} ? inside.{busy} : null"
-    browser.wait(driver, lambda _: inside(driver, busy) == "false")
+    browser.wait_for(driver, lambda _: inside(driver, busy) == "false")
 
 
 def test_fields_accept_ranges_and_hardness_scales(app, fresh, maps):
@@ -491,12 +491,12 @@ def test_results_in_directory_are_listed_and_opened(fresh, app):
 
 def test_app_has_no_accessibility_violations(fresh, maps):
     """No finding of axe, without and with an answer, on a screen by day and a phone by night; nothing is cut off."""
-    script = browser.axe()
+    script = browser.load_axe_script()
 
     def check():
         for width, scheme in ((1280, "light"), (390, "dark")):
             size(fresh, width, 720, scheme)
-            assert browser.faults(fresh, script) == []
+            assert browser.find_accessibility_faults(fresh, script) == []
             assert fresh.execute_script("return document.documentElement.scrollWidth <= innerWidth")
         size(fresh)
 
@@ -526,7 +526,7 @@ def test_server_ends_after_its_last_window_is_closed(tmp_path, tmp_path_factory)
     """Here it asks whether anybody is there once somebody was, and that is the last that it hears."""
     code = "from stiction.app import run; from stiction.cli.application import print_message; "
     code += "run.MAX_WINDOW_ABSENCE = 1.5; run.run(print_message=print_message)"
-    with served(tmp_path, code=code) as server, browser.browser(tmp_path_factory.mktemp("profile")) as driver:
+    with served(tmp_path, code=code) as server, browser.start_browser(tmp_path_factory.mktemp("profile")) as driver:
         driver.get(server.address)
         driver.get("about:blank")
         assert server.process.wait(PATIENCE) == 0

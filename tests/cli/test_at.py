@@ -13,7 +13,7 @@ from stiction.studies.store import open_stored
 from stiction.studies.summary import summarize
 from stiction.views.rows import SCHEMA
 from support.command import assert_rejected, call_stiction, check_stiction
-from support.generated_studies import SMALL
+from support.generated_studies import SMALL_STUDY
 
 MATERIAL = ("--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "0 MPa,20 MPa")
 
@@ -35,7 +35,10 @@ def folder(tmp_path_factory, no_figures):
         write_profile(scan, path / f"{side}.csv")
         rough = {"rms": 0.02, "shape": (24, 24), "spacing": 0.2, "shortest_wavelength": 0.8}
         write_surface(self_affine_surface(1, hurst_exponent=0.8, side=side, **rough), path / f"{side}.npy")
-    run(SMALL.with_changes({"ensemble.repetitions": 4, "friction.tau0": ["0 MPa", "100 MPa"]}), store=path / "study")
+    run(
+        SMALL_STUDY.with_changes({"ensemble.repetitions": 4, "friction.tau0": ["0 MPa", "100 MPa"]}),
+        store=path / "study",
+    )
     with no_figures():
         for name, arguments in PAIRS.items():
             assert said("pair", *arguments, "--output", name, cwd=path)

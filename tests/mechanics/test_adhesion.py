@@ -2,7 +2,7 @@ import warnings
 
 import numpy as np
 import pytest
-from reference.least_energy import least_energy
+from reference.least_energy import minimize_energy
 from scipy.integrate import trapezoid
 from scipy.stats import norm
 from stiction import (
@@ -98,12 +98,12 @@ def test_adhesive_contact_minimises_energy_and_separates_where_the_minimum_does(
         load = part * curve.pull_off_bound[0]
         contact = half_space(*bodies, [load], boundary="periodic", **adhesive).contact(0)
         near = np.maximum(contact.gap, 0) + noise
-        gap, pressure = least_energy(heights, bodies[0].spacing[0], load / area, near, **adhesive)
+        gap, pressure = minimize_energy(heights, bodies[0].spacing[0], load / area, near, **adhesive)
         assert np.abs(gap - contact.gap).max() < GAP_TOLERANCE * adhesive["adhesion_range"] * (1 if part == 0 else 10)
         assert pressure.mean() == pytest.approx(contact.pressure.mean(), rel=GAP_TOLERANCE)
         assert ((gap == 0) != (contact.pressure > 0)).sum() <= 1
     beyond = (-1 - STABLE) * curve.pull_off_bound[0] / area
-    gap, _ = least_energy(heights, bodies[0].spacing[0], beyond, near, **adhesive)
+    gap, _ = minimize_energy(heights, bodies[0].spacing[0], beyond, near, **adhesive)
     assert (gap > 0).all()
 
 

@@ -76,12 +76,12 @@ class TestArealReference:
             approaches = [0.03, 0.1, 0.2]
             curve = press(upper, lower, approaches, direction=ANGLES, sliding=sliding, curvature=curvature)
             for k, approach in enumerate(approaches):
-                result = areal.contacts(
+                result = areal.find_contacts(
                     upper.heights, lower.heights, upper.spacing, approach, convex=curvature == "convex"
                 )
                 total += len(result)
                 for row, angle in enumerate(ANGLES):
-                    expected = areal.sums(result, angle, sliding)
+                    expected = areal.sum_contacts(result, angle, sliding)
                     for name in COMMON:
                         assert_close(getattr(curve, name)[k], expected[name], INDEPENDENT)
                     for name in DIRECTED:
@@ -92,7 +92,7 @@ class TestArealReference:
     def test_table_equals_reference(self):
         upper, lower = rough_pair()
         table = contacts(upper, lower, 0.15, direction=20.0)
-        result = areal.contacts(upper.heights, lower.heights, upper.spacing, 0.15)
+        result = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.15)
         assert len(table) == len(result) > 5
         rows = upper.heights.shape[1]
         order = np.argsort([int(one["y"] / 0.05) * rows + int(one["x"] / 0.04) for one in result])
@@ -357,7 +357,7 @@ class TestValidity:
         root = np.linalg.inv(np.linalg.cholesky(np.eye(2) + np.outer(p, p)))
         _, vectors = np.linalg.eigh(root @ of_gap.hessian([x], [y])[..., 0] @ root.T)
         u, v = (root.T @ vectors).T
-        a, b, _ = areal.semi_axes(
+        a, b, _ = areal.compute_semi_axes(
             *table.radii[i], table.overlap[i]
         )  # the whole ellipse, including its part beyond the edge of the map
         return np.array([x, y]) + np.outer(np.cos(turn), a * u) + np.outer(np.sin(turn), b * v)
@@ -704,7 +704,7 @@ def test_candidates_include_every_minimum_of_the_gap():
     gap = upper.heights - lower.heights
     deepest = 2 * np.ptp(gap)
     points = candidates(upper, lower, deepest=deepest)
-    places = areal.minima(gap, (0.05, 0.05))
+    places = areal.find_minima(gap, (0.05, 0.05))
     assert len(points) >= len(places) > 100
     apart = np.abs(points.position[:, None, :2] - places).max(axis=2)
     assert apart.min(axis=0).max() < 1e-6
@@ -712,7 +712,7 @@ def test_candidates_include_every_minimum_of_the_gap():
 
 def test_loads_are_linear_in_mu0_and_tau0():
     upper, lower = rough_pair()
-    result = areal.contacts(upper.heights, lower.heights, upper.spacing, 0.1)
+    result = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.1)
     curve = press(upper, lower, [0.1], direction=33)
     s = np.array([math.cos(math.radians(33)), math.sin(math.radians(33)), 0])
     total = np.zeros(3)
@@ -757,7 +757,7 @@ def test_long_valley_load_is_limited_to_the_map():
         load.append(curve.normal_elastic[0])
         # Line contact of length l at the pressure in the middle of the ellipse: half-width b of a cylinder of radius 1.
         overlap = 0.02 - body.heights.max()
-        a, b, first = areal.semi_axes(bow, 1.0, overlap)
+        a, b, first = areal.compute_semi_axes(bow, 1.0, overlap)
         middle = 10 * overlap / first / b  # 3 F / (2 π a b)
         line = np.pi / 2 * middle * b * 2.0
         assert 1 - 0.2 * 2.0 / a < load[-1] / line < 1 + 1e-6

@@ -11,7 +11,7 @@ SAME_SPLINE = 1e-12
 @pytest.mark.parametrize("dimension", [1.0, 1.7])
 def test_slope_and_curvature_equal_scipy_natural_spline(rough_pair, dimension, side):
     profile = rough_pair(dimension)[0]
-    slope, curvature, normal, radius = pressing.spheres(profile.heights, profile.spacing, upper=side == "upper")
+    slope, curvature, normal, radius = pressing.fit_spheres(profile.heights, profile.spacing, upper=side == "upper")
     ours = asperities(profile, side)
     assert np.abs(ours.slope - slope).max() < SAME_SPLINE * slope.std()
     assert np.abs(ours.curvature - curvature).max() < SAME_SPLINE * curvature.std()

@@ -38,11 +38,11 @@ def test_boundary_elements_equal_westergaard(relative):
     """Area, mean gap and stiffness depend on the modulus, the point count and the sign of the gap."""
     random, pressure = np.random.default_rng(7), relative * FULL_CONTACT
     solid = [PeriodicHalfSpace(wave(256, shift), WAVELENGTH) for shift in random.random(20)]
-    fraction, _, gap = np.mean([one.pressed(pressure) for one in solid], axis=0)
+    fraction, _, gap = np.mean([one.solve(pressure) for one in solid], axis=0)
     assert fraction == pytest.approx(float(exact_fraction(pressure)), abs=0.2 / 256)  # points
     # The mean gap falls by Δ r (1 - ln r), r = p̄/p*: the integral of the stiffness π E* / (λ ln 1/r).
     assert gap == pytest.approx(AMPLITUDE * (1 - relative * (1 - np.log(relative))), abs=1e-5 * AMPLITUDE)
-    stiffness = np.mean([one.at(pressure)[STIFFNESS] for one in solid])
+    stiffness = np.mean([one.measure(pressure)[STIFFNESS] for one in solid])
     assert stiffness == pytest.approx(np.pi * EFFECTIVE_MODULUS / np.log(1 / relative) / WAVELENGTH, rel=0.01)
 
 
@@ -50,24 +50,26 @@ def test_boundary_elements_equal_westergaard(relative):
 def test_asperity_model_on_sinusoid_equals_closed_forms(relative):
     """Relative to Westergaard, the area is √r / arcsin √r and the stiffness ln(1/r)/4."""
     asperities, pressure = PeriodicAsperities(wave(512, 0.303), WAVELENGTH), relative * FULL_CONTACT
-    fraction, count, stiffness = asperities.at(pressure)
+    fraction, count, stiffness = asperities.measure(pressure)
     assert count == 1
     expected = np.sqrt(relative) / np.arcsin(np.sqrt(relative))
     assert fraction / exact_fraction(pressure) == pytest.approx(expected, rel=1e-4)
     westergaard = np.pi * EFFECTIVE_MODULUS / np.log(1 / relative) / WAVELENGTH
     assert stiffness / westergaard == pytest.approx(np.log(1 / relative) / 4, rel=1e-12)
     # With the displacement by its own load and its periodic images, an asperity has Westergaard's stiffness.
-    assert asperities.interacting(pressure)[STIFFNESS] == pytest.approx(westergaard, rel=1e-4)
+    assert asperities.measure_with_interaction(pressure)[STIFFNESS] == pytest.approx(westergaard, rel=1e-4)
 
 
 def test_periodic_asperity_model_is_invariant_under_shift():
     """A contact across the seam, or in the wrapped points, counts once."""
     heights = band_limited_profile(np.random.default_rng(3), 0.5, 8, 32)
     pressure = 0.1 * EFFECTIVE_MODULUS * RMS_SLOPE
-    expected = PeriodicAsperities(heights, PERIOD).at(pressure)
+    expected = PeriodicAsperities(heights, PERIOD).measure(pressure)
     top = int(np.argmax(heights))
     for shift in (-top, -top - 1, 1 - top, 500):
-        assert PeriodicAsperities(np.roll(heights, shift), PERIOD).at(pressure) == pytest.approx(expected, rel=1e-9)
+        assert PeriodicAsperities(np.roll(heights, shift), PERIOD).measure(pressure) == pytest.approx(
+            expected, rel=1e-9
+        )
 
 
 def test_interaction_explains_difference_to_boundary_elements():
@@ -80,8 +82,8 @@ def test_interaction_explains_difference_to_boundary_elements():
     for repetition in range(24):
         heights = band_limited_profile(np.random.default_rng([2016, repetition]), 0.75, 32, 16)
         pressure = 0.02 * EFFECTIVE_MODULUS * RMS_SLOPE
-        solid, asperities = PeriodicHalfSpace(heights, PERIOD).at(pressure), PeriodicAsperities(heights, PERIOD)
-        ratios.append(np.array([asperities.at(pressure), asperities.interacting(pressure)]) / solid)
+        solid, asperities = PeriodicHalfSpace(heights, PERIOD).measure(pressure), PeriodicAsperities(heights, PERIOD)
+        ratios.append(np.array([asperities.measure(pressure), asperities.measure_with_interaction(pressure)]) / solid)
     model, interacting = np.exp(np.mean(np.log(ratios), axis=0))
     assert model[[FRACTION, STIFFNESS]] == pytest.approx([0.62, 1.07], rel=0.02)
     assert interacting[[FRACTION, STIFFNESS]] == pytest.approx([0.87, 0.97], rel=0.02)

@@ -26,7 +26,7 @@ SUMS = (
 # Independent evaluation of the same heights: another spline solver and order of operations. Round-off moves a minimum
 # of the gap, most where the gap is flat.
 INDEPENDENT = {"cell": 1e-9, "gap-minimum": 1e-7}
-PLAIN = {"cell": pressing.contacts, "gap-minimum": pressing.minimum_contacts}
+PLAIN = {"cell": pressing.find_contacts, "gap-minimum": pressing.find_contacts_at_minima}
 # The curvature error of a spline on a circle is of second order in spacing / radius (1e-3 here).
 CIRCLE = 1e-6
 # Identities that only change the order of operations.
@@ -64,13 +64,13 @@ class TestProfileReference:
         assert sum(map(len, rows)) >= 5
         for shear, sigma in (("+x", 1), ("-x", -1)):
             curve = press(upper, lower, approaches, curvature=curvature, shear=shear, detection=detection)
-            expected = np.transpose([list(pressing.sums(row, sigma).values()) for row in rows])
+            expected = np.transpose([list(pressing.sum_contacts(row, sigma).values()) for row in rows])
             assert_close(all_sums(curve), expected, INDEPENDENT[detection])
 
     def test_table_equals_reference(self, rough_pair):
         upper, lower = rough_pair(1.4)
         table = contacts(upper, lower, 0.01, effective_modulus=3.0)
-        rows = pressing.contacts(upper.heights, lower.heights, upper.spacing, 0.01, effective_modulus=3.0)
+        rows = pressing.find_contacts(upper.heights, lower.heights, upper.spacing, 0.01, effective_modulus=3.0)
         assert len(table) == len(rows) > 10
         assert np.array_equal(table.index, rows[:, 0])
         ours = np.column_stack([table.normal[:, [0, 2]], table.overlap, table.radius, table.force, table.area])
@@ -195,11 +195,11 @@ class TestProfileExact:
 
     def test_loads_equal_reference_with_friction_at_each_contact(self, rough_pair):
         upper, lower = rough_pair(1.45)
-        rows = pressing.contacts(upper.heights, lower.heights, upper.spacing, 0.01)
+        rows = pressing.find_contacts(upper.heights, lower.heights, upper.spacing, 0.01)
         for shear, sigma in (("+x", 1), ("-x", -1)):
             curve = press(upper, lower, [0.01], shear=shear)
             for mu0, tau0 in ((0.0, 0.0), (0.4, 0.0), (0.3, 0.2), (1.0, 0.01)):
-                normal, tangential = pressing.loads(rows, sigma, mu0, tau0)
+                normal, tangential = pressing.sum_loads(rows, sigma, mu0, tau0)
                 assert_close(curve.normal_load(mu0=mu0, tau0=tau0), normal, INDEPENDENT["cell"])
                 assert_close(curve.tangential_load(mu0=mu0, tau0=tau0), tangential, INDEPENDENT["cell"])
 

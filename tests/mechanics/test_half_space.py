@@ -68,13 +68,13 @@ def test_pressure_agrees_with_dense_matrices(shape, boundary, pressed):
     load = pressed * MODULUS * 0.1
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-11)
     spacing = np.array([1 / n for n in shape])
-    matrix = dense_half_space.matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
+    matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
     result = curve.contact(0)
     gap = lower.heights.max() - lower.heights
     approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[result.pressure.ravel() > 0]))
     if boundary == "periodic" or len(shape) == 2:
         np.testing.assert_allclose(curve.approach, approach, rtol=DENSE)
-    exact = dense_half_space.pressure(
+    exact = dense_half_space.solve_pressure(
         matrix, gap, approach, total=result.pressure.sum() if boundary == "periodic" else None
     )
     np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
@@ -98,11 +98,11 @@ def test_missing_points_have_no_contact(shape, boundary, hardness, pressed):
     assert np.isnan(result.gap[missing]).all()
     gap = lower.heights[~missing].max() - lower.heights
     bound = np.where(missing, 0.0, np.inf if hardness is None else hardness)
-    matrix = dense_half_space.matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
+    matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
     between = ((result.pressure > 0) & (result.pressure < bound)).ravel()
     approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[between]))
     total = result.pressure.sum() if boundary == "periodic" else None
-    exact = dense_half_space.pressure(matrix, gap, approach, total=total, bound=bound)
+    exact = dense_half_space.solve_pressure(matrix, gap, approach, total=total, bound=bound)
     np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE * exact.max())
     by_pressure = half_space(flat_like(lower), lower, "1 MPa", boundary=boundary).load
     np.testing.assert_allclose(by_pressure, 1e-3 * (1 - missing.mean()), rtol=ROUND_OFF)
@@ -121,13 +121,13 @@ def test_bounded_pressures_agree_with_dense_matrices(shape, boundary, flat, part
     gap = np.zeros(shape) if flat else -(body := rough(shape, longest=1, shortest=5).heights) + body.max()
     bound = random.uniform(0.1, 1.0, shape) * (random.random(shape) < 0.7 if flat else 1.0)
     solver = solver_of(gap, spacing, periodic=periodic, bound=bound, tolerance=1e-11)
-    matrix = dense_half_space.matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
+    matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
     near = None
     for mean in np.array([0.9, 1.0]) * part * bound.mean():
         result = solver.at(mean, near=near)
         near = result.pressure
         assert result.error <= 1e-11
-        exact = dense_half_space.pressure(
+        exact = dense_half_space.solve_pressure(
             matrix, gap, result.approach, total=result.pressure.sum() if periodic else None, bound=bound
         )
         np.testing.assert_allclose(result.pressure, exact, rtol=0, atol=DENSE * exact.max())
@@ -315,7 +315,7 @@ def test_stiffness_agrees_with_dense_matrices(shape, boundary, hardness):
     lower = rough(shape, longest=1, shortest=5)
     curve = half_space(flat_like(lower), lower, [0.02 * MODULUS], boundary=boundary, hardness=hardness)
     spacing = np.array([1 / n for n in shape])
-    matrix = dense_half_space.matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
+    matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
     touching = np.flatnonzero(curve.contact(0).pressure)
     assert 5 < touching.size < 0.8 * lower.heights.size
     even = np.linalg.solve(matrix[np.ix_(touching, touching)], np.ones(touching.size))
@@ -683,7 +683,7 @@ def test_displacements_equal_direct_sum_for_any_thread_count(periodic):
     grids = _core.HalfSpaceGrids((801, 760), (0.1, 0.2), effective_modulus=MODULUS, periodic=periodic)
     pressure = np.random.default_rng(4).random((801, 760))
     pressure[np.random.default_rng(5).permutation(801)[:400]] = 0.0
-    expected = dense_half_space.displacement(pressure, (0.1, 0.2), MODULUS, periodic=periodic)
+    expected = dense_half_space.compute_displacement(pressure, (0.1, 0.2), MODULUS, periodic=periodic)
     result = grids.displacement(pressure)
     np.testing.assert_allclose(result, expected, rtol=0, atol=LARGE_GRID_TOLERANCE * np.abs(expected).max())
     for threads in (2, 3):

@@ -166,13 +166,13 @@ def test_onset_agrees_with_active_set(shape, boundary, mu0, tau0):
     assert 20 < bound.size < 600
     periodic = boundary == "periodic"
     spacing = tuple(1 / n for n in shape) if len(shape) == 1 else lower.spacing
-    compliance = dense_half_space.matrix(shape, spacing, MODULUS, periodic=periodic, points=points)
+    compliance = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=periodic, points=points)
     parts = [0.1, 0.5, 0.9]
     onset = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=parts)
     exact = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=parts, tolerance=1e-10)
     assert onset.sliding_load == pytest.approx(bound.sum() * np.prod(spacing), rel=1e-8)
     for i, part in enumerate(parts):
-        q, way = dense_onset.traction(compliance, bound, part * bound.sum())
+        q, way = dense_onset.solve_traction(compliance, bound, part * bound.sum())
         if len(shape) == 2 or periodic:
             assert onset.displacement[i] == pytest.approx(way, rel=DENSE)
         everywhere = np.zeros(shape)
@@ -192,13 +192,13 @@ def test_masing_energy_equals_computed_loop():
     curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.1)], tolerance=1e-10)
     points, bound, _, _ = strength(curve, 0.3, 0.0)
     assert bound.size > 40
-    compliance = dense_half_space.matrix((16, 16), lower.spacing, MODULUS, periodic=False, points=points)
+    compliance = dense_half_space.influence_matrix((16, 16), lower.spacing, MODULUS, periodic=False, points=points)
     for part in (0.5, 0.9):
         onset = curve.onset(0, mu0=0.3, poisson=0.0, steps=[part])
         top = onset.displacement[0]
         # Loading, unloading and reloading: the second half is a cycle.
         ways = top * np.concatenate([np.linspace(0, 1, 6)[1:], np.linspace(1, -1, 11)[1:], np.linspace(-1, 1, 11)[1:]])
-        loads, lost = dense_onset.stepped(compliance, bound, ways)
+        loads, lost = dense_onset.simulate_steps(compliance, bound, ways)
         cell = np.prod(lower.spacing)
         assert loads[4] * cell == pytest.approx(onset.tangential_load[0], rel=1e-5)
         assert loads[14] == pytest.approx(-loads[4], rel=1e-6)

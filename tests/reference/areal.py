@@ -1,4 +1,4 @@
-"""Reference for contact and friction of two maps: plain NumPy on scipy splines, slow and formula by formula."""
+"""Reference for the asperity model of two maps: a slow implementation with NumPy and splines of SciPy."""
 
 from functools import lru_cache
 from itertools import pairwise
@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipkm1
 
 
-class Spline:
-    """Tensor product of natural cubic splines; x along columns, y along rows, both in µm."""
+class SplineSurface:
+    """Natural cubic spline surface; x along columns and y along rows, both in µm."""
 
     def __init__(self, heights, spacing):
         y, x = (np.arange(size) * step for size, step in zip(heights.shape, spacing, strict=True))
@@ -29,56 +29,60 @@ class Spline:
         return np.array([[xx, xy], [xy, yy]])
 
 
-def minima(heights, spacing):
-    """Return the positions (n, 2) of local minima of the spline of a map: Newton's method from 16 starts per cell."""
-    return _minima(heights.tobytes(), heights.shape, tuple(spacing))
+def find_minima(heights, spacing):
+    """Return the positions (n, 2) of the local minima of a splined map, by Newton's method from 16 points per cell."""
+    return _find_minima(heights.tobytes(), heights.shape, tuple(spacing))
 
 
 @lru_cache(maxsize=8)
-def _minima(values, shape, spacing):
+def _find_minima(values, shape, spacing):
     heights = np.frombuffer(values).reshape(shape)
-    spline = Spline(heights, spacing)
+    spline = SplineSurface(heights, spacing)
     rows, columns = heights.shape
     step = np.array([spacing[1], spacing[0]])
-    most = step * [columns - 1, rows - 1]
+    extent = step * [columns - 1, rows - 1]
     fractions = (np.arange(4) + 0.5) / 4
     y, x = np.meshgrid(
         (np.arange(rows - 1)[:, None] + fractions).ravel(), (np.arange(columns - 1)[:, None] + fractions).ravel(),
         indexing="ij",
     )  # fmt: skip
-    at = np.column_stack([x.ravel(), y.ravel()]) * step
-    start = at.copy()
+    position = np.column_stack([x.ravel(), y.ravel()]) * step
+    start = position.copy()
     for _ in range(40):
-        gradient = spline.gradient(*at.T)
-        hessian = spline.hessian(*at.T)
+        gradient = spline.gradient(*position.T)
+        hessian = spline.hessian(*position.T)
         determinant = hessian[0, 0] * hessian[1, 1] - hessian[0, 1] ** 2
         with np.errstate(divide="ignore", invalid="ignore"):
-            move = (
+            newton_step = (
                 np.array([
                     hessian[1, 1] * gradient[0] - hessian[0, 1] * gradient[1],
                     hessian[0, 0] * gradient[1] - hessian[0, 1] * gradient[0],
                 ])
                 / determinant
             ).T  # fmt: skip
-        at = at - move
-        # Another start is nearer to a minimum found farther away.
-        near = (np.abs(at - start) < 1.5 * step).all(axis=1) & (at > 0).all(axis=1) & (at < most).all(axis=1)
-        at, start, move = at[near], start[near], move[near]
-        if at.size == 0 or np.abs(move / step).max() < 1e-13:
+        position = position - newton_step
+        # Drop distant points: other starting points are nearer to these minima.
+        is_near = (
+            (np.abs(position - start) < 1.5 * step).all(axis=1)
+            & (position > 0).all(axis=1)
+            & (position < extent).all(axis=1)
+        )
+        position, start, newton_step = position[is_near], start[is_near], newton_step[is_near]
+        if position.size == 0 or np.abs(newton_step / step).max() < 1e-13:
             break
-    hessian = spline.hessian(*at.T)
-    lowest = (hessian[0, 0] > 0) & (hessian[0, 0] * hessian[1, 1] > hessian[0, 1] ** 2)
-    settled = (np.abs(move) < 1e-9 * step).all(axis=1)
-    at = at[lowest & settled]
-    order = np.lexsort(np.round(at / step * 1e6).T)
-    at = at[order]
-    different = np.ones(len(at), dtype=bool)
-    different[1:] = (np.abs(np.diff(at, axis=0)) > 2e-6 * step).any(axis=1)
-    return at[different]
+    hessian = spline.hessian(*position.T)
+    is_minimum = (hessian[0, 0] > 0) & (hessian[0, 0] * hessian[1, 1] > hessian[0, 1] ** 2)
+    has_converged = (np.abs(newton_step) < 1e-9 * step).all(axis=1)
+    position = position[is_minimum & has_converged]
+    order = np.lexsort(np.round(position / step * 1e6).T)
+    position = position[order]
+    is_first = np.ones(len(position), dtype=bool)
+    is_first[1:] = (np.abs(np.diff(position, axis=0)) > 2e-6 * step).any(axis=1)
+    return position[is_first]
 
 
-def ellipse(longer, shorter):
-    """Return k = b/a and K(sqrt(1 - k²)) for two radii of relative curvature (Johnson, section 4.2)."""
+def solve_axis_ratio(longer, shorter):
+    """Return the axis ratio k = b/a of a Hertzian contact ellipse and the integral K (Johnson, section 4.2)."""
 
     def integrals(k):
         return ellipkm1(k**2), ellipe(1 - k**2)
@@ -88,15 +92,15 @@ def ellipse(longer, shorter):
         return k**2 * (first - second) / (second - k**2 * first)
 
     if longer / shorter < 1 + 1e-5:
-        k = (shorter / longer) ** (2 / 3)  # within 1e-11, where the integrals cancel
+        k = (shorter / longer) ** (2 / 3)  # the integrals cancel here; this limit is exact to 1e-11
     else:
         k = brentq(lambda k: ratio(k) - shorter / longer, 1e-9, 1 - 1e-7, xtol=1e-16, rtol=1e-14)
     return k, integrals(k)[0]
 
 
-def semi_axes(longer, shorter, overlap):
-    """Return the semi-axes of the ellipse, and K."""
-    k, first = ellipse(longer, shorter)
+def compute_semi_axes(longer, shorter, overlap):
+    """Return the semi-axes of a Hertzian contact ellipse, and the complete elliptic integral K."""
+    k, first = solve_axis_ratio(longer, shorter)
     second = ellipe(1 - k**2)
     if k > 1 - 1e-6:
         a = np.sqrt(overlap * longer * (1 + (1 - k) / 4))
@@ -105,84 +109,89 @@ def semi_axes(longer, shorter, overlap):
     return a, k * a, first
 
 
-def inside(place, along, across, extent):
-    """Return the fractions of Hertz's force and area on the map, by rays from the centre to the edge or the rim.
+def fractions_on_map(centre, along, across, extent):
+    """Return the fractions of force and area of a contact ellipse that lie within the map.
 
-    The ellipse is place + r (cos θ along + sin θ across), r <= 1, with semi-axes `along` and `across`.
+    The ellipse is centre + r (cos θ along + sin θ across), r <= 1, with semi-axes `along` and `across`. The fractions
+    are integrals over rays from the centre to the edge of the map or of the ellipse.
     """
 
-    def reach(theta):
+    def ray_length(theta):
         """Return the distance at which each ray leaves the map or the ellipse."""
         ray = np.cos(theta)[:, None] * along + np.sin(theta)[:, None] * across
         with np.errstate(divide="ignore"):
-            leaves = np.where(ray > 0, (extent - place) / ray, np.where(ray < 0, -place / ray, np.inf))
-        return np.minimum(1, leaves.min(axis=1))
+            edge_distance = np.where(ray > 0, (extent - centre) / ray, np.where(ray < 0, -centre / ray, np.inf))
+        return np.minimum(1, edge_distance.min(axis=1))
 
-    # Rays to the corners, and to intersections of edge and rim.
-    bends = [-np.pi, np.pi]
+    # The ray length is smooth between the map corners and the intersections of ellipse and map edge.
+    angles = [-np.pi, np.pi]
     axes = np.column_stack([along, across])
     for x in (0, extent[0]):
         for y in (0, extent[1]):
-            c, s = np.linalg.solve(axes, np.array([x, y]) - place)
-            bends.append(np.arctan2(s, c))
+            c, s = np.linalg.solve(axes, np.array([x, y]) - centre)
+            angles.append(np.arctan2(s, c))
     for k in (0, 1):
         size = np.hypot(along[k], across[k])
-        for distance in (-place[k], extent[k] - place[k]):
+        for distance in (-centre[k], extent[k] - centre[k]):
             if abs(distance) < size:
                 middle, half = np.arctan2(across[k], along[k]), np.arccos(distance / size)
-                bends += [np.angle(np.exp(1j * (middle + sign * half))) for sign in (-1, 1)]
-    bends = np.sort(bends)
+                angles += [np.angle(np.exp(1j * (middle + sign * half))) for sign in (-1, 1)]
+    angles = np.sort(angles)
     nodes, weights = np.polynomial.legendre.leggauss(100)
     force = area = 0.0
-    for begin, end in pairwise(bends):
-        r = reach(0.5 * (begin + end) + 0.5 * (end - begin) * nodes)
+    for begin, end in pairwise(angles):
+        r = ray_length(0.5 * (begin + end) + 0.5 * (end - begin) * nodes)
         area += 0.5 * (end - begin) * (weights @ r**2) / 2
         force += 0.5 * (end - begin) * (weights @ (1 - (1 - r**2) ** 1.5)) / 3
     return force / (2 * np.pi / 3), area / np.pi
 
 
-def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, convex=False):
-    """Return a dict for each contact of two maps."""
+def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, convex=False):
+    """Return the contacts of two maps at an approach, each as a dict of its quantities."""
     gap = upper - lower
-    zero = gap.min()
-    of_gap, of_lower, of_upper = Spline(gap, spacing), Spline(lower, spacing), Spline(upper, spacing)
+    lowest_gap = gap.min()
+    gap_spline, lower_spline, upper_spline = (
+        SplineSurface(gap, spacing),
+        SplineSurface(lower, spacing),
+        SplineSurface(upper, spacing),
+    )
     extent = (np.array(gap.shape) - 1)[::-1] * np.array(spacing)[::-1]
-    values = []
-    for x, y in minima(gap, spacing):
-        height = float(of_gap([x], [y])[0]) - zero
+    contact_list = []
+    for x, y in find_minima(gap, spacing):
+        height = float(gap_spline([x], [y])[0]) - lowest_gap
         if height >= approach:
             continue
         if convex:
-            bodies = (of_upper.hessian([x], [y])[..., 0], -of_lower.hessian([x], [y])[..., 0])
+            bodies = (upper_spline.hessian([x], [y])[..., 0], -lower_spline.hessian([x], [y])[..., 0])
             if min(np.linalg.eigvalsh(body).min() for body in bodies) <= 0:
                 continue
-        p = of_lower.gradient([x], [y])[:, 0]
-        q = np.sqrt(1 + p @ p)
-        normal = np.array([-p[0], -p[1], 1]) / q
-        # Directions of the tangent plane whose curvature is stationary, in its metric I + p pᵀ.
-        metric = np.eye(2) + np.outer(p, p)
+        slope = lower_spline.gradient([x], [y])[:, 0]
+        q = np.sqrt(1 + slope @ slope)
+        normal = np.array([-slope[0], -slope[1], 1]) / q
+        # The principal directions of the gap in the tangent plane, whose metric is I + slope slopeᵀ.
+        metric = np.eye(2) + np.outer(slope, slope)
         root = np.linalg.inv(np.linalg.cholesky(metric))
-        curvature, vectors = np.linalg.eigh(root @ (of_gap.hessian([x], [y])[..., 0] / q) @ root.T)
+        curvature, vectors = np.linalg.eigh(root @ (gap_spline.hessian([x], [y])[..., 0] / q) @ root.T)
         directions = (root.T @ vectors).T  # rows, lower curvature first
         longer, shorter = 1 / curvature
         overlap = (approach - height) / q
-        a, b, first = semi_axes(longer, shorter, overlap)
+        a, b, first = compute_semi_axes(longer, shorter, overlap)
         reach = np.sqrt((a * directions[0]) ** 2 + (b * directions[1]) ** 2)
-        leaves = (np.array([x, y]) < reach).any() or (np.array([x, y]) + reach > extent).any()
-        ellipse_of = np.array([x, y]), a * directions[0], b * directions[1]
-        of_force, of_area = inside(*ellipse_of, extent) if leaves else (1.0, 1.0)
-        values.append({
-            "x": x, "y": y, "z": float(of_lower([x], [y])[0]), "normal": normal, "radii": (longer, shorter),
-            "axes": (a * np.sqrt(of_area), b * np.sqrt(of_area)), "along": directions[0],
-            "overlap": overlap, "leaves": leaves,
-            "force": of_force * 2 / 3 * np.pi * a * overlap * effective_modulus / first,
-            "area": of_area * np.pi * a * b,
+        crosses_edge = (np.array([x, y]) < reach).any() or (np.array([x, y]) + reach > extent).any()
+        ellipse = np.array([x, y]), a * directions[0], b * directions[1]
+        force_fraction, area_fraction = fractions_on_map(*ellipse, extent) if crosses_edge else (1.0, 1.0)
+        contact_list.append({
+            "x": x, "y": y, "z": float(lower_spline([x], [y])[0]), "normal": normal, "radii": (longer, shorter),
+            "axes": (a * np.sqrt(area_fraction), b * np.sqrt(area_fraction)), "along": directions[0],
+            "overlap": overlap, "leaves": crosses_edge,
+            "force": force_fraction * 2 / 3 * np.pi * a * overlap * effective_modulus / first,
+            "area": area_fraction * np.pi * a * b,
         })  # fmt: skip
-    return values
+    return contact_list
 
 
-def sums(found, angle, sliding="opposing"):
-    """Return the sums of contacts for a motion of the upper body at an angle in degrees from +x towards +y."""
+def sum_contacts(contact_list, angle, sliding="opposing"):
+    """Sum the contacts for a motion of the upper body; `angle` is in degrees from +x towards +y."""
     s = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle)), 0])
     across = np.array([-s[1], s[0], 0])
     total = dict.fromkeys(
@@ -193,20 +202,20 @@ def sums(found, angle, sliding="opposing"):
         ],
         0.0,
     )
-    for one in found:
-        n, force, area = one["normal"], one["force"], one["area"]
+    for contact in contact_list:
+        n, force, area = contact["normal"], contact["force"], contact["area"]
         total["contact_count"] += 1
         total["contact_area"] += area
         total["normal_elastic"] += force * n[2]
-        total["load_at_edge"] += force * n[2] * one["leaves"]
+        total["load_at_edge"] += force * n[2] * contact["leaves"]
         if sliding == "opposing" and not s @ n < 0:
             continue
         t = -s + (s @ n) * n
         t /= np.linalg.norm(t)
-        for part, size in (("frictional", force), ("adhesive", area)):
-            total[f"normal_{part}"] += size * t[2]
-            total[f"tangential_{part}"] -= size * (s @ t)
-            total[f"lateral_{part}"] -= size * (across @ t)
+        for component, size in (("frictional", force), ("adhesive", area)):
+            total[f"normal_{component}"] += size * t[2]
+            total[f"tangential_{component}"] -= size * (s @ t)
+            total[f"lateral_{component}"] -= size * (across @ t)
         total["tangential_elastic"] -= force * (s @ n)
         total["lateral_elastic"] -= force * (across @ n)
     return total

@@ -1,4 +1,4 @@
-"""Reference for the half-space: dense matrices and the active set of Lawson & Hanson."""
+"""Reference for the half-space: dense influence matrices and active-set solvers."""
 
 import numpy as np
 import scipy.linalg
@@ -6,11 +6,11 @@ import scipy.optimize
 from scipy.integrate import quad
 
 
-def influence(shape, spacing, modulus, *, periodic):
-    """Return the displacements (µm) of a grid under 1 GPa on the cell at its origin.
+def influence_table(shape, spacing, modulus, *, periodic):
+    """Return the displacements (µm) of a grid under a pressure of 1 GPa on the cell at the origin.
 
-    Periodic grids use the sum over wavenumbers of 2/(E*|k|) cos k(x - x'). Others use integrals over the cell of
-    -2 ln r/(π E*) for profiles and 1/(π E* r) for maps.
+    Periodic grids use the sum of 2/(E*|k|) cos k(x - x') over wavenumbers. Free grids integrate -2 ln r/(π E*)
+    (profiles) or 1/(π E* r) (maps) over the cell.
     """
     index = np.meshgrid(*[np.arange(n) for n in shape], indexing="ij")
     if periodic:
@@ -23,35 +23,39 @@ def influence(shape, spacing, modulus, *, periodic):
                 table += 2 / (modulus * np.sqrt(k @ k)) * np.cos(phase) / np.prod(shape)
         return table
     table = np.empty(shape)
-    for place in np.ndindex(shape):
+    for offset in np.ndindex(shape):
         if len(shape) == 1:
-            x, a = place[0] * spacing[0], spacing[0] / 2
-            inside = [0.0] if x == 0 else None
-            table[place] = quad(lambda s, x=x: -2 / np.pi / modulus * np.log(abs(x - s)), -a, a, points=inside)[0]
+            x, a = offset[0] * spacing[0], spacing[0] / 2
+            singular_points = [0.0] if x == 0 else None
+            table[offset] = quad(
+                lambda s, x=x: -2 / np.pi / modulus * np.log(abs(x - s)), -a, a, points=singular_points
+            )[0]
         else:
-            (y, x), (b, a) = np.multiply(place, spacing), np.divide(spacing, 2)
+            (y, x), (b, a) = np.multiply(offset, spacing), np.divide(spacing, 2)
 
-            # 1/(π E* r) along x in closed form, along y by quadrature.
-            def strip(s, x=x, y=y, a=a):
+            # The integral of 1/(π E* r) has a closed form along x; along y it is computed numerically.
+            def strip_integral(s, x=x, y=y, a=a):
                 return np.diff(np.arcsinh(np.array([x - a, x + a]) / abs(y - s)))[0] / np.pi / modulus
 
-            inside = [0.0] if place[0] == 0 else None
-            table[place] = quad(strip, -b, b, points=inside, epsabs=0, epsrel=1e-12, limit=400)[0]
+            singular_points = [0.0] if offset[0] == 0 else None
+            table[offset] = quad(strip_integral, -b, b, points=singular_points, epsabs=0, epsrel=1e-12, limit=400)[0]
     return table
 
 
-def matrix(shape, spacing, modulus, *, periodic, points=None):
-    """Return the displacement at all points, or at points given by indices, under 1 GPa on each of them."""
-    table = influence(shape, spacing, modulus, periodic=periodic)
+def influence_matrix(shape, spacing, modulus, *, periodic, points=None):
+    """Return the matrix of displacements at points under 1 GPa at each point; `points` are indices (default: all)."""
+    table = influence_table(shape, spacing, modulus, periodic=periodic)
     points = np.argwhere(np.ones(shape)) if points is None else points
-    apart = points[:, None, :] - points[None, :, :]
-    apart = apart % np.array(shape) if periodic else np.abs(apart)
-    return table[tuple(np.moveaxis(apart, -1, 0))]
+    offsets = points[:, None, :] - points[None, :, :]
+    offsets = offsets % np.array(shape) if periodic else np.abs(offsets)
+    return table[tuple(np.moveaxis(offsets, -1, 0))]
 
 
-def displacement(pressure, spacing, modulus, *, periodic):
-    """Return displacements (µm) of larger grids in double precision: by all wavenumbers, or by Love's logarithms on a
-    grid of twice the size."""
+def compute_displacement(pressure, spacing, modulus, *, periodic):
+    """Return the displacements (µm) under given pressures, by Fourier transforms.
+
+    Free grids use the closed form of Love on a grid of twice the size.
+    """
     shape = pressure.shape
     if periodic:
         waves = np.meshgrid(
@@ -60,7 +64,7 @@ def displacement(pressure, spacing, modulus, *, periodic):
         k = np.sqrt(sum(wave**2 for wave in waves))
         k.flat[0] = np.inf
         return np.fft.ifftn(np.fft.fftn(pressure) * 2 / (modulus * k)).real
-    # Cells at distances from -n to n - 1 points; corners are half a point before.
+    # Corners of the cells at distances of -n to n - 1 points.
     corners = [(np.arange(-n, n + 1) - 0.5) * step for n, step in zip(shape, spacing, strict=True)]
     if len(shape) == 1:
         (x,) = corners
@@ -68,39 +72,46 @@ def displacement(pressure, spacing, modulus, *, periodic):
     else:
         y, x = np.meshgrid(*corners, indexing="ij")
         r = np.hypot(x, y)
-        # Integral of 1/r from the origin to a corner, at even distances, so that no logarithm is of 0.
+        # The integral of 1/r from the origin to a corner is an even function, up to the sign.
         x, y, sign = np.abs(x), np.abs(y), np.sign(x) * np.sign(y)
         integral = sign * (x * np.log((y + r) / x) + y * np.log((x + r) / y))
         influence = np.diff(np.diff(integral, axis=0), axis=1) / (np.pi * modulus)
     for axis, n in enumerate(shape):
         influence = np.roll(influence, -n, axis)
     padded = np.pad(pressure, [(0, n) for n in shape])
-    whole = np.fft.ifftn(np.fft.fftn(padded) * np.fft.fftn(influence)).real
-    return whole[tuple(slice(n) for n in shape)]
+    padded_displacement = np.fft.ifftn(np.fft.fftn(padded) * np.fft.fftn(influence)).real
+    return padded_displacement[tuple(slice(n) for n in shape)]
 
 
-def faults(pressure, gap, spacing, modulus, load, *, periodic, tolerance, hardness=np.inf):
-    """Return the violated conditions as text: 0 <= p <= hardness, open gap at p = 0, closed gap in between, overlap at
-    p = hardness; the unit is the standard deviation of heights, or of displacements under uniform pressure."""
-    u = displacement(pressure, spacing, modulus, periodic=periodic)
-    even = (
-        np.zeros(1) if periodic else displacement(np.full(gap.shape, pressure.mean()), spacing, modulus, periodic=False)
+def find_violations(pressure, gap, spacing, modulus, load, *, periodic, tolerance, hardness=np.inf):
+    """Return the violated contact conditions as texts; the list is empty if the pressure solves the problem.
+
+    The conditions are 0 <= p <= hardness, an open gap where p = 0, a closed gap where 0 < p < hardness, and overlap
+    only where p = hardness. Gaps are divided by the standard deviation of the heights, or of the displacements under
+    uniform pressure.
+    """
+    displacements = compute_displacement(pressure, spacing, modulus, periodic=periodic)
+    uniform_displacement = (
+        np.zeros(1)
+        if periodic
+        else compute_displacement(np.full(gap.shape, pressure.mean()), spacing, modulus, periodic=False)
     )
-    unit = max(gap.std(), even.std()) or max(spacing) / modulus * pressure.mean()
-    potential = (u + gap) / unit
-    between, capped = (pressure > 0) & (pressure < hardness), pressure >= hardness
-    approach = potential[between].mean() if between.any() else potential[capped].max()
-    result = potential - approach
-    wrong = {
+    unit = max(gap.std(), uniform_displacement.std()) or max(spacing) / modulus * pressure.mean()
+    potential = (displacements + gap) / unit
+    is_elastic, is_plastic = (pressure > 0) & (pressure < hardness), pressure >= hardness
+    approach = potential[is_elastic].mean() if is_elastic.any() else potential[is_plastic].max()
+    gap_after_contact = potential - approach
+    errors = {
         "load": abs(pressure.sum() * np.prod(spacing) / load - 1), "suction": -min(pressure.min(), 0) / pressure.max(),
         "above the hardness": max(pressure.max() / hardness - 1, 0),
-        "open under pressure": np.max(result[pressure > 0], initial=0), "overlap": np.max(-result[~capped], initial=0),
+        "open under pressure": np.max(gap_after_contact[pressure > 0], initial=0),
+        "overlap": np.max(-gap_after_contact[~is_plastic], initial=0),
     }  # fmt: skip
-    return [f"{name} {size:.1e}" for name, size in wrong.items() if not size <= tolerance]
+    return [f"{name} {size:.1e}" for name, size in errors.items() if not size <= tolerance]
 
 
-def pressure(matrix, gap, approach, *, total=None, bound=np.inf):
-    """Return pressures (GPa) at an approach, within 0 and bounds; bodies overlap only at the bound.
+def solve_pressure(matrix, gap, approach, *, total=None, bound=np.inf):
+    """Return the pressures (GPa) at an approach, between 0 and `bound`; bodies overlap only where p = bound.
 
     If `total` is given, the displacement may have an arbitrary constant.
     """
@@ -110,11 +121,11 @@ def pressure(matrix, gap, approach, *, total=None, bound=np.inf):
     right = scipy.linalg.solve_triangular(factor, right, lower=True)
     if np.isinf(bound).all():
         return scipy.optimize.nnls(factor.T, right, maxiter=10_000)[0]
-    # Active set of Stark & Parker, which requires distinct bounds.
-    most = np.broadcast_to(bound, gap.shape).ravel()
-    bears = most > 0
-    result = np.zeros(most.size)
-    result[bears] = scipy.optimize.lsq_linear(
-        factor.T[:, bears], right, (0, most[bears]), method="bvls", tol=1e-15, max_iter=10_000
+    # lsq_linear (active set of Stark & Parker) requires different lower and upper bounds.
+    bounds = np.broadcast_to(bound, gap.shape).ravel()
+    has_bound = bounds > 0
+    result = np.zeros(bounds.size)
+    result[has_bound] = scipy.optimize.lsq_linear(
+        factor.T[:, has_bound], right, (0, bounds[has_bound]), method="bvls", tol=1e-15, max_iter=10_000
     ).x
     return result

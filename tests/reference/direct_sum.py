@@ -1,4 +1,4 @@
-"""Reference for Eq. 1: the double sum over directions and frequencies, in extended precision."""
+"""Reference for the Weierstrass-Mandelbrot function (Eq. 1): the double sum in extended precision."""
 
 import numpy as np
 
@@ -7,23 +7,25 @@ PI = EXTENDED("3.14159265358979323846264338327950288")
 
 
 def weierstrass_mandelbrot(phases, hurst_exponent, *, length_scale, gamma, extent, points, at=None, nyquist=False):
-    """Return heights at the grid points `at` (default: all), long double; they equal the first row of a surface."""
+    """Return the heights of a profile in extended precision, at the grid points `at` (default: all)."""
     index = np.arange(points) if at is None else np.asarray(at)
     spacing = EXTENDED(extent / points)
-    most = 0.5 / spacing if nyquist else np.inf
-    return _sum(phases, hurst_exponent, length_scale, gamma, index.astype(EXTENDED) * spacing, 0, most, np.inf)
+    max_frequency = 0.5 / spacing if nyquist else np.inf
+    return _sum_harmonics(
+        phases, hurst_exponent, length_scale, gamma, index.astype(EXTENDED) * spacing, 0, max_frequency, np.inf
+    )
 
 
 def weierstrass_mandelbrot_surface(phases, hurst_exponent, *, length_scale, gamma, extents, shape, at, nyquist=False):
-    """Return heights at grid points `at` (k, 2) of (row, column), long double."""
+    """Return the heights of a surface in extended precision, at grid points `at` of shape (k, 2): row, column."""
     steps = [EXTENDED(extent / size) for extent, size in zip(extents, shape, strict=True)]
     y, x = (np.asarray(at)[:, k].astype(EXTENDED) * steps[k] for k in (0, 1))
-    most_y, most_x = (0.5 / step if nyquist else np.inf for step in steps)
-    return _sum(phases, hurst_exponent, length_scale, gamma, x, y, most_x, most_y)
+    max_frequency_y, max_frequency_x = (0.5 / step if nyquist else np.inf for step in steps)
+    return _sum_harmonics(phases, hurst_exponent, length_scale, gamma, x, y, max_frequency_x, max_frequency_y)
 
 
-def _sum(phases, hurst_exponent, length_scale, gamma, x, y, most_x, most_y):
-    """Return the sum of all harmonics up to the largest number of turns per µm along x and y."""
+def _sum_harmonics(phases, hurst_exponent, length_scale, gamma, x, y, max_frequency_x, max_frequency_y):
+    """Return the sum of all harmonics up to the largest spatial frequency (1/µm) along x and y."""
     directions, frequencies = phases.shape
     gamma, length_scale, hurst = EXTENDED(gamma), EXTENDED(length_scale), EXTENDED(hurst_exponent)
     heights = np.zeros(x.shape, EXTENDED)
@@ -32,10 +34,10 @@ def _sum(phases, hurst_exponent, length_scale, gamma, x, y, most_x, most_y):
         for m in range(1, directions + 1):
             k = gamma ** (n - 1) / length_scale
             kx, ky = k * np.cos(PI * m / directions), k * np.sin(PI * m / directions)
-            if abs(kx) > most_x or abs(ky) > most_y:
+            if abs(kx) > max_frequency_x or abs(ky) > max_frequency_y:
                 continue
             phase = EXTENDED(phases[m - 1, n - 1])
-            # Turns are wrapped before the cosine, because the argument reduction of x87 uses only 66 bits of pi.
+            # Subtract whole periods first: x87 reduces the argument of a cosine with only 66 bits of pi.
             turns = kx * x + ky * y
             heights += weight * (np.cos(phase) - np.cos(2 * PI * (turns - np.rint(turns)) + phase))
     return heights

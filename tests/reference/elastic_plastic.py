@@ -1,10 +1,10 @@
-"""Jackson & Green, J. Tribol. 127 (2005) 343, equation by equation in the paper's own dimensionless form."""
+"""Reference for the elastic-plastic sphere: equations of Jackson & Green, J. Tribol. 127 (2005) 343."""
 
 from math import exp, pi, sqrt
 
 
 def jackson_green(ratio, radius, modulus, strength, poisson):
-    """Return critical interference, force and area at `ratio` critical interferences."""
+    """Return the critical interference, and force and area at `ratio` times the critical interference."""
     C = 1.295 * exp(0.736 * poisson)
     critical = (pi * C * strength / (2 * modulus)) ** 2 * radius
     critical_force = 4 / 3 * (radius / modulus) ** 2 * (C / 2 * pi * strength) ** 3

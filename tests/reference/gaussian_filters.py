@@ -1,4 +1,4 @@
-"""Gaussian regression filters of ISO 16610 by their definitions: weighted least squares at every point, in loops."""
+"""Reference for Gaussian regression filters (ISO 16610): a weighted least-squares fit at each point, in loops."""
 
 import math
 
@@ -12,10 +12,10 @@ def gaussian_weight(distance, cutoff):
 
 
 def mean_line(heights, spacing, cutoff, *, degree=1, weights=None):
-    """Return at each point the constant term of the polynomial fitted around it."""
+    """Return the mean line: at each point, the constant term of a polynomial fitted with Gaussian weights."""
     points = len(heights)
     weights = [1.0] * points if weights is None else weights
-    smooth = []
+    smoothed = []
     for i in range(points):
         normal, right = np.zeros((degree + 1, degree + 1)), np.zeros(degree + 1)
         for j in range(points):
@@ -26,31 +26,34 @@ def mean_line(heights, spacing, cutoff, *, degree=1, weights=None):
                 right[k] += weight * heights[j] * powers[k]
                 for m in range(degree + 1):
                     normal[k, m] += weight * powers[k] * powers[m]
-        smooth.append(np.linalg.solve(normal, right)[0])
-    return np.array(smooth)
+        smoothed.append(np.linalg.solve(normal, right)[0])
+    return np.array(smoothed)
 
 
 def mean_surface(heights, spacing, cutoff, terms, weights=None):
-    """Return at each point the constant term of the polynomial (terms: powers of y and x) fitted around it."""
+    """Return the mean surface: at each point, the constant term of a polynomial fitted with Gaussian weights.
+
+    `terms` lists the powers (of y, of x) of the polynomial.
+    """
     rows, columns = heights.shape
     weights = np.ones(heights.shape) if weights is None else weights
     y, x = spacing[0] * np.arange(rows)[:, np.newaxis], spacing[1] * np.arange(columns)
-    smooth = np.empty(heights.shape)
+    smoothed = np.empty(heights.shape)
     for j in range(rows):
         for i in range(columns):
             v, u = (y - y[j]) / cutoff, (x - x[i]) / cutoff
             root = np.sqrt(weights * np.exp(-math.pi * (u**2 + v**2) / ALPHA**2)).ravel()
             design = np.stack([(v**a * u**b).ravel() for a, b in terms], axis=1)
-            smooth[j, i] = np.linalg.lstsq(design * root[:, np.newaxis], heights.ravel() * root, rcond=None)[0][0]
-    return smooth
+            smoothed[j, i] = np.linalg.lstsq(design * root[:, np.newaxis], heights.ravel() * root, rcond=None)[0][0]
+    return smoothed
 
 
 def robust_mean_line(heights, spacing, cutoff, iterations=60):
-    """Fit repeatedly with Tukey's biweights of the previous residuals, second degree."""
+    """Return the robust mean line: second-degree fits, repeated with Tukey's biweights of the residuals."""
     weights = [1.0] * len(heights)
     for _ in range(iterations):
-        smooth = mean_line(heights, spacing, cutoff, degree=2, weights=weights)
-        residuals = [abs(z - w) for z, w in zip(heights, smooth, strict=True)]
+        smoothed = mean_line(heights, spacing, cutoff, degree=2, weights=weights)
+        residuals = [abs(z - w) for z, w in zip(heights, smoothed, strict=True)]
         scale = 4.4478 * float(np.median(residuals))
         weights = [(1 - (r / scale) ** 2) ** 2 if r < scale else 0.0 for r in residuals]
-    return smooth
+    return smoothed

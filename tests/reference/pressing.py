@@ -1,4 +1,4 @@
-"""Reference for contact and friction of two profiles: plain NumPy on natural splines of scipy, point by point."""
+"""Reference for the asperity model of two profiles: a slow implementation with natural splines of SciPy."""
 
 from functools import lru_cache
 
@@ -6,8 +6,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 
-def spheres(heights, spacing, *, upper):
-    """Return normals (n, 2), radii (n,), and centres relative to the points of the profile (n, 2)."""
+def fit_spheres(heights, spacing, *, upper):
+    """Return slope, curvature, normal (n, 2) and radius of curvature at each point of a splined profile."""
     spline = CubicSpline(np.arange(heights.size), heights, bc_type="natural")
     knots = np.arange(heights.size)
     slope = spline(knots, 1) / spacing
@@ -23,16 +23,16 @@ def spheres(heights, spacing, *, upper):
     return slope, curvature, normal, radius
 
 
-def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
-    """Return rows of (index, n_x, n_z, overlap, effective radius, force, area) at one approach."""
+def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
+    """Return the contacts at an approach as rows of index, n_x, n_z, overlap, effective radius, force and area."""
     gap = upper - lower
     gap = gap - gap.min()
     flat_upper, flat_lower = np.ptp(upper) == 0, np.ptp(lower) == 0
-    _, _, n_u, r_u = spheres(upper, spacing, upper=True)
-    _, _, n_l, r_l = spheres(lower, spacing, upper=False)
+    _, _, n_u, r_u = fit_spheres(upper, spacing, upper=True)
+    _, _, n_l, r_l = fit_spheres(lower, spacing, upper=False)
     rows = []
     for i in np.flatnonzero(gap <= approach):
-        above = gap[i] - approach  # the upper surface point over the lower one
+        above = gap[i] - approach  # height of the upper point above the lower point
         if flat_upper or flat_lower:
             if flat_upper:
                 sphere_radius, centre = r_l[i], -r_l[i] * n_l[i]
@@ -71,8 +71,8 @@ def contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=
     return np.array(rows).reshape(-1, 7)
 
 
-def sums(rows, sigma):
-    """Return the sums of a LoadCurve at one approach."""
+def sum_contacts(rows, sigma):
+    """Return the sums over contacts that a `LoadCurve` contains, for one approach."""
     _, n_x, n_z, _, _, force, area = rows.T
     opposing = sigma * n_x < 0
     t_x, t_z = sigma * -n_z, sigma * n_x
@@ -85,8 +85,8 @@ def sums(rows, sigma):
     }  # fmt: skip
 
 
-def loads(rows, sigma, mu0, tau0):
-    """Return F_N and F_T with mu0 and tau0 inside the loop (Eqs. 6, 7 and section 2.5)."""
+def sum_loads(rows, sigma, mu0, tau0):
+    """Return F_N and F_T, summed contact by contact for given mu0 and tau0 (Eqs. 6, 7 and section 2.5)."""
     normal = tangential = 0.0
     for _, n_x, n_z, _, _, force, area in rows:
         normal += force * n_z
@@ -98,33 +98,33 @@ def loads(rows, sigma, mu0, tau0):
 
 
 @lru_cache(maxsize=1)
-def _minima(upper, lower):
+def _find_minima(upper, lower):
     """Return splines of both profiles, positions of gap minima, and their heights above first contact."""
     upper, lower = np.frombuffer(upper), np.frombuffer(lower)
     x = np.arange(upper.size) * 1.0
     gap = CubicSpline(x, upper - lower, bc_type="natural")
-    places = gap.derivative().roots(extrapolate=False)
-    places = places[(gap(places, 2) > 0) & (places > 0) & (places < x[-1])]
+    positions = gap.derivative().roots(extrapolate=False)
+    positions = positions[(gap(positions, 2) > 0) & (positions > 0) & (positions < x[-1])]
     bodies = (CubicSpline(x, body, bc_type="natural") for body in (upper, lower))
-    return *bodies, places, gap(places) - (upper - lower).min()
+    return *bodies, positions, gap(positions) - (upper - lower).min()
 
 
-def minimum_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
-    """Return rows like `contacts` at the minima of the splined gap: all roots of its slope, by scipy."""
-    spline_u, spline_l, places, heights = _minima(upper.tobytes(), lower.tobytes())
+def find_contacts_at_minima(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
+    """Return rows like `find_contacts` for contacts at the minima of the splined gap."""
+    spline_u, spline_l, positions, heights = _find_minima(upper.tobytes(), lower.tobytes())
     rows = []
-    for place, height in zip(places[heights <= approach], heights[heights <= approach], strict=True):
-        slope = spline_l(place, 1) / spacing
+    for position, height in zip(positions[heights <= approach], heights[heights <= approach], strict=True):
+        slope = spline_l(position, 1) / spacing
         q = np.sqrt(1 + slope**2)
         with np.errstate(divide="ignore"):
-            R_u = q**3 / (spline_u(place, 2) / spacing**2)
-            R_l = -(q**3) / (spline_l(place, 2) / spacing**2)
+            R_u = q**3 / (spline_u(position, 2) / spacing**2)
+            R_l = -(q**3) / (spline_l(position, 2) / spacing**2)
         if np.ptp(upper) == 0 or np.ptp(lower) == 0:
             radius = R_l if np.ptp(upper) == 0 else R_u
             overlap = approach - height
             if radius > 0 and overlap > 0:
                 force = 4 / 3 * effective_modulus * np.sqrt(radius) * overlap**1.5
-                rows.append((int(place), 0.0, 1.0, overlap, radius, force, np.pi * radius * overlap))
+                rows.append((int(position), 0.0, 1.0, overlap, radius, force, np.pi * radius * overlap))
             continue
         inverse = 1 / R_u + 1 / R_l
         if not np.isfinite([R_u, R_l]).all() or inverse <= 0 or (not signed and (R_u <= 0 or R_l <= 0)):
@@ -138,5 +138,5 @@ def minimum_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0,
             continue
         radius = 1 / inverse
         force = 4 / 3 * effective_modulus * np.sqrt(radius) * overlap**1.5
-        rows.append((int(place), n_c[0], n_c[1], overlap, radius, force, np.pi * radius * overlap))
+        rows.append((int(position), n_c[0], n_c[1], overlap, radius, force, np.pi * radius * overlap))
     return np.array(rows).reshape(-1, 7)

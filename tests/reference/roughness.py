@@ -1,4 +1,4 @@
-"""Roughness parameters by their definitions: sums, sorted lists and walks over points, in loops."""
+"""Reference for roughness parameters: their definitions as loops over points and sorted lists."""
 
 import itertools
 import math
@@ -6,8 +6,8 @@ import math
 import numpy as np
 
 
-def heights_and_slopes(z, spacing):
-    """Return field parameters of heights about their mean line, by names without the profile letter."""
+def height_parameters(z, spacing):
+    """Return height and slope parameters; "a" stands for Ra or Pa, "q" for Rq or Pq, and so on."""
     n = len(z)
     q = math.sqrt(math.fsum(v * v for v in z) / n)
     slopes = [
@@ -21,57 +21,58 @@ def heights_and_slopes(z, spacing):
     }  # fmt: skip
 
 
-def sections(z, count):
-    """Return means over equal sections of the highest point and of the depth of the lowest point."""
+def mean_section_extremes(z, count):
+    """Return the mean peak height and the mean pit depth of `count` equal sections."""
     length = len(z) // count
     parts = [z[k * length : (k + 1) * length] for k in range(count)]
     return sum(max(part) for part in parts) / count, sum(-min(part) for part in parts) / count
 
 
-def profile_elements(z, peak, pit):
-    """Return mean spacing (points) and height of the profile elements, point by point."""
-    features, kind = [], 0  # sign, first and last point of each significant hill or dale
+def measure_profile_elements(z, peak, pit):
+    """Return the mean spacing (in points) and the mean height of the profile elements."""
+    features, previous_sign = [], 0  # [sign, first point, last point] of each significant hill or dale
     for i, height in enumerate(z):
-        now = 1 if height > peak / 10 else -1 if height < -pit / 10 else 0
-        if now == 0:
+        sign = 1 if height > peak / 10 else -1 if height < -pit / 10 else 0
+        if sign == 0:
             continue
-        if now == kind:
+        if sign == previous_sign:
             features[-1][2] = i
         else:
-            features.append([now, i, i])
-        kind = now
+            features.append([sign, i, i])
+        previous_sign = sign
     ends = []
     for (_, _, last), (_, following, _) in itertools.pairwise(features):
-        places = [i + z[i] / (z[i] - z[i + 1]) for i in range(last, following) if (z[i] > 0) != (z[i + 1] > 0)]
-        ends.append((places[0] + places[-1]) / 2)
-    spacings, tall = [], []
+        crossings = [i + z[i] / (z[i] - z[i + 1]) for i in range(last, following) if (z[i] > 0) != (z[i + 1] > 0)]
+        ends.append((crossings[0] + crossings[-1]) / 2)
+    spacings, element_heights = [], []
     for start, stop in zip(ends, ends[2:], strict=False):
         inside = [z[i] for i in range(len(z)) if start <= i <= stop]
         spacings.append(stop - start)
-        tall.append(max(inside) - min(inside))
-    return sum(spacings) / len(spacings), sum(tall) / len(tall)
+        element_heights.append(max(inside) - min(inside))
+    return sum(spacings) / len(spacings), sum(element_heights) / len(element_heights)
 
 
-def height_at(z, ratio):
-    """Return the height above which a fraction of the points lies, linear between sorted points."""
-    falling = sorted(z, reverse=True)
-    place = ratio * (len(falling) - 1)
-    below = min(int(place), len(falling) - 2)
-    return falling[below] + (place - below) * (falling[below + 1] - falling[below])
+def height_at_material_ratio(z, ratio):
+    """Return the height above which the fraction `ratio` of the points lies."""
+    descending = sorted(z, reverse=True)
+    position = ratio * (len(descending) - 1)
+    below = min(int(position), len(descending) - 2)
+    return descending[below] + (position - below) * (descending[below + 1] - descending[below])
 
 
-def ratio_at(z, height):
+def material_ratio_at_height(z, height):
+    """Return the fraction of points above a height."""
     return sum(1 for v in z if v > height) / len(z)
 
 
-def stratified(z):
-    """Return core height, reduced peak height and pit depth, and material ratios, by trying all secants of 40 %."""
-    falling = sorted(z, reverse=True)
-    n = len(falling)
+def stratified_parameters(z):
+    """Return the parameters of stratified surfaces (Rk, Rpk, Rvk, Mrk1, Mrk2), by trying all secants of 40 %."""
+    descending = sorted(z, reverse=True)
+    n = len(descending)
     width = round(0.4 * n)
-    start = min(range(n - width + 1), key=lambda i: falling[i] - falling[i + width - 1])
-    share = [(i + 0.5) / n for i in range(start, start + width)]
-    slope, upper = np.polyfit(share, falling[start : start + width], 1)
+    start = min(range(n - width + 1), key=lambda i: descending[i] - descending[i + width - 1])
+    ratios = [(i + 0.5) / n for i in range(start, start + width)]
+    slope, upper = np.polyfit(ratios, descending[start : start + width], 1)
     lower = upper + slope
     above, below = [v - upper for v in z if v > upper], [lower - v for v in z if v < lower]
     return {
@@ -80,27 +81,29 @@ def stratified(z):
     }  # fmt: skip
 
 
-def volumes(z):
+def material_and_void_volumes(z):
     """Return material and void volumes, by integrating the material ratio curve in 20 000 steps."""
     low, high = min(z), max(z)
-    falling = np.sort(np.ravel(z))[::-1]
+    descending = np.sort(np.ravel(z))[::-1]
     levels = np.linspace(low, high, 20_001)
     middle = (levels[1:] + levels[:-1]) / 2
-    ratios = np.array([np.searchsorted(-falling, -c) for c in middle]) / falling.size
+    ratios = np.array([np.searchsorted(-descending, -c) for c in middle]) / descending.size
     step = levels[1] - levels[0]
 
-    def material(ratio):
-        return step * ratios[middle > height_at(z, ratio)].sum()
+    def material_volume(ratio):
+        return step * ratios[middle > height_at_material_ratio(z, ratio)].sum()
 
-    def void(ratio):
-        return step * (1 - ratios[middle < height_at(z, ratio)]).sum()
+    def void_volume(ratio):
+        return step * (1 - ratios[middle < height_at_material_ratio(z, ratio)]).sum()
 
     return {
-        "Vmp": material(0.1), "Vmc": material(0.8) - material(0.1), "Vvc": void(0.1) - void(0.8), "Vvv": void(0.8)
+        "Vmp": material_volume(0.1), "Vmc": material_volume(0.8) - material_volume(0.1),
+        "Vvc": void_volume(0.1) - void_volume(0.8), "Vvv": void_volume(0.8)
     }  # fmt: skip
 
 
-def neighbours(point, shape):
+def neighbour_points(point, shape):
+    """Return the up to eight neighbours of a grid point."""
     j, i = point
     return [
         (j + b, i + a)
@@ -111,41 +114,41 @@ def neighbours(point, shape):
 
 
 def wolf_pruned_peaks(heights, threshold):
-    """Return the peaks that remain after merging the lowest hills over their highest saddles."""
+    """Return the peaks that remain after Wolf pruning: hills below the threshold merge over their highest saddle."""
     points = [(j, i) for j in range(heights.shape[0]) for i in range(heights.shape[1])]
     peak_of = {}
 
-    def climb(point):
+    def find_peak(point):
         if point not in peak_of:
-            highest = max(neighbours(point, heights.shape), key=lambda other: heights[other])
-            peak_of[point] = climb(highest) if heights[highest] > heights[point] else point
+            highest = max(neighbour_points(point, heights.shape), key=lambda neighbour: heights[neighbour])
+            peak_of[point] = find_peak(highest) if heights[highest] > heights[point] else point
         return peak_of[point]
 
     saddles = {}
     for point in points:
-        for other in neighbours(point, heights.shape):
-            a, b = climb(point), climb(other)
+        for neighbour in neighbour_points(point, heights.shape):
+            a, b = find_peak(point), find_peak(neighbour)
             if a != b:
-                level = min(heights[point], heights[other])
+                level = min(heights[point], heights[neighbour])
                 saddles.setdefault(a, {})
                 saddles[a][b] = max(saddles[a].get(b, -math.inf), level)
-    peaks = {climb(point) for point in points}
+    peaks = {find_peak(point) for point in points}
     while len(peaks) > 1:
         lowest = min(peaks, key=lambda peak: heights[peak] - max(saddles[peak].values()))
-        onto = max(saddles[lowest], key=lambda other: saddles[lowest][other])
-        if heights[lowest] - saddles[lowest][onto] >= threshold:
+        neighbour_peak = max(saddles[lowest], key=lambda neighbour: saddles[lowest][neighbour])
+        if heights[lowest] - saddles[lowest][neighbour_peak] >= threshold:
             break
-        for other, level in saddles.pop(lowest).items():
-            del saddles[other][lowest]
-            if other != onto:
-                level = max(level, saddles[onto].get(other, -math.inf))
-                saddles[onto][other] = saddles[other][onto] = level
+        for neighbour, level in saddles.pop(lowest).items():
+            del saddles[neighbour][lowest]
+            if neighbour != neighbour_peak:
+                level = max(level, saddles[neighbour_peak].get(neighbour, -math.inf))
+                saddles[neighbour_peak][neighbour] = saddles[neighbour][neighbour_peak] = level
         peaks.remove(lowest)
     return peaks
 
 
-def features(z, spacing):
-    """Return peak density, mean curvature of inner peaks and five-point heights of pruned hills and dales."""
+def feature_parameters(z, spacing):
+    """Return the feature parameters Spd, Spc, S5p, S5v and S10z after Wolf pruning at 5 % of the height range."""
     threshold = 0.05 * float(z.max() - z.min())
     peaks, pits = wolf_pruned_peaks(z, threshold), wolf_pruned_peaks(-z, threshold)
     rows, columns = z.shape

@@ -1,4 +1,4 @@
-"""Fuzz the interfaces with ten thousand inputs of each kind: only ValueErrors and messages are allowed."""
+"""Call functions and commands with random inputs, 10 000 of each kind by default, and report tracebacks."""
 
 import argparse
 import sys
@@ -20,13 +20,13 @@ def fuzz(kind, count, seed, call):
     for i in range(count):
         try:
             outcome = call(np.random.default_rng([seed, i]))
-        except Exception:  # a finding, whatever it is
+        except Exception:  # any other exception is a finding
             findings += 1
             print(f"{kind}, seed {seed}, input {i}:\n{traceback.format_exc()}", flush=True)
         else:
             outcomes[type(outcome).__name__ if isinstance(outcome, Exception) else outcome] += 1
-    took = time.monotonic() - start
-    print(f"fuzzed: {count} {kind}, seed {seed}, {dict(outcomes)}, {findings} findings, {took:.0f} s", flush=True)
+    elapsed = time.monotonic() - start
+    print(f"fuzzed: {count} {kind}, seed {seed}, {dict(outcomes)}, {findings} findings, {elapsed:.0f} s", flush=True)
     return findings
 
 
@@ -36,11 +36,11 @@ def main():
     parser.add_argument("--seed", type=int, default=int(time.time()))
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        folder, pristine = Path(name), Path(name) / "pristine"
-        pristine.mkdir()
-        run(fuzzing.small_study(), store=pristine)
+        folder, stored_result = Path(name), Path(name) / "pristine"
+        stored_result.mkdir()
+        run(fuzzing.small_study(), store=stored_result)
         findings = fuzz("arrays", options.count, options.seed, fuzzing.fuzz_arrays)
-        findings += fuzz("stores", options.count, options.seed, lambda r: fuzzing.fuzz_store(r, pristine, folder))
+        findings += fuzz("stores", options.count, options.seed, lambda r: fuzzing.fuzz_store(r, stored_result, folder))
         findings += fuzz("study files", options.count, options.seed, lambda r: fuzzing.fuzz_study_file(r, folder))
     sys.exit(1 if findings else 0)
 

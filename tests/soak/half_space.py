@@ -1,11 +1,12 @@
-"""Solve random problems of the elastic half-space: each is solved within the tolerance, or rejected.
+"""Solve random contact problems of elastic half-spaces, and check each solution with an independent reference.
 
     python tests/soak/half_space.py [PROBLEMS] [SEED] [HARD]
 
-Lines of 16 to 150 000 points and maps of up to 512 a side; Hurst exponents 0.3 to 1, bands up to 4000:1 and up to the
-grid; steep, nearly flat, flat, a spike; mean pressures from 1e-4 E* h' to full contact; periodic and free, with and
-without a hardness. Then HARD problems of 32 to 512 points a side with hardnesses from 0.001 to 2 E* h' under loads up
-to all that they bear: none may be refused, no mean pressure above the hardness.
+The PROBLEMS are profiles of 16 to 150 000 points and maps of up to 512 by 512 points, with periodic and free
+boundaries, with and without a hardness. Heights are self-affine (Hurst exponent 0.3 to 1), flat, an arc or a spike. The
+mean pressure is from 1e-4 E* h' to full contact, with the rms slope h'. The HARD problems have hardnesses of 0.001 to
+2 E* h' and loads up to the hardness times the nominal area. The solver must not reject any problem, and the mean
+pressure must not exceed the hardness.
 """
 
 import sys
@@ -19,17 +20,17 @@ from stiction import Profile, Surface, half_space
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from reference import dense_half_space
 
-PROBLEMS, SEED, HARD = 200, 2026, 1000
-TOLERANCE = 1e-6
+NUM_PROBLEMS, SEED, HARD_PROBLEMS = 200, 2026, 1000
+SOLVER_TOLERANCE = 1e-6
 ROUND_OFF = 1e-9
-"""Tolerance of the checks that are made anew, in the unit of the error."""
-SUMS = 1e-12
-"""Round-off of a load over hardness, by sums of up to 262 144 numbers."""
+"""Allowance for round-off in the check of the solver tolerance."""
+MAX_SUM_ERROR = 1e-12
+"""Relative round-off of a sum of up to 262 144 numbers."""
 MODULUS = 10.0
 
 
-def heights(random, shape):
-    """A rough body of rms slope 1 on points 1 µm apart, and in words what it is."""
+def random_heights(random, shape):
+    """Return random heights with rms slope 1 and a grid spacing of 1 µm, and a description."""
     kind = random.choice(["self-affine", "self-affine", "self-affine", "grid", "spike", "flat", "arc"])
     if kind == "flat":
         return np.zeros(shape), kind
@@ -44,8 +45,8 @@ def heights(random, shape):
     hurst = random.uniform(0.3, 1.0)
     shortest = 2.0 if kind == "grid" else random.choice([2.0, 4.0, 16.0])
     band = np.exp(random.uniform(np.log(2), np.log(4000)))
-    waves = [np.abs(scipy.fft.fftfreq(n)) for n in shape[:-1]] + [scipy.fft.rfftfreq(shape[-1])]
-    k = np.sqrt(sum(np.square(axis) for axis in np.meshgrid(*waves, indexing="ij")))
+    frequencies = [np.abs(scipy.fft.fftfreq(n)) for n in shape[:-1]] + [scipy.fft.rfftfreq(shape[-1])]
+    k = np.sqrt(sum(np.square(axis) for axis in np.meshgrid(*frequencies, indexing="ij")))
     inside = (k > 0) & (k <= 1 / shortest) & (k >= 1 / (shortest * band))
     if not inside.any():
         return np.zeros(shape), "flat"
@@ -56,99 +57,101 @@ def heights(random, shape):
     return z / slope, f"{kind} H {hurst:.2f} band {band:.0f} shortest {shortest:g}"
 
 
-def problem(random):
-    """Two bodies and the arguments of `half_space`, and in words what they are."""
+def random_problem(random):
+    """Return two bodies, a load, other arguments of `half_space`, and a description."""
     if random.random() < 0.5:
         shape = (int(np.exp(random.uniform(np.log(16), np.log(150_000)))),)
     else:
         shape = tuple(int(np.exp(random.uniform(np.log(8), np.log(512)))) for _ in range(2))
     periodic = bool(random.random() < 0.5)
-    z, words = heights(random, shape)
+    z, description = random_heights(random, shape)
     slope = np.exp(random.uniform(np.log(1e-4), np.log(3.0)))
     z = slope * z
     pressure = MODULUS * slope * np.exp(random.uniform(np.log(1e-4), np.log(3.0)))
     hardness = pressure * np.exp(random.uniform(np.log(1.01), np.log(100.0))) if random.random() < 0.25 else None
-    words = f"{shape} {words} slope {slope:.1e} p/E*h' {pressure / MODULUS / slope:.1e} hardness/p " + (
+    description = f"{shape} {description} slope {slope:.1e} p/E*h' {pressure / MODULUS / slope:.1e} hardness/p " + (
         f"{hardness / pressure:.2f}" if hardness else "none"
     )
-    return posed(z, pressure, hardness, periodic, words)
+    return pose_problem(z, pressure, hardness, periodic, description)
 
 
-def hard_problem(random):
-    """The same, of bodies whose hardness matters."""
+def random_hard_problem(random):
+    """Return a problem like `random_problem`, with a hardness that limits the pressure."""
     axes = 1 if random.random() < 0.4 else 2
     shape = tuple(int(np.exp(random.uniform(np.log(32), np.log(513)))) for _ in range(axes))
-    z, words = heights(random, shape)
+    z, description = random_heights(random, shape)
     slope = np.exp(random.uniform(np.log(1e-3), 0.0))
     hardness = MODULUS * slope * np.exp(random.uniform(np.log(1e-3), np.log(2.0)))
-    share = np.exp(random.uniform(np.log(1e-4), 0.0)) if random.random() < 0.5 else random.uniform(0.5, 0.9999)
-    words = f"{shape} {words} slope {slope:.1e} H/E*h' {hardness / MODULUS / slope:.1e} F/(H A0) {share:.4f}"
-    return posed(slope * z, share * hardness, hardness, bool(random.random() < 0.5), words)
+    load_fraction = np.exp(random.uniform(np.log(1e-4), 0.0)) if random.random() < 0.5 else random.uniform(0.5, 0.9999)
+    description = (
+        f"{shape} {description} slope {slope:.1e} H/E*h' {hardness / MODULUS / slope:.1e} F/(H A0) {load_fraction:.4f}"
+    )
+    return pose_problem(slope * z, load_fraction * hardness, hardness, bool(random.random() < 0.5), description)
 
 
-def posed(z, pressure, hardness, periodic, words):
-    """A body on a flat as arguments of `half_space`, and in words."""
+def pose_problem(z, pressure, hardness, periodic, description):
+    """Return a body on a flat, the load, other arguments of `half_space`, and the description with the boundary."""
     body = Profile if z.ndim == 1 else Surface
-    arguments = {"boundary": "periodic" if periodic else "free", "hardness": hardness, "tolerance": TOLERANCE}
+    arguments = {"boundary": "periodic" if periodic else "free", "hardness": hardness, "tolerance": SOLVER_TOLERANCE}
     bodies = (body(values, spacing=1.0) for values in (np.zeros(z.shape), z))
-    return *bodies, pressure * float(z.size), arguments, f"{arguments['boundary']} {words}"
+    return *bodies, pressure * float(z.size), arguments, f"{arguments['boundary']} {description}"
 
 
-def wrong(lower, load, arguments, curve):
-    """What is not as it should be, computed from the pressure alone; empty if all is."""
+def find_faults(lower, load, arguments, curve):
+    """Return the violated conditions of a solution as texts, computed from its pressure alone."""
     hardness = arguments["hardness"] or np.inf
-    faults = dense_half_space.faults(
+    faults = dense_half_space.find_violations(
         curve.contact(0).pressure,
         lower.heights.max() - lower.heights,
         (1.0,) * lower.heights.ndim,
         MODULUS,
         load,
         periodic=arguments["boundary"] == "periodic",
-        tolerance=TOLERANCE + ROUND_OFF,
+        tolerance=SOLVER_TOLERANCE + ROUND_OFF,
         hardness=hardness,
     )
     area = float(curve.contact_area[0])
-    if not load / area <= hardness * (1 + SUMS):
+    if not load / area <= hardness * (1 + MAX_SUM_ERROR):
         faults.append(f"mean pressure {load / area / hardness:.4f} of the hardness")
     return faults
 
 
-def main(problems=PROBLEMS, seed=SEED, hard=HARD):
-    """Solve them, print what is slow, refused or wrong, and the counts."""
-    failed = solved_all(problem, problems, seed)[1]
-    refused, broken = solved_all(hard_problem, hard, seed)
-    return failed + refused + broken
+def main(problems=NUM_PROBLEMS, seed=SEED, hard=HARD_PROBLEMS):
+    """Solve all problems, print slow, rejected and wrong ones, and return the number of failures."""
+    num_wrong = solve_problems(random_problem, problems, seed)[1]
+    num_rejected, num_wrong_hard = solve_problems(random_hard_problem, hard, seed)
+    return num_wrong + num_rejected + num_wrong_hard
 
 
-def solved_all(pose, problems, seed):
-    """How many of the problems are refused and how many answered wrongly."""
+def solve_problems(pose, problems, seed):
+    """Return the number of rejected problems and the number of wrong solutions."""
     random = np.random.default_rng(seed)
-    refused = failed = 0
+    num_rejected = num_wrong = 0
     iterations, times = [], []
     for number in range(problems):
-        upper, lower, load, arguments, words = pose(random)
+        upper, lower, load, arguments, description = pose(random)
         start = time.process_time()
         try:
             curve = half_space(upper, lower, [load], effective_modulus=MODULUS, **arguments)
         except RuntimeError as error:
-            refused += 1
-            print(f"{number}: refused: {words}: {error} ({time.process_time() - start:.1f} s)", flush=True)
+            num_rejected += 1
+            print(f"{number}: rejected: {description}: {error} ({time.process_time() - start:.1f} s)", flush=True)
             continue
         times.append(time.process_time() - start)
         iterations.append(int(curve.iterations[0]))
-        if faults := wrong(lower, load, arguments, curve):
-            failed += 1
-            print(f"{number}: WRONG: {words}: {', '.join(faults)}", flush=True)
+        if faults := find_faults(lower, load, arguments, curve):
+            num_wrong += 1
+            print(f"{number}: WRONG: {description}: {', '.join(faults)}", flush=True)
         if iterations[-1] > 300:
-            print(f"{number}: slow: {iterations[-1]} iterations, {times[-1]:.1f} s: {words}", flush=True)
+            print(f"{number}: slow: {iterations[-1]} iterations, {times[-1]:.1f} s: {description}", flush=True)
     if times:
         print(
-            f"seed {seed}: {problems} problems, {refused} refused, {failed} wrong; "
+            f"seed {seed}: {problems} problems, {num_rejected} rejected, {num_wrong} wrong; "
             f"iterations: median {np.median(iterations):.0f}, 95 % {np.quantile(iterations, 0.95):.0f}, "
             f"most {max(iterations)}; processor time: median {np.median(times):.2f} s, most {max(times):.1f} s",
             flush=True,
         )
-    return refused, failed
+    return num_rejected, num_wrong
 
 
 if __name__ == "__main__":

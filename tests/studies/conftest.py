@@ -3,7 +3,7 @@
 import pytest
 from stiction import run
 from stiction.studies import runner
-from support.generated_studies import TINY
+from support.generated_studies import TINY_STUDY
 
 
 @pytest.fixture
@@ -14,8 +14,8 @@ def blocks_of_four(monkeypatch):
 
 @pytest.fixture(scope="session")
 def uninterrupted_dataset():
-    """Return the dataset of the study `TINY`, computed in one run; tests must not change it."""
-    return run(TINY).dataset
+    """Return the dataset of the study `TINY_STUDY`, computed in one run; tests must not change it."""
+    return run(TINY_STUDY).dataset
 
 
 @pytest.fixture

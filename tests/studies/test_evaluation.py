@@ -8,7 +8,7 @@ from stiction.studies import intervals
 from stiction.studies.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
 from stiction.studies.evaluation import at_load, axes_of, member_values, reached_loads
 from stiction.studies.members import load_bodies
-from support.measured_studies import study_of, write_maps, write_profiles
+from support.studies_of_files import study_of_files, write_maps, write_profiles
 
 ROUND_OFF = 1e-9
 
@@ -16,14 +16,14 @@ ROUND_OFF = 1e-9
 @pytest.fixture(scope="module")
 def areal_contact(tmp_path_factory):
     folder = tmp_path_factory.mktemp("areas")
-    study = study_of(folder, spacing=write_maps(folder), members=5)
+    study = study_of_files(folder, spacing=write_maps(folder), members=5)
     return study, run(study).dataset
 
 
 @pytest.fixture(scope="module")
 def profile_contact(tmp_path_factory):
     folder = tmp_path_factory.mktemp("lines")
-    study = study_of(folder, "lines", "asperities", spacing=write_profiles(folder), members=12, load="0.05 mN")
+    study = study_of_files(folder, "lines", "asperities", spacing=write_profiles(folder), members=12, load="0.05 mN")
     return study, run(study).dataset
 
 

@@ -23,7 +23,7 @@ from stiction.studies.height_scale import (
 )
 from stiction.studies.store import STUDY_FILE, open_stored
 from stiction.views.report import report_page
-from support.generated_studies import TINY
+from support.generated_studies import TINY_STUDY
 from support.rough_surfaces import rough_maps
 
 SCALING_TOLERANCE = 1e-9  # relative; between two ways of scaling the same bodies
@@ -274,7 +274,7 @@ def test_checked_factors_rejects_values_outside_the_range(factors):
 
 def test_height_scale_rejects_results_that_are_not_stored_pairs(bodies, result):
     with pytest.raises(ValueError, match="two measured surfaces, got generated surfaces"):
-        scale_study_heights(TINY, 2.0, "both")
+        scale_study_heights(TINY_STUDY, 2.0, "both")
     gap = pair(gap=bodies[0], **{name: value for name, value in PAIR_OPTIONS.items() if name != "shifts"})
     with pytest.raises(ValueError, match="got the gap of one body"):
         gap.at(height_scale=2)

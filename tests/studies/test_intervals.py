@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import scipy.special
 import scipy.stats
-from reference.neighbours import judged, of_quantity, traverses
+from reference.neighbours import estimate_truth, measure_coverage, simulate_traverses
 from stiction.studies.intervals import MIN_NEIGHBORS, neighbors_mean, positions_mean, sample_mean
 
 TRIALS = 500  # the measured coverage then has a standard error of 1 %
@@ -33,9 +33,9 @@ DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # the other cases run only i
 @pytest.mark.parametrize("quantity", ["half zeros", "bounded", "lognormal 0.5"])
 def test_neighbors_mean_covers_with_nearly_the_smallest_width(quantity, positions, correlation):
     random = np.random.default_rng([positions, int(10 * correlation)])
-    truth, smallest_width = of_quantity(quantity, positions, correlation, random)
-    coverage, width_ratio, defined_fraction = judged(
-        neighbors_mean, traverses(quantity, TRIALS, positions, correlation, random), truth, smallest_width
+    truth, smallest_width = estimate_truth(quantity, positions, correlation, random)
+    coverage, width_ratio, defined_fraction = measure_coverage(
+        neighbors_mean, simulate_traverses(quantity, TRIALS, positions, correlation, random), truth, smallest_width
     )
     assert defined_fraction > MIN_DEFINED_FRACTION
     assert coverage >= MIN_COVERAGE[positions, correlation]
@@ -46,7 +46,7 @@ def test_neighbors_mean_covers_with_nearly_the_smallest_width(quantity, position
 def test_neighbors_mean_of_normal_values_equals_dense_matrices(correlation):
     """Compare with the mixture of t distributions over correlations, computed with dense covariance matrices."""
     count = 20
-    values = traverses("normal", 1, count, correlation, np.random.default_rng(7))[0]
+    values = simulate_traverses("normal", 1, count, correlation, np.random.default_rng(7))[0]
     rhos = np.arange(20) / 20
     lag = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
     errors, weights = [], []
@@ -72,7 +72,7 @@ def test_neighbors_mean_of_normal_values_equals_dense_matrices(correlation):
 
 @pytest.mark.parametrize("quantity", ["half zeros", "lognormal 0.5", "bounded"])
 def test_neighbors_mean_is_equivariant_under_scale_shift_and_reversal(quantity):
-    values = traverses(quantity, 1, 24, 0.4, np.random.default_rng(3))[0]
+    values = simulate_traverses(quantity, 1, 24, 0.4, np.random.default_rng(3))[0]
     expected = np.array(neighbors_mean(values))
     np.testing.assert_allclose(neighbors_mean(1e9 * values), 1e9 * expected, rtol=1e-9)
     np.testing.assert_allclose(neighbors_mean(values + 5), expected + 5, rtol=1e-9)
@@ -91,7 +91,7 @@ def test_neighbors_mean_of_independent_values_has_students_interval():
 def test_neighbors_mean_interval_stays_within_the_values():
     random = np.random.default_rng(6)
     for quantity in ("half zeros", "bounded", "lognormal 1"):
-        for values in traverses(quantity, 50, MIN_NEIGHBORS, 0.6, random):
+        for values in simulate_traverses(quantity, 50, MIN_NEIGHBORS, 0.6, random):
             mean, lower, upper = neighbors_mean(values)
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 

@@ -8,14 +8,14 @@ from stiction.studies import member_solution
 from stiction.studies.layout import MEMBER_COORDINATES, build_dataset, list_variables, stack_members, variable_names
 from stiction.studies.member_solution import cost_of_member, member_sums
 from stiction.studies.members import body_attributes, load_bodies
-from support.measured_studies import study_of, write_maps, write_profiles
+from support.studies_of_files import study_of_files, write_maps, write_profiles
 
 ROUND_OFF = 1e-9
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
 def test_areal_member_equals_direct_computation(tmp_path, mechanics):
-    study = study_of(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
+    study = study_of_files(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
     loads, angles = study.contact.steps(), study.contact.degrees()
     values = member_sums(study, 2)
     upper, lower = load_bodies(study).member(2, 0.0).pair
@@ -34,7 +34,7 @@ def test_areal_member_equals_direct_computation(tmp_path, mechanics):
 
 
 def test_unloading_stiffness_is_computed_for_the_first_members_if_hardness_is_given(tmp_path):
-    study = study_of(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
+    study = study_of_files(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
     study = study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um", "0.6 um"]})
     is_finite = [
         np.isfinite(member_sums(study, member)["unloading_stiffness"]).all(axis=-1).tolist() for member in (3, 4)
@@ -47,7 +47,7 @@ def test_unloading_stiffness_is_computed_for_the_first_members_if_hardness_is_gi
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
 def test_profile_member_equals_direct_computation(tmp_path, mechanics):
-    study = study_of(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
+    study = study_of_files(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
     loads = study.contact.steps()
     values, member = member_sums(study, 3), load_bodies(study).member(3, 0.0)
     scans = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
@@ -78,7 +78,7 @@ def test_profile_member_equals_direct_computation(tmp_path, mechanics):
 
 
 def test_build_dataset_has_the_variables_of_the_study(tmp_path):
-    study = study_of(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
+    study = study_of_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
     parts = [member_sums(study, index) for index in range(3)]
     dataset = build_dataset(study, range(3), stack_members(study, parts), body_attributes(study))
     assert set(dataset.data_vars) == set(variable_names(study))
@@ -92,7 +92,7 @@ def test_build_dataset_has_the_variables_of_the_study(tmp_path):
 
 
 def test_member_with_an_unsolved_load_has_values_at_other_loads(tmp_path, monkeypatch):
-    study = study_of(tmp_path, spacing=write_maps(tmp_path), members=1)
+    study = study_of_files(tmp_path, spacing=write_maps(tmp_path), members=1)
     loads = study.contact.steps()
 
     def solve_or_fail(upper, lower, loads, **rest):
@@ -111,7 +111,7 @@ def test_member_with_an_unsolved_load_has_values_at_other_loads(tmp_path, monkey
 
 def test_cost_of_member_is_independent_of_member_count(tmp_path):
     spacing = write_maps(tmp_path)
-    few, many = (study_of(tmp_path, spacing=spacing, members=count) for count in (2, 200))
+    few, many = (study_of_files(tmp_path, spacing=spacing, members=count) for count in (2, 200))
     assert cost_of_member(few) == cost_of_member(many) > 0
 
 
@@ -119,7 +119,7 @@ def test_cost_of_member_with_adhesion_increases_with_compliance(tmp_path):
     spacing = write_maps(tmp_path)
     costs = [
         cost_of_member(
-            study_of(tmp_path, spacing=spacing).with_changes(
+            study_of_files(tmp_path, spacing=spacing).with_changes(
                 {"contact.mechanics": "half-space", "contact.work_of_adhesion": "50 mJ/m^2",
                  "contact.effective_modulus": modulus}
             )
@@ -131,7 +131,7 @@ def test_cost_of_member_with_adhesion_increases_with_compliance(tmp_path):
 
 
 def test_changed_scan_file_is_rejected(tmp_path):
-    study = study_of(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
+    study = study_of_files(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
     load_bodies(study)
     np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)
     with pytest.raises(ValueError, match=r"upper\.npy: has changed since"):

@@ -14,8 +14,8 @@ from stiction.studies.nodes import (
     refined,
 )
 from stiction.studies.study import parse_study
-from support.generated_studies import SMALL
-from support.measured_studies import study_of, write_maps
+from support.generated_studies import SMALL_STUDY
+from support.studies_of_files import study_of_files, write_maps
 
 AXES = Axis(np.array([0.0, 0.1, 0.25, 0.6, 1.0])), Axis(np.array([0.0, 0.02, 0.05, 0.1, 0.2]))
 
@@ -58,7 +58,7 @@ def test_ranged_node_has_weight_only_at_its_value():
 
 
 def test_axes_of_contains_mu0_and_tau0_of_the_study():
-    mu0, tau0 = axes_of(SMALL.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]}))
+    mu0, tau0 = axes_of(SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]}))
     assert 0.37 in mu0.rising
     assert {0.003, 0.021} <= set(tau0.rising)
     assert [axis.rising[0] for axis in (mu0, tau0)] == [0, 0]
@@ -66,7 +66,7 @@ def test_axes_of_contains_mu0_and_tau0_of_the_study():
 
 
 def test_axes_of_makes_ranged_inputs_ranged_nodes(tmp_path):
-    study = study_of(tmp_path, spacing=write_maps(tmp_path))
+    study = study_of_files(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.ranged.size for axis in axes_of(study)] == [0, 0]
     text = study.with_changes({"friction.tau0": ["40 MPa"]}).to_toml() + '\n[known]\nmu0 = "0.25..0.35"\n'
     mu0, tau0 = axes_of(parse_study(text, "test"))

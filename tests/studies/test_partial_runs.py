@@ -10,7 +10,7 @@ import xarray
 from stiction import run
 from stiction.studies import runner, store
 from stiction.studies.runner import SharedFolder, compute_missing
-from support.generated_studies import TINY, InlineExecutor, assert_same_bits, with_repetitions
+from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, with_repetitions
 
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
 
@@ -21,29 +21,29 @@ def test_parts_complete_one_result(tmp_path, uninterrupted_dataset, computed_rep
     for part, expected in repetitions_of_parts.items():
         del computed_repetitions[:]
         for _ in range(2):
-            assert compute_missing(TINY, tmp_path, part=part) == 8
+            assert compute_missing(TINY_STUDY, tmp_path, part=part) == 8
         assert sorted(computed_repetitions) == expected
     partial_dataset = store.open_stored(tmp_path).dataset()
     xarray.testing.assert_identical(
         partial_dataset, uninterrupted_dataset.isel(repetition=sorted(itertools.chain(*repetitions_of_parts.values())))
     )
     del computed_repetitions[:]
-    assert_same_bits(run(TINY, store=tmp_path).dataset, uninterrupted_dataset)
+    assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
     assert sorted(computed_repetitions) == [8, 9, 10, 11, 20, 21]
     assert not list(tmp_path.rglob("*.partial"))
 
 
 def test_parts_of_different_divisions_complete_one_result(tmp_path, uninterrupted_dataset):
     compute_missing(with_repetitions(10), tmp_path, part=(1, 2))
-    compute_missing(TINY, tmp_path, part=(3, 5))
-    compute_missing(TINY, tmp_path, part=(1, 1))
+    compute_missing(TINY_STUDY, tmp_path, part=(3, 5))
+    compute_missing(TINY_STUDY, tmp_path, part=(1, 1))
     assert_same_bits(store.read(tmp_path), uninterrupted_dataset)
 
 
 @pytest.mark.parametrize("part", [(0, 2), (3, 2), (1, 0)])
 def test_compute_missing_rejects_bad_part(tmp_path, part):
     with pytest.raises(ValueError, match="part must be K of N"):
-        compute_missing(TINY, tmp_path / "r", part=part)
+        compute_missing(TINY_STUDY, tmp_path / "r", part=part)
     assert not (tmp_path / "r").exists()
 
 
@@ -77,7 +77,7 @@ def test_workers_write_to_shared_directory_or_return_blocks(tmp_path, uninterrup
     ):
         del written_blocks[:], task_results[:]
         events = []
-        compute_missing(TINY, tmp_path / folder_name, executor=executor, announce=events.append)
+        compute_missing(TINY_STUDY, tmp_path / folder_name, executor=executor, announce=events.append)
         assert len(events) == 1
         assert events[0].startswith("computing 22 repetitions: ")
         assert "in 6 files" in events[0]
@@ -98,5 +98,5 @@ def test_failed_member_leaves_other_blocks_stored(tmp_path, monkeypatch):
 
     monkeypatch.setattr(runner, "member_sums", compute_or_fail)
     with pytest.raises(ValueError, match="member 6"):
-        run(TINY, store=tmp_path, executor=InlineExecutor())
+        run(TINY_STUDY, store=tmp_path, executor=InlineExecutor())
     assert store.open_stored(tmp_path).finished.tolist() == [*range(4), *range(8, 22)]

@@ -22,9 +22,9 @@ from stiction.studies.member_solution import cost_of_member
 from stiction.studies.store import StoreError
 from stiction.studies.study import study_of
 from stiction.studies.values import StudyError
-from support.generated_studies import TINY, InlineExecutor, assert_same_bits, with_repetitions
+from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, with_repetitions
 
-RUNNER_STUDY = TINY.with_changes(
+RUNNER_STUDY = TINY_STUDY.with_changes(
     {
         "surfaces.fractal_dimension.count": 4,
         "surfaces.points": 5000,
@@ -183,7 +183,7 @@ def test_ended_worker_process_is_reported(tmp_path):
         with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
             os.kill(pool.submit(os.getpid).result(), signal.SIGKILL)
             with pytest.raises(kind, match=r"^a worker process ended unexpectedly; the available memory"):
-                run(TINY, executor=pool, store=folder)
+                run(TINY_STUDY, executor=pool, store=folder)
 
 
 # ---- Progress -------------------------------------------------------------------------------------------------------

@@ -23,7 +23,7 @@ from stiction import Result, _files, run
 from stiction.studies import layout, runner, store
 from stiction.studies.runner import compute_missing
 from stiction.studies.store import BLOCKS_FOLDER, STUDY_FILE, Block, ExportError, StoreError, export
-from support.generated_studies import TINY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
+from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
 
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
 
@@ -34,7 +34,7 @@ def finished_folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("finished") / "r"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(runner, "choose_block_size", lambda study: 4)
-        compute_missing(TINY, path)
+        compute_missing(TINY_STUDY, path)
     return path
 
 
@@ -71,19 +71,19 @@ def assert_no_partial_files(path):
 
 def test_store_returns_the_written_dataset(tmp_path, uninterrupted_dataset):
     path = tmp_path / "deep" / "r"
-    assert_same_bits(run(TINY, store=path).dataset, uninterrupted_dataset)
+    assert_same_bits(run(TINY_STUDY, store=path).dataset, uninterrupted_dataset)
     assert_same_bits(store.read(path), uninterrupted_dataset)
     assert sorted(os.listdir(path)) == [BLOCKS_FOLDER, STUDY_FILE]
     assert [file[:15] for file in sorted(block_states(path))] == [
         f"{k:07d}-{min(k + 3, 21):07d}" for k in range(0, 22, 4)
     ]
     info = store.info(path)
-    assert (info.study, info.finished) == (TINY, 22)
+    assert (info.study, info.finished) == (TINY_STUDY, 22)
     assert info.size == sum(file.stat().st_size for file in (path / BLOCKS_FOLDER).iterdir())
 
 
 def test_two_runs_write_blocks_with_equal_checksums(tmp_path, folder_copy):
-    compute_missing(TINY, tmp_path / "again", executor=InlineExecutor())
+    compute_missing(TINY_STUDY, tmp_path / "again", executor=InlineExecutor())
     assert block_states(folder_copy).keys() == block_states(tmp_path / "again").keys()
 
 
@@ -108,7 +108,7 @@ def test_store_preserves_every_bit(tmp_path, monkeypatch):
     shape = run(with_repetitions(1), executor=InlineExecutor()).dataset["contact_area"].values[:, :, 0].shape
     sums = {
         name: np.full(shape, 7 if name.endswith("_count") else 0.0 if name in ("contact_area", "normal_elastic") else x)
-        for name, x in zip(TINY.sums(), values, strict=False)
+        for name, x in zip(TINY_STUDY.sums(), values, strict=False)
     }
     monkeypatch.setattr(runner, "member_sums", lambda *_: sums)
     result = run(with_repetitions(1), store=tmp_path).dataset
@@ -117,7 +117,7 @@ def test_store_preserves_every_bit(tmp_path, monkeypatch):
 
 
 def test_pieces_of_folder_and_dataset_are_equal(folder_copy, uninterrupted_dataset, monkeypatch):
-    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY))
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY_STUDY))
     find_block(folder_copy, 4).unlink()
     incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
     piece_pairs = list(
@@ -158,9 +158,9 @@ def test_result_larger_than_memory_is_reported(folder_copy, monkeypatch):
 
 def test_complete_result_is_read_without_computing(folder_copy, uninterrupted_dataset, computed_repetitions):
     states_before = block_states(folder_copy)
-    assert_same_bits(run(TINY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
     assert block_states(folder_copy) == states_before
-    study_at_other_mu0 = TINY.with_changes({"friction.mu0": [0.2], "figures.draw": ["area"]})
+    study_at_other_mu0 = TINY_STUDY.with_changes({"friction.mu0": [0.2], "figures.draw": ["area"]})
     assert run(study_at_other_mu0, store=folder_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
     assert store.info(folder_copy).study == study_at_other_mu0
     assert computed_repetitions == []
@@ -172,7 +172,7 @@ def test_run_computes_only_missing_blocks(folder_copy, uninterrupted_dataset, co
     states_before = block_states(folder_copy)
     with pytest.warns(UserWarning, match="16 of 22"):
         assert_same_bits(store.read(folder_copy), uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 20)]))
-    assert_same_bits(run(TINY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
     assert sorted(computed_repetitions) == [4, 5, 6, 7, 20, 21]
     assert states_before.items() <= block_states(folder_copy).items()
 
@@ -197,7 +197,7 @@ def test_overlapping_blocks_are_accepted(folder_copy, uninterrupted_dataset, mon
     for size, first in ((3, 3), (7, 7), (5, 5)):
         monkeypatch.setattr(runner, "choose_block_size", lambda study, size=size: size)
         shutil.rmtree(other_folder, ignore_errors=True)
-        compute_missing(TINY, other_folder)
+        compute_missing(TINY_STUDY, other_folder)
         shutil.copy(find_block(other_folder, first), folder_copy / BLOCKS_FOLDER)
     find_block(folder_copy, 4).unlink()
     assert_same_bits(store.read(folder_copy), uninterrupted_dataset)
@@ -205,7 +205,9 @@ def test_overlapping_blocks_are_accepted(folder_copy, uninterrupted_dataset, mon
 
 def test_concurrent_writers_give_the_same_result(tmp_path, uninterrupted_dataset):
     with ThreadPoolExecutor(4) as pool:
-        results = list(pool.map(lambda _: run(TINY, store=tmp_path / "r", executor=InlineExecutor()).dataset, range(4)))
+        results = list(
+            pool.map(lambda _: run(TINY_STUDY, store=tmp_path / "r", executor=InlineExecutor()).dataset, range(4))
+        )
     for result in results:
         assert_same_bits(result, uninterrupted_dataset)
     assert len(block_states(tmp_path / "r")) == 6
@@ -218,7 +220,7 @@ def test_concurrent_writers_give_the_same_result(tmp_path, uninterrupted_dataset
 def test_run_rejects_store_of_another_study_and_names_the_key(folder_copy, change):
     states_before = block_states(folder_copy)
     with pytest.raises(StoreError, match=next(iter(change))):
-        run(TINY.with_changes(change), store=folder_copy)
+        run(TINY_STUDY.with_changes(change), store=folder_copy)
     assert block_states(folder_copy) == states_before
 
 
@@ -228,36 +230,36 @@ def test_edited_study_file_does_not_change_blocks(folder_copy):
     with pytest.raises(StoreError, match=r"another study than study\.toml: ensemble\.seed"):
         store.read(folder_copy)
     with pytest.raises(StoreError, match=r"ensemble\.seed"):
-        run(TINY.with_changes({"ensemble.seed": 2017}), store=folder_copy)
+        run(TINY_STUDY.with_changes({"ensemble.seed": 2017}), store=folder_copy)
     (folder_copy / STUDY_FILE).unlink()
     with pytest.raises(StoreError, match=r"no study\.toml"):
         store.read(folder_copy)
-    run(TINY, store=folder_copy)
-    assert store.info(folder_copy).study == TINY
+    run(TINY_STUDY, store=folder_copy)
+    assert store.info(folder_copy).study == TINY_STUDY
 
 
 def test_result_of_another_version_is_read_but_not_continued(folder_copy, uninterrupted_dataset, monkeypatch):
     monkeypatch.setattr(store, "__version__", "9.9")
-    assert_same_bits(run(TINY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
     with pytest.raises(StoreError, match=r"was created by stiction .*this version, 9\.9"):
         run(with_repetitions(23), store=folder_copy)
 
 
 def test_result_with_different_steps_is_not_continued(folder_copy, monkeypatch):
-    steps = type(TINY.contact).steps
-    monkeypatch.setattr(type(TINY.contact), "steps", lambda self: steps(self) * (1 + 2e-16))
+    steps = type(TINY_STUDY.contact).steps
+    monkeypatch.setattr(type(TINY_STUDY.contact), "steps", lambda self: steps(self) * (1 + 2e-16))
     with pytest.raises(StoreError, match="whose steps differ"):
         run(with_repetitions(23), store=folder_copy)
 
 
 def test_foreign_study_file_without_blocks_is_preserved(tmp_path, uninterrupted_dataset):
-    (tmp_path / STUDY_FILE).write_text("# by hand\n" + TINY.to_toml())
+    (tmp_path / STUDY_FILE).write_text("# by hand\n" + TINY_STUDY.to_toml())
     with pytest.raises(StoreError, match="contains another study"):
-        run(TINY.with_changes({"ensemble.seed": 1}), store=tmp_path)
-    assert_same_bits(run(TINY, store=tmp_path).dataset, uninterrupted_dataset)
+        run(TINY_STUDY.with_changes({"ensemble.seed": 1}), store=tmp_path)
+    assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
     assert (tmp_path / STUDY_FILE).read_text().startswith("# by hand")
     shutil.rmtree(tmp_path / BLOCKS_FOLDER)
-    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_MARK} 0.1.0.\n" + TINY.to_toml())
+    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_MARK} 0.1.0.\n" + TINY_STUDY.to_toml())
     assert run(with_repetitions(1).with_changes({"ensemble.seed": 1}), store=tmp_path).dataset.sizes["repetition"] == 1
 
 
@@ -275,7 +277,7 @@ def test_flipped_bit_is_detected_and_block_named(folder_copy, uninterrupted_data
         with pytest.raises(StoreError, match=f"{file.name}: does not match its checksum; remove that file"):
             store.read(folder_copy)
     file.unlink()
-    assert_same_bits(run(TINY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
     assert computed_repetitions == [4, 5, 6, 7]
 
 
@@ -285,7 +287,7 @@ def test_swapped_blocks_are_detected(folder_copy, tmp_path):
     with pytest.raises(StoreError, match="contains other repetitions than its name states"):
         store.read(folder_copy)
     other = tmp_path / "other"
-    compute_missing(TINY.with_changes({"ensemble.seed": 1}), other)
+    compute_missing(TINY_STUDY.with_changes({"ensemble.seed": 1}), other)
     replace_block(find_block(folder_copy, 4), find_block(other, 4).read_bytes())
     with pytest.raises(StoreError, match=r"is of another study than study\.toml: ensemble\.seed"):
         store.read(folder_copy)
@@ -313,7 +315,7 @@ def test_foreign_files_are_left_unchanged(folder_copy, uninterrupted_dataset):
     for name in names:
         (folder_copy / BLOCKS_FOLDER / name).write_text("mine")
     (folder_copy / "more").mkdir()
-    assert_same_bits(run(TINY, store=folder_copy).dataset, uninterrupted_dataset)
+    assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
     assert {*names} <= block_states(folder_copy).keys()
 
 
@@ -331,7 +333,7 @@ def test_directory_without_result_is_reported_in_one_sentence(tmp_path, kind):
     assert str(caught.value).startswith(str(path))
     if kind in ("file", "loop"):
         with pytest.raises(StoreError, match=str(path)):
-            run(TINY, store=path)
+            run(TINY_STUDY, store=path)
 
 
 # ---- Foreign files --------------------------------------------------------------------------------------------------
@@ -432,13 +434,13 @@ def test_run_on_full_disk_preserves_finished_blocks(tmp_path, uninterrupted_data
     monkeypatch.setattr(_files.Path, "write_bytes", write_until_full)
     for num_writes, num_finished in ((0, 0), (1, 0), (2, 8), (1, 12)):  # noqa: B007 (read by write_until_full)
         with pytest.raises(StoreError, match="cannot be written: No space left on device") as caught:
-            run(TINY, store=tmp_path, executor=InlineExecutor())
+            run(TINY_STUDY, store=tmp_path, executor=InlineExecutor())
         if num_finished:
             assert store.open_stored(tmp_path).finished.size == num_finished
             assert f"{num_finished} of 22 repetitions are finished and kept" in str(caught.value)
         assert_no_partial_files(tmp_path)
     monkeypatch.undo()
-    assert_same_bits(run(TINY, store=tmp_path).dataset, uninterrupted_dataset)
+    assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
 
 
 def test_run_does_not_create_a_removed_folder_again(tmp_path, monkeypatch):
@@ -451,7 +453,7 @@ def test_run_does_not_create_a_removed_folder_again(tmp_path, monkeypatch):
 
     monkeypatch.setattr(runner, "write_block", write_and_move_folder)
     with pytest.raises(StoreError, match="was removed or replaced"):
-        run(TINY, store=path, executor=InlineExecutor())
+        run(TINY_STUDY, store=path, executor=InlineExecutor())
     assert os.listdir(tmp_path) == ["moved"]
     assert store.info(tmp_path / "moved").finished == 8
 
@@ -461,10 +463,10 @@ def test_complete_result_on_read_only_disk_is_read(folder_copy, computed_repetit
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
     monkeypatch.setattr(_files, "remove_stale_partials", fail_read_only)
-    study_at_other_mu0 = TINY.with_changes({"friction.mu0": [0.2]})
+    study_at_other_mu0 = TINY_STUDY.with_changes({"friction.mu0": [0.2]})
     assert run(study_at_other_mu0, store=folder_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
     assert computed_repetitions == []
-    for study, folder in ((with_repetitions(23), folder_copy), (TINY, folder_copy.with_name("new"))):
+    for study, folder in ((with_repetitions(23), folder_copy), (TINY_STUDY, folder_copy.with_name("new"))):
         with pytest.raises(StoreError, match="cannot be written: Read-only file system"):
             run(study, store=folder)
 
@@ -489,7 +491,7 @@ def test_partial_files_of_dead_processes_are_removed(folder_copy):
         (folder / name).write_text("half")
         if name.endswith("1.partial"):
             os.utime(folder / name, (0, 0))
-    run(TINY, store=folder_copy)
+    run(TINY_STUDY, store=folder_copy)
     for folder in (folder_copy, folder_copy / BLOCKS_FOLDER):
         assert {name for name in os.listdir(folder) if name.endswith(".partial")} == {n for n in is_kept if is_kept[n]}
 
@@ -505,8 +507,8 @@ def test_removed_partial_file_is_written_again(tmp_path, uninterrupted_dataset, 
 
     compute_missing(with_repetitions(4), tmp_path)
     monkeypatch.setattr(Path, "replace", remove_and_replace)
-    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_MARK} 0.1.0.\n" + TINY.to_toml())
-    assert_same_bits(run(TINY, store=tmp_path).dataset, uninterrupted_dataset)
+    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_MARK} 0.1.0.\n" + TINY_STUDY.to_toml())
+    assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
     assert removed_files
 
 
@@ -518,7 +520,7 @@ def test_interrupt_during_write_leaves_no_file(tmp_path, monkeypatch):
     close = os.close
     monkeypatch.setattr(os, "close", close_and_interrupt)
     with pytest.raises(KeyboardInterrupt):
-        run(TINY, store=tmp_path / "r")
+        run(TINY_STUDY, store=tmp_path / "r")
     assert_no_partial_files(tmp_path)
 
 
@@ -565,7 +567,7 @@ for step in range(1, 1000):
 
 def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, uninterrupted_dataset):
     """Kill a run at its first, second, ... disk operation, with half of the file written; each run resumes the last."""
-    (tmp_path / "s.toml").write_text(TINY.to_toml())
+    (tmp_path / "s.toml").write_text(TINY_STUDY.to_toml())
     completed = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", SCRIPT_WITH_KILLS],
         cwd=tmp_path,
@@ -578,7 +580,7 @@ def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, uninterrupted_da
     assert statuses[-1] == 0
     assert set(statuses[:-1]) == {-signal.SIGKILL}
     assert len(statuses) > 5
-    assert_same_bits(run(TINY, store=tmp_path / "r").dataset, uninterrupted_dataset)
+    assert_same_bits(run(TINY_STUDY, store=tmp_path / "r").dataset, uninterrupted_dataset)
     assert_no_partial_files(tmp_path)
 
 
@@ -587,7 +589,7 @@ def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, uninterrupted_da
 
 @pytest.mark.parametrize("kind", ["dataset", "folder"])
 def test_export_equals_computed_dataset(folder_copy, uninterrupted_dataset, tmp_path, monkeypatch, kind):
-    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY))
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY_STUDY))
     file = tmp_path / "r.nc"
     export(uninterrupted_dataset if kind == "dataset" else store.open_stored(folder_copy).dataset(), file)
     assert_same_bits(store.read(file), uninterrupted_dataset)
@@ -637,7 +639,8 @@ def test_block_equals_file_written_by_xarray(uninterrupted_dataset):
     block = io.BytesIO()
     store.write_dataset(part, block)
     assert (
-        store.encode_members(TINY, range(4, 8), {name: part[name].values for name in TINY.sums()}) == block.getvalue()
+        store.encode_members(TINY_STUDY, range(4, 8), {name: part[name].values for name in TINY_STUDY.sums()})
+        == block.getvalue()
     )
 
 
@@ -691,6 +694,6 @@ def test_interrupt_ends_run_and_preserves_finished_blocks(tmp_path):
 
 
 def test_result_without_finished_members_is_a_store_error(tmp_path):
-    store.create_or_open(tmp_path, TINY)
+    store.create_or_open(tmp_path, TINY_STUDY)
     with pytest.raises(StoreError, match="none of the 22 repetitions is finished"):
         Result(store.open_stored(tmp_path)).at_study_loads  # noqa: B018

@@ -11,7 +11,7 @@ from stiction.studies.executors import thread_executor
 from stiction.studies.onset import compute_onset, load_onset
 from stiction.studies.runner import compute_missing
 from stiction.studies.store import CHECKSUM_SEAL, StoreError, export, open_stored, read
-from support.measured_studies import study_of, write_maps
+from support.studies_of_files import study_of_files, write_maps
 
 LOADERS = {"picture.nc": load_contact_picture, "onset.nc": load_onset}
 
@@ -21,7 +21,7 @@ def result_and_datasets(tmp_path_factory):
     """Return a stored result of two maps, and the datasets of the files stored alongside by file name."""
     folder = tmp_path_factory.mktemp("maps")
     contact_keys = 'load = ["2 mN"]\ndirection = [0, 180]'
-    study = study_of(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=contact_keys)
+    study = study_of_files(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=contact_keys)
     compute_missing(study, folder / "r")
     complete_result = open_stored(folder / "r")
     with thread_executor(1) as executor:

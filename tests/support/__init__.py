@@ -1,1 +1,1 @@
-"""Helpers of the tests: inputs, studies, results, the command line and the browser."""
+"""Helpers of the tests for surfaces, studies, results, the command line and the browser."""

@@ -1,4 +1,4 @@
-"""Drive Debian's Chromium in tests, without requests of its own."""
+"""Control Debian's Chromium in tests, with background requests disabled."""
 
 import importlib.util
 import json
@@ -9,26 +9,26 @@ from pathlib import Path
 import pytest
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-FLAGS = (
+CHROMIUM_FLAGS = (
     "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync", "--hide-scrollbars",
 )  # fmt: skip
-IN_BROWSER = [
+BROWSER_MARKS = [
     pytest.mark.browser,
     pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="Debian's chromium and chromium-driver are not installed"),
 ]
-READY = "return document.readyState === 'complete' && document.getElementById('main').ariaBusy !== 'true'"
+READY_SCRIPT = "return document.readyState === 'complete' && document.getElementById('main').ariaBusy !== 'true'"
 
 
 @contextmanager
-def browser(profile):
-    """Return a driver with its own user-data directory, which logs every request and every message."""
+def start_browser(profile):
+    """Return a Selenium driver that stores user data in `profile` and logs requests and messages."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
-    for flag in (*FLAGS, f"--user-data-dir={profile}"):
+    for flag in (*CHROMIUM_FLAGS, f"--user-data-dir={profile}"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
     driver = webdriver.Chrome(options=options, service=Service(DRIVER))
@@ -55,27 +55,27 @@ def open_more(driver):
         "const more = document.getElementById('more'); if (!more || more.open) arguments[0]();"
         "else { more.addEventListener('toggle', () => arguments[0]()); more.open = true; }"
     )
-    settle(driver)
+    wait_for_drawing(driver)
 
 
 def wait_until_drawn(driver):
-    wait(driver, lambda driver: driver.execute_script(READY))
-    settle(driver)
+    wait_for(driver, lambda driver: driver.execute_script(READY_SCRIPT))
+    wait_for_drawing(driver)
 
 
-def wait(driver, until):
+def wait_for(driver, condition):
     from selenium.webdriver.support.ui import WebDriverWait
 
-    WebDriverWait(driver, 60, 0.05).until(until)
+    WebDriverWait(driver, 60, 0.05).until(condition)
 
 
-def rest(driver):
+def wait_until_idle(driver):
     """Wait until the page is idle and has updated its address and details."""
     driver.execute_async_script("setTimeout(arguments[0], 2 * REDRAW_DELAY)")
-    settle(driver)
+    wait_for_drawing(driver)
 
 
-def axe():
+def load_axe_script():
     """Return the script of axe-core."""
     import pytest
 
@@ -85,17 +85,19 @@ def axe():
     return (Path(spec.origin).parent / "axe.min.js").read_text("utf-8")
 
 
-AXE = "axe.run({rules: {'label-content-name-mismatch': {enabled: true}}}).then(arguments[0])"
+AXE_CALL = "axe.run({rules: {'label-content-name-mismatch': {enabled: true}}}).then(arguments[0])"
 
 
-def faults(driver, script):
-    """Return the accessibility violations in a page and its frames, with the elements."""
+def find_accessibility_faults(driver, script):
+    """Return the accessibility violations of a page and its frames as pairs of rule and elements."""
     driver.execute_script(script)
-    result = driver.execute_async_script(AXE)
-    return [(fault["id"], [node["html"][:120] for node in fault["nodes"]]) for fault in result["violations"]]
+    report = driver.execute_async_script(AXE_CALL)
+    return [
+        (violation["id"], [node["html"][:120] for node in violation["nodes"]]) for violation in report["violations"]
+    ]
 
 
-def settle(driver):
+def wait_for_drawing(driver):
     """Wait until pending drawing is complete."""
     driver.execute_async_script(
         "const done = arguments[0];"
@@ -104,8 +106,8 @@ def settle(driver):
     )
 
 
-def frame(driver, plot):
-    """Return left, top, width and height of the axes of a plot in the window."""
+def find_axes_frame(driver, plot):
+    """Return the position and size of the axes of a plot: left, top, width and height in pixels of the window."""
     return driver.execute_script(
         "const place = document.getElementById(arguments[0]); place.scrollIntoView({block: 'center'});"
         "const {left, top} = place.getBoundingClientRect(); const {x, y, width, height} = place.axes.frame;"
@@ -113,14 +115,14 @@ def frame(driver, plot):
     )  # fmt: skip
 
 
-def press(driver, name, keys):
+def press_keys(driver, name, keys):
     """Press keys on an element and wait until the page is redrawn."""
     driver.find_element("id", name).send_keys(keys)
-    settle(driver)
+    wait_for_drawing(driver)
 
 
 def foreign_requests(driver, path):
-    """Return the addresses of all requests since a file was opened, except for the file."""
+    """Return the addresses of all requests since a file was opened, without the address of the file."""
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
     sent = [
         message["params"]["request"]["url"] for message in messages if message["method"] == "Network.requestWillBeSent"

@@ -8,8 +8,8 @@ from stiction import Study
 from stiction.studies.layout import MEMBER_COORDINATES, build_dataset, list_variables
 from stiction.studies.measured_surfaces import BodyAttributes
 
-# Takes about a second: several fractal dimensions, amplitudes, repetitions and approaches.
-SMALL = Study.named("quick").with_changes(
+# Study with several fractal dimensions, amplitudes, repetitions and approaches; it runs in about a second.
+SMALL_STUDY = Study.named("quick").with_changes(
     {
         "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.6, "count": 4},
         "surfaces.amplitude": ["50 nm", "100 nm"],
@@ -20,8 +20,8 @@ SMALL = Study.named("quick").with_changes(
     }
 )
 
-# Takes a few milliseconds.
-TINY = Study().with_changes(
+# Study that runs in a few milliseconds.
+TINY_STUDY = Study().with_changes(
     {
         "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 3},
         "surfaces.amplitude": ["50 nm", "100 nm"],
@@ -37,21 +37,23 @@ TINY = Study().with_changes(
 
 
 def empty_dataset(study):
-    """Return the dataset of a study before anything is computed: zeros, with units, names and attributes."""
+    """Return the dataset of a study with all values zero, and with units, names and attributes."""
     numbers = np.arange(study.ensemble.repetitions)
-    arrays = {name: np.zeros(item.shape, item.dtype) for name, item in list_variables(study, numbers).items()}
+    arrays = {
+        name: np.zeros(variable.shape, variable.dtype) for name, variable in list_variables(study, numbers).items()
+    }
     if study.is_measured:
         arrays |= {name: np.zeros(numbers.size, dtype) for name, dtype in MEMBER_COORDINATES.items()}
     return build_dataset(study, numbers, arrays, BodyAttributes(nominal_area=1.0) if study.is_measured else None)
 
 
-def with_repetitions(number, study=TINY):
-    """Return the study with another number of repetitions."""
+def with_repetitions(number, study=TINY_STUDY):
+    """Return a copy of a study with another number of repetitions."""
     return study.with_changes({"ensemble.repetitions": number})
 
 
 class InlineExecutor(ThreadPoolExecutor):
-    """Executor that runs each task in the calling thread, so that the order of tasks is known."""
+    """Executor that runs each task in the calling thread, in the order of submission."""
 
     def submit(self, function, /, *args, **kwargs):
         future = Future()
@@ -70,11 +72,11 @@ def assert_same_bits(actual, expected):
 
 
 def rewrite_variable(file, name, change):
-    """Replace a variable of a netCDF file by `change(values)` over the same dimensions."""
+    """Replace the values of a variable in a netCDF file by `change(values)`, with the same dimensions."""
     scales = [[dim[i] for i in range(len(dim))] for dim in file[name].dims]
     values = change(file[name][...])
     del file[name]
-    new = file.create_dataset(name, data=values)
-    for axis, item in enumerate(scales[: new.ndim]):
-        for scale in item:
-            new.dims[axis].attach_scale(scale)
+    new_variable = file.create_dataset(name, data=values)
+    for axis, scales_of_axis in enumerate(scales[: new_variable.ndim]):
+        for scale in scales_of_axis:
+            new_variable.dims[axis].attach_scale(scale)

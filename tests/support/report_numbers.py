@@ -1,4 +1,4 @@
-"""Numbers of an interactive report without a browser: its script `nodes.js` in V8, on the tables of the report."""
+"""Compute the numbers of an interactive report without a browser: run its script `nodes.js` in the engine V8."""
 
 import base64
 import json
@@ -10,17 +10,17 @@ import numpy as np
 
 
 class ReportNumbers:
-    """Facts and tables of one report, with the functions of `nodes.js`."""
+    """Facts and tables of one report, to which the functions of `nodes.js` are applied."""
 
     def __init__(self, page):
         from py_mini_racer import MiniRacer
 
         self._engine = MiniRacer()
         self._engine.eval((resources.files("stiction.views.report") / "nodes.js").read_text("utf-8"))
-        self._engine.eval(f"const facts = {_element(page, 'facts')}; null")
-        self.facts = json.loads(_element(page, "facts"))
+        self._engine.eval(f"const facts = {_script_text(page, 'facts')}; null")
+        self.facts = json.loads(_script_text(page, "facts"))
         floats, small = (
-            zlib.decompress(base64.b64decode(_element(page, f"packed-{name}"))) for name in ("floats", "small")
+            zlib.decompress(base64.b64decode(_script_text(page, f"packed-{name}"))) for name in ("floats", "small")
         )
         self._engine.eval(
             f"const numbers = {{offsets: facts.tables, floats: doubles(Uint8Array.from({list(floats)}), facts.leading),"
@@ -28,21 +28,23 @@ class ReportNumbers:
         )
 
     def __call__(self, function, *arguments):
-        """Return the value of a JavaScript function for arguments; numbers keep every bit, NaN and infinities too."""
+        """Call a JavaScript function, and return its value with the exact numbers, including NaN and infinities."""
         values = ", ".join(json.dumps(argument) for argument in arguments)
-        # JSON has no NaN and no infinity.
-        written = "(_, value) => typeof value === 'number' && !Number.isFinite(value) ? `number ${value}` : value"
-        text = self._engine.eval(f"JSON.stringify(({function})({values}), {written})")
+        # JSON cannot represent NaN and infinities, so these numbers are passed as text.
+        replacer = "(_, value) => typeof value === 'number' && !Number.isFinite(value) ? `number ${value}` : value"
+        text = self._engine.eval(f"JSON.stringify(({function})({values}), {replacer})")
         return json.loads(re.sub(r'"number (-?)(\w+)"', r"\1\2", text))
 
     def index(self, *, kind=0, cell=0, amplitude=0, rule=0, way=0, load=0):
-        """Return the number of a coefficient in the tables."""
+        """Return the index of a coefficient in the tables of the report."""
         facts = self.facts
-        lead = (kind * len(facts["cells"]["values"]) + cell) * max(1, len(facts["amplitudes"])) + amplitude
-        return ((lead * len(facts["rules"]) + rule) * len(facts["ways"]) + way) * len(facts["loads"]["values"]) + load
+        cell_index = (kind * len(facts["cells"]["values"]) + cell) * max(1, len(facts["amplitudes"])) + amplitude
+        return ((cell_index * len(facts["rules"]) + rule) * len(facts["ways"]) + way) * len(
+            facts["loads"]["values"]
+        ) + load
 
     def point(self, name, mu0, tau0, **place):
-        """Return value, ends, decimals, text and status of a quantity at mu0 and tau0 (GPa)."""
+        """Return a quantity at mu0 and tau0 (GPa) as a dict of value, ends, decimals, text and status."""
         return self(
             "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0);"
             " const point = pointAt(numbers, name, index, place); const first = index * place.size;"
@@ -55,8 +57,8 @@ class ReportNumbers:
     def judgement(self, mu0, tau0, *, cell, amplitude, way, load):
         """Return the verdict and the reasons at mu0 and tau0 (GPa)."""
         facts = self.facts
-        lead = cell * max(1, len(facts["amplitudes"])) + amplitude
-        index = (lead * len(facts["ways"]) + way) * len(facts["loads"]["values"]) + load
+        cell_index = cell * max(1, len(facts["amplitudes"])) + amplitude
+        index = (cell_index * len(facts["ways"]) + way) * len(facts["loads"]["values"]) + load
         return facts["judgements"][
             self(
                 "(index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0);"
@@ -66,7 +68,7 @@ class ReportNumbers:
         ]  # fmt: skip
 
 
-def _element(page, name):
-    """Return the text of a script element of a page, if there is one."""
-    found = re.search(rf'<script type="[\w/-]+" id="{name}">(.*?)</script>', page, re.DOTALL)
-    return found[1] if found else ""
+def _script_text(page, name):
+    """Return the text of a script element of a page, or an empty text if the element is absent."""
+    match = re.search(rf'<script type="[\w/-]+" id="{name}">(.*?)</script>', page, re.DOTALL)
+    return match[1] if match else ""

@@ -9,18 +9,22 @@ from stiction import Profile, Surface, self_affine, self_affine_surface
 AMPLITUDE, WAVELENGTH = 0.1, 4.0
 
 
-def wave(points_per_wavelength, waves=8):
-    """Return a sinusoid with whole periods, so that means over points equal those of the sinusoid."""
+def sinusoid(points_per_wavelength, waves=8):
+    """Return a sinusoid over a whole number of periods, so that means over grid points are exact."""
     x = np.arange(waves * points_per_wavelength) * WAVELENGTH / points_per_wavelength
     return Profile(3.0 + AMPLITUDE * np.sin(2 * np.pi * x / WAVELENGTH), spacing=WAVELENGTH / points_per_wavelength)
 
 
-def rough(seed=3, **changes):
+def rough_profile(seed=3, **changes):
+    """Return a self-affine profile of 1000 points; `changes` replace arguments of `self_affine`."""
     return self_affine(seed, **({"hurst_exponent": 0.8, "rms": 0.1, "points": 1000, "spacing": 0.01} | changes))
 
 
 def self_affine_map(seed, hurst, shape=(128, 160), *, spacing=(0.5, 0.5), longest=math.inf, whole=1, stretch=1.0):
-    """Return Gaussian heights with C2D ∝ q^(-2-2H), constant above `longest`, cut from a map `whole` times larger."""
+    """Return a self-affine map with a constant spectrum above the wavelength `longest`.
+
+    The map is cut from a periodic map that is `whole` times larger along both axes.
+    """
     rows, columns = whole * shape[0], whole * shape[1]
     white = np.random.default_rng(seed).normal(size=(rows, columns))
     q_y, q_x = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip((rows, columns), spacing, strict=True))
@@ -38,12 +42,12 @@ def rough_maps(seed=3, *, points=48, **changes):
 
 
 def flat_like(body):
-    """Return a flat on the grid of a profile or surface."""
+    """Return a flat profile or surface on the grid of `body`."""
     return type(body)(np.zeros(body.heights.shape), spacing=body.spacing)
 
 
 def periodic_body(shape, *, seed=1, hurst=0.8, longest=4, shortest=16, slope=0.1):
-    """Return a periodic self-affine profile or surface of unit size with `longest` to `shortest` waves per unit."""
+    """Return a periodic self-affine body of unit size, with wavelengths from 1/longest to 1/shortest."""
     random = np.random.default_rng(seed)
     waves = np.meshgrid(
         *[np.fft.fftfreq(n, 1 / n) for n in shape[:-1]], np.fft.rfftfreq(shape[-1], 1 / shape[-1]), indexing="ij"

@@ -1,23 +1,23 @@
-"""Synthetic datasets of `at_load` for measured and generated surfaces, in which any number can be set."""
+"""Build datasets like those of `at_load`, with numbers that a test can choose."""
 
 import numpy as np
 import xarray
 from stiction.mechanics.friction import STATUS_DTYPE
 from stiction.studies.study import Study
 
-STATISTIC = ("mean", "lower", "upper")
+RESULT_STATISTICS = ("mean", "lower", "upper")
 SLIDING_RULES = ("all", "opposing")
 
 
-def interval(mean, half=0.05):
-    """Return mean, lower and upper end; `half` is the half-width as a fraction of the mean."""
+def value_and_ends(mean, half=0.05):
+    """Return [mean, lower end, upper end] for a half-width that is the fraction `half` of the mean."""
     return [mean, mean - half * abs(mean), mean + half * abs(mean)]
 
 
 def measured_study(
     *, mechanics="half-space", press="areas", hardness=None, law="hertz-sphere", mu0=(0.2,), adhesion="0 mJ/m^2"
 ):
-    """Return a study of two files that do not exist."""
+    """Return a study of two measured files that do not exist."""
     contact = {"mechanics": mechanics, "effective_modulus": "100 GPa"}
     if mechanics == "asperities":
         yielding = {"name": law, "yield_strength": "1 GPa", "poisson_ratio": 0.3}
@@ -37,56 +37,58 @@ def generated_study():
     return Study.model_validate({"friction": {"mu0": [0.4], "tau0": ["0 MPa"]}})
 
 
-LOADED = {
+QUANTITIES_AT_LOAD = {
     "contact_area_fraction": 0.01, "contact_area": 100.0, "contact_count": 300.0, "mean_pressure": 0.5,
     "normal_stiffness": 800.0, "approach": 0.05, "share_on_largest": 0.1, "share_at_edge": 0.05,
     "fraction_on_small": 0.05, "share_opposing": 0.5, "load_share_at_hardness": 0.0, "error": 1e-7,
 }  # fmt: skip
-"""Quantities of a load, that raise no caveat."""
+"""Values of the quantities at a load that give no caveat."""
 
 
-def measured(
+def measured_result(
     *, loads=(10.0,), mu0=(0.2,), tau0=(0.05,), directions=(0.0, 90.0, 180.0, 270.0), cut_offs=(0.0,), half=0.05,
     all_rub=0.21, opposing=0.11, by_axis=None, status="ok", members=16, ok=16, **changes,
 ):  # fmt: skip
-    """Return a result of measured surfaces with the same numbers at every load, mu0 and tau0, except for `changes`."""
+    """Return a result of measured surfaces with equal numbers at every load, mu0 and tau0; `changes` replace some."""
     axes = sorted({direction % 180 for direction in directions})
     sizes = {
         "cut_off": len(cut_offs), "sliding": 2, "direction": len(directions), "axis": len(axes), "load": len(loads),
         "mu0": len(mu0), "tau0": len(tau0), "fraction_below": 2, "statistic": 3,
     }  # fmt: skip
-    friction = np.array([interval(all_rub, half), interval(opposing, half)])
+    friction = np.array([value_and_ends(all_rub, half), value_and_ends(opposing, half)])
 
-    def filled(values, *dims):
-        """Return values over the last dimensions, repeated along the others."""
+    def fill_dimensions(values, *dims):
+        """Return dimensions and values, repeated along the leading dimensions."""
         return dims, np.broadcast_to(values, [sizes[dim] for dim in dims]).copy()
 
     materials, last = ("load", "mu0", "tau0"), "statistic"
     by_rule = friction[:, None, None, None, None, None, :]
     axial = by_rule if by_axis is None else np.array(by_axis)[None, None, :, None, None, None, :]
     variables = {
-        "friction_coefficient": filled(by_rule, "sliding", "cut_off", "direction", *materials, last),
-        "friction_by_axis": filled(axial, "sliding", "cut_off", "axis", *materials, last),
-        "friction_all_round": filled(by_rule[:, :, 0], "sliding", "cut_off", *materials, last),
-        "status": filled(np.array(status, STATUS_DTYPE), "sliding", "cut_off", "direction", *materials),
-        "spread_low": filled(0.04, "cut_off", "sliding", *materials),
-        "spread_high": filled(0.19, "cut_off", "sliding", *materials),
-        "gentle_friction": filled(by_rule[:, :, :, 0, ..., 0], "sliding", "cut_off", "direction", "mu0", "tau0"),
-        "reading_difference": filled(changes.pop("reading_difference", 0.001), "cut_off", "load"),
-        "rms_gradient": filled(interval(changes.pop("rms_gradient", 0.2)), "cut_off", last),
-        "rms_slope": filled(interval(0.14), "cut_off", "direction", last),
-        "patch_area": filled(interval(0.2), "cut_off", "load", "fraction_below", last),
-        "pressure": filled(interval(0.4), "cut_off", "load", "fraction_below", last),
-        "members": filled(members),
-        "ok": filled(ok, "cut_off", "sliding", "direction", *materials),
+        "friction_coefficient": fill_dimensions(by_rule, "sliding", "cut_off", "direction", *materials, last),
+        "friction_by_axis": fill_dimensions(axial, "sliding", "cut_off", "axis", *materials, last),
+        "friction_all_round": fill_dimensions(by_rule[:, :, 0], "sliding", "cut_off", *materials, last),
+        "status": fill_dimensions(np.array(status, STATUS_DTYPE), "sliding", "cut_off", "direction", *materials),
+        "spread_low": fill_dimensions(0.04, "cut_off", "sliding", *materials),
+        "spread_high": fill_dimensions(0.19, "cut_off", "sliding", *materials),
+        "gentle_friction": fill_dimensions(
+            by_rule[:, :, :, 0, ..., 0], "sliding", "cut_off", "direction", "mu0", "tau0"
+        ),
+        "reading_difference": fill_dimensions(changes.pop("reading_difference", 0.001), "cut_off", "load"),
+        "rms_gradient": fill_dimensions(value_and_ends(changes.pop("rms_gradient", 0.2)), "cut_off", last),
+        "rms_slope": fill_dimensions(value_and_ends(0.14), "cut_off", "direction", last),
+        "patch_area": fill_dimensions(value_and_ends(0.2), "cut_off", "load", "fraction_below", last),
+        "pressure": fill_dimensions(value_and_ends(0.4), "cut_off", "load", "fraction_below", last),
+        "members": fill_dimensions(members),
+        "ok": fill_dimensions(ok, "cut_off", "sliding", "direction", *materials),
     }  # fmt: skip
-    for name, value in (LOADED | changes).items():
+    for name, value in (QUANTITIES_AT_LOAD | changes).items():
         if value is not None:
-            variables[name] = filled(interval(value), "cut_off", "load", last)
+            variables[name] = fill_dimensions(value_and_ends(value), "cut_off", "load", last)
     coordinates = {
         "cut_off": list(cut_offs), "sliding": list(SLIDING_RULES), "direction": list(directions), "axis": axes,
         "load": list(loads), "mu0": list(mu0), "tau0": list(tau0), "fraction_below": [0.5, 0.9],
-        "statistic": list(STATISTIC), "nominal_area": 10_000.0, "effective_modulus": 100.0,
+        "statistic": list(RESULT_STATISTICS), "nominal_area": 10_000.0, "effective_modulus": 100.0,
     }  # fmt: skip
     attributes = {
         "upper": "read from a.di\nlevelled by a plane", "lower": "read from b.di", "spacing_um": [0.1, 0.1],
@@ -95,30 +97,30 @@ def measured(
     return xarray.Dataset(variables, coordinates, attributes)
 
 
-def generated(*, loads=(0.001, 0.01), dimensions=(1.1, 1.4), friction=0.25, status="ok", half=0.05, **changes):
+def generated_result(*, loads=(0.001, 0.01), dimensions=(1.1, 1.4), friction=0.25, status="ok", half=0.05, **changes):
     """Return a result of generated profiles in one direction, with the sliding rule of the paper."""
     sizes = {"fractal_dimension": len(dimensions), "amplitude": 1, "load": len(loads), "mu0": 1, "tau0": 2}
     cells = ("fractal_dimension", "amplitude", "load", "mu0", "tau0")
 
-    def filled(values, dims):
+    def fill_dimensions(values, dims):
         shape = [sizes[dim] for dim in dims]
-        return (*dims, "statistic"), np.broadcast_to(interval(values, half), [*shape, 3]).copy()
+        return (*dims, "statistic"), np.broadcast_to(value_and_ends(values, half), [*shape, 3]).copy()
 
     loaded = {"contact_area": 1.0, "contact_count": 30.0, "normal_stiffness": 0.2, "mean_pressure": 0.05,
               "share_beyond_hertz": 0.1, "share_below_grid": 0.1} | changes  # fmt: skip
     shape = [sizes[dim] for dim in cells]
     return xarray.Dataset(
         {
-            "friction_coefficient": filled(friction, cells),
-            "friction_all_round": filled(friction, cells),
+            "friction_coefficient": fill_dimensions(friction, cells),
+            "friction_all_round": fill_dimensions(friction, cells),
             "status": (cells, np.full(shape, status, STATUS_DTYPE)),
             "members": ((), 100),
             "reading_difference": (cells[:3], np.full(shape[:3], 0.02)),
-            **{name: filled(value, cells[:3]) for name, value in loaded.items()},
+            **{name: fill_dimensions(value, cells[:3]) for name, value in loaded.items()},
         },
         {
             "fractal_dimension": list(dimensions), "amplitude": [0.1], "load": list(loads), "mu0": [0.4],
-            "tau0": [0.0, 0.1], "statistic": list(STATISTIC), "sliding": "opposing", "direction": 0.0,
+            "tau0": [0.0, 0.1], "statistic": list(RESULT_STATISTICS), "sliding": "opposing", "direction": 0.0,
         },
         {"reading": "mean"},
     )  # fmt: skip

@@ -1,14 +1,14 @@
-"""Check that a call lets other threads run."""
+"""Check that a call releases the interpreter lock, so that other threads can run."""
 
 import sys
 import threading
 import time
 
-MAX_WAITING_TIME = 30.0  # seconds in which another thread gets its turn even on a busy machine
+MAX_WAITING_TIME = 30.0  # seconds; long enough for another thread to start on a busy machine
 
 
 def runs_other_threads(call):
-    """Return whether another thread runs during repeated calls, while the interpreter itself never switches threads."""
+    """Return True if another thread runs during calls, though the interpreter does not switch threads by itself."""
     started, released, ran = threading.Event(), threading.Event(), threading.Event()
 
     def wait_for_release():
@@ -20,7 +20,7 @@ def runs_other_threads(call):
     thread = threading.Thread(target=wait_for_release)
     thread.start()
     started.wait()
-    sys.setswitchinterval(10 * MAX_WAITING_TIME)  # only a call that releases the lock lets the other thread run
+    sys.setswitchinterval(10 * MAX_WAITING_TIME)  # disables switching except at a released lock
     end = time.monotonic() + MAX_WAITING_TIME
     try:
         released.set()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction import Profile, Surface, cut_off, surface_spectrum
 from stiction.surfaces.filters import transmission
-from support.rough_surfaces import rough, self_affine_map
+from support.rough_surfaces import rough_profile, self_affine_map
 
 ROUND_OFF = 1e-12
 
@@ -32,7 +32,7 @@ def by_definition(heights, spacing, wavelength):
 
 @pytest.mark.parametrize("points", [8, 15, 66.6])
 def test_cut_off_equals_local_weighted_line(points):
-    profile = rough(points=200)
+    profile = rough_profile(points=200)
     wavelength = points * profile.spacing
     smooth = cut_off(profile, wavelength).heights
     expected = by_definition(profile.heights, profile.spacing, wavelength)
@@ -79,7 +79,7 @@ def test_cut_off_preserves_lines_and_planes_up_to_the_ends(wavelength):
 
 
 def test_cut_off_is_linear_symmetric_and_scales():
-    one, other = rough(1, points=300), rough(2, points=300)
+    one, other = rough_profile(1, points=300), rough_profile(2, points=300)
     sum_of_both = cut_off(Profile(one.heights + 2 * other.heights, spacing=0.01), 0.2).heights
     assert sum_of_both == pytest.approx(cut_off(one, 0.2).heights + 2 * cut_off(other, 0.2).heights, abs=ROUND_OFF)
     backwards = cut_off(Profile(one.heights[::-1], spacing=0.01), 0.2).heights[::-1]
@@ -105,10 +105,14 @@ def test_cut_off_adds_history_and_keeps_grid():
 @pytest.mark.parametrize(
     ("body", "wavelength", "message"),
     [
-        (rough(), 0.019, r"wavelength must be from two points, 0.02 µm, to a third of the shortest side, 3.3\d* µm"),
-        (rough(), 3.4, "wavelength must be from two points"),
-        (rough(), 0.0, "wavelength must be a finite number above 0"),
-        (rough(), "1 mN", "wavelength has the unit .mN., which is not one of length"),
+        (
+            rough_profile(),
+            0.019,
+            r"wavelength must be from two points, 0.02 µm, to a third of the shortest side, 3.3\d* µm",
+        ),
+        (rough_profile(), 3.4, "wavelength must be from two points"),
+        (rough_profile(), 0.0, "wavelength must be a finite number above 0"),
+        (rough_profile(), "1 mN", "wavelength has the unit .mN., which is not one of length"),
         (Surface(np.eye(20), spacing=(1.0, 0.1)), 0.7, "a third of the shortest side, 0.666667 µm"),
         ([1.0, 2.0], 1.0, "body must be a Profile or a Surface, got list"),
     ],
@@ -119,4 +123,4 @@ def test_cut_off_rejects_bad_arguments(body, wavelength, message):
 
 
 def test_cut_off_accepts_both_ends_of_range():
-    assert len(cut_off(rough(), 0.02)) == len(cut_off(rough(), 10 / 3)) == 1000
+    assert len(cut_off(rough_profile(), 0.02)) == len(cut_off(rough_profile(), 10 / 3)) == 1000

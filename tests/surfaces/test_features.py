@@ -25,7 +25,7 @@ def test_peaks_equal_those_of_a_literal_merge_of_hills(seed, pruning):
 def test_feature_parameters_equal_their_definitions(seed):
     surface = self_affine_map(seed, 0.6, (24, 30), spacing=(0.5, 0.25))
     z = surface.heights - surface.heights.mean()
-    result, expected = surface_parameters(surface), slow.features(z, surface.spacing)
+    result, expected = surface_parameters(surface), slow.feature_parameters(z, surface.spacing)
     for name, value in expected.items():
         assert getattr(result, name) == pytest.approx(value, rel=1e-9), name
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reference.gaussian_filters import mean_line, mean_surface, robust_mean_line
 from stiction import Profile, Surface, cut_off, filtered
-from support.rough_surfaces import rough, self_affine_map
+from support.rough_surfaces import rough_profile, self_affine_map
 
 ROUND_OFF = 1e-12
 
@@ -22,13 +22,13 @@ def total_height(body):
 class TestGaussian:
     @pytest.mark.parametrize("cutoff", [0.15, 0.6, 2.0])
     def test_s_filter_equals_weighted_least_squares_at_each_point(self, cutoff):
-        profile = rough(points=200)  # 2 µm long
+        profile = rough_profile(points=200)  # 2 µm long
         expected = mean_line(profile.heights, profile.spacing, cutoff)
         result = filtered(profile, cutoff=cutoff).heights
         assert np.abs(result - expected).max() < SAMPLED * total_height(profile)
 
     def test_l_filter_is_the_deviation_from_the_s_filter(self):
-        for body in (rough(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
+        for body in (rough_profile(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
             cutoff = 40 * min(body.spacings)
             parts = [filtered(body, cutoff=cutoff, kind=kind) for kind in ("S", "L")]
             assert np.abs(parts[0].heights + parts[1].heights - body.heights).max() < ROUND_OFF * total_height(body)
@@ -51,14 +51,14 @@ class TestGaussian:
             assert np.abs(filtered(body, cutoff=5.0, kind="L").heights).max() < ROUND_OFF * 100
 
     def test_cut_off_is_the_s_filter(self):
-        for body in (rough(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
+        for body in (rough_profile(points=300), self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))):
             cutoff = 9 * min(body.spacings)
             assert np.array_equal(cut_off(body, cutoff).heights, filtered(body, cutoff=cutoff).heights)
 
 
 class TestMissingPoints:
     def test_profile_filter_gives_missing_points_no_weight(self):
-        profile, missing = rough(points=200), np.zeros(200, bool)
+        profile, missing = rough_profile(points=200), np.zeros(200, bool)
         missing[[0, 1, 50, 51, 52, 53, 120]] = True
         expected = mean_line(profile.heights, profile.spacing, 0.3, weights=(~missing).astype(float))
         results = [
@@ -89,7 +89,7 @@ class TestMissingPoints:
 
 class TestRobust:
     def test_profile_filter_equals_iterated_least_squares(self):
-        profile = rough(points=120)
+        profile = rough_profile(points=120)
         heights = profile.heights.copy()
         heights[[30, 31, 80]] -= 3 * total_height(profile)
         scratched = Profile(heights, spacing=profile.spacing)
@@ -130,8 +130,8 @@ class TestRobust:
 )
 def test_filter_rejects_bad_arguments(options, message):
     with pytest.raises(ValueError, match=message):
-        filtered(rough(points=300), **options)
+        filtered(rough_profile(points=300), **options)
 
 
 def test_filter_accepts_the_whole_length_as_cutoff():
-    assert filtered(rough(points=300), cutoff=3.0, kind="L").heights.size == 300
+    assert filtered(rough_profile(points=300), cutoff=3.0, kind="L").heights.size == 300

@@ -16,7 +16,7 @@ from stiction import (
     surface_spectrum,
     weierstrass_mandelbrot,
 )
-from support.rough_surfaces import rough, self_affine_map, wave
+from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
 
 BAND = {"longest_wavelength": 4.0, "shortest_wavelength": 0.08}
 ALWAYS = (False, BAND, False)
@@ -37,7 +37,7 @@ class TestProfileExponent:
     def test_interval_covers_true_exponent(self, periodic, band, arguments):
         misses, errors = 0, []
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.CASES)):
-            profile = rough(11, repetition=case, hurst_exponent=hurst, points=4096, periodic=periodic, **band)
+            profile = rough_profile(11, repetition=case, hurst_exponent=hurst, points=4096, periodic=periodic, **band)
             limits = band.get("shortest_wavelength", 0.02), band.get("longest_wavelength", profile.extent)
             result = estimate_hurst_exponent(profile, band=limits if arguments else None, periodic=periodic)
             misses += not result.lower <= hurst <= result.upper
@@ -48,7 +48,7 @@ class TestProfileExponent:
         assert abs(np.mean(errors)) < (0.5 if arguments else 0.8)
 
     def test_exact_power_law_gives_exact_exponent(self):
-        profile = rough(hurst_exponent=0.6, periodic=True, amplitudes="fixed")
+        profile = rough_profile(hurst_exponent=0.6, periodic=True, amplitudes="fixed")
         result = estimate_hurst_exponent(profile, periodic=True)
         assert result.value == pytest.approx(0.6, abs=1e-9)
         assert result.fractal_dimension_classical == pytest.approx(1.4, abs=1e-9)
@@ -58,7 +58,7 @@ class TestProfileExponent:
         assert np.allclose(result.density(spectrum.wave_number[:-1]), spectrum.density[:-1], rtol=1e-8, atol=0)
 
     def test_band_ends_at_roll_off_and_cut_off(self):
-        profile = rough(points=60_000, longest_wavelength=10.0, shortest_wavelength=0.1)
+        profile = rough_profile(points=60_000, longest_wavelength=10.0, shortest_wavelength=0.1)
         result = estimate_hurst_exponent(profile)
         # One bin (a fifth) is omitted where the pieces meet, at the edge of a bin.
         assert 0.1 <= result.shortest_wavelength < 0.1 * 1.5
@@ -66,8 +66,8 @@ class TestProfileExponent:
         assert result.lower < 0.8 < result.upper
 
     def test_band_excludes_instrument_noise(self):
-        profile = rough(points=8192)
-        noise = rough(9, points=8192, hurst_exponent=1e-9, longest_wavelength=0.021, rms=0.01)  # flat
+        profile = rough_profile(points=8192)
+        noise = rough_profile(9, points=8192, hurst_exponent=1e-9, longest_wavelength=0.021, rms=0.01)  # flat
         result = estimate_hurst_exponent(Profile(profile.heights + noise.heights, spacing=0.01))
         assert result.shortest_wavelength > 0.04
         assert result.lower < 0.8 < result.upper
@@ -78,7 +78,7 @@ class TestProfileExponent:
         for repetition in range(30):
             options = {"points": 4096, "repetition": repetition, "longest_wavelength": 10.0}
             noise = np.random.default_rng(repetition).normal(size=4096) * 0.01
-            noisy = Profile(rough(hurst_exponent=0.3, **options).heights + noise, spacing=0.01)
+            noisy = Profile(rough_profile(hurst_exponent=0.3, **options).heights + noise, spacing=0.01)
             estimate = estimate_hurst_exponent(noisy)
             result.append(estimate)
             stored += estimate.lower < 0.3 < estimate.upper
@@ -87,7 +87,7 @@ class TestProfileExponent:
         assert stored >= 24  # 35 of 40 in a trial
 
     def test_estimate_is_invariant_under_tilt_scale_and_reversal(self):
-        profile = rough(points=4096)
+        profile = rough_profile(points=4096)
         one = estimate_hurst_exponent(profile)
         for heights, spacing in (
             (profile.heights + 5 * profile.x - 20, 0.01),
@@ -102,7 +102,7 @@ class TestProfileExponent:
         assert reversed_one.value == pytest.approx(one.value, abs=0.2 * (one.upper - one.lower))
 
     def test_given_band_is_used(self):
-        result = estimate_hurst_exponent(rough(), band=(0.05, 2.0))
+        result = estimate_hurst_exponent(rough_profile(), band=(0.05, 2.0))
         assert 0.05 <= result.shortest_wavelength < result.longest_wavelength <= 2.0 * (1 + 1e-9)
 
     def test_estimate_of_eq_1_matches_in_given_band(self):
@@ -130,11 +130,11 @@ class TestProfileExponent:
     )
     def test_estimate_rejects_bad_arguments(self, bad, match):
         with pytest.raises(ValueError, match=match):
-            estimate_hurst_exponent(rough(), **bad)
+            estimate_hurst_exponent(rough_profile(), **bad)
 
     def test_estimate_raises_without_self_affine_band(self):
-        white = rough(hurst_exponent=1e-9, longest_wavelength=0.021)
-        for profile in (white, wave(16), Profile([0.0, 1.0, 0.0, 0.0], spacing=1.0)):
+        white = rough_profile(hurst_exponent=1e-9, longest_wavelength=0.021)
+        for profile in (white, sinusoid(16), Profile([0.0, 1.0, 0.0, 0.0], spacing=1.0)):
             with pytest.raises(ValueError, match="no self-affine band"):
                 estimate_hurst_exponent(profile)
         for heights, match in (
@@ -153,7 +153,7 @@ class TestProfileExponent:
 
 
 def test_caution_reports_wide_interval_and_exponents_outside_0_to_1():
-    estimate = estimate_hurst_exponent(rough(points=4096))
+    estimate = estimate_hurst_exponent(rough_profile(points=4096))
     assert estimate.caution is None
     assert estimate.interval_classical == (2 - estimate.upper, 2 - estimate.lower)
     assert estimate.interval_paper[0] < estimate.fractal_dimension_paper < estimate.interval_paper[1]

@@ -9,7 +9,7 @@ from scipy.stats import norm
 from stiction import Surface, material_ratio, roughness_parameters, section_parameters, surface_parameters
 from stiction.surfaces.material_ratio import core_parameters, heights_at, volumes
 from stiction.surfaces.parameters import PARAMETERS, PROFILE_PARAMETERS, SURFACE_PARAMETERS
-from support.rough_surfaces import rough, self_affine_map
+from support.rough_surfaces import rough_profile, self_affine_map
 
 
 @pytest.fixture(scope="module")
@@ -21,20 +21,20 @@ def heights():
 def test_heights_and_ratios_equal_their_definitions(heights):
     z = heights.ravel().tolist()
     for ratio in (0.0, 0.025, 0.1, 0.5, 0.8, 1.0):
-        assert heights_at(heights, ratio) == pytest.approx(slow.height_at(z, ratio), rel=1e-12)
+        assert heights_at(heights, ratio) == pytest.approx(slow.height_at_material_ratio(z, ratio), rel=1e-12)
     levels = [-10.0, -0.5, 0.0, 0.7, 10.0]
-    expected = [slow.ratio_at(z, level) for level in levels]
+    expected = [slow.material_ratio_at_height(z, level) for level in levels]
     assert material_ratio(Surface(heights, spacing=1.0), levels) == pytest.approx(expected, abs=1e-12)
-    assert material_ratio(rough(), [100.0]) == 0
+    assert material_ratio(rough_profile(), [100.0]) == 0
 
 
 def test_core_equals_its_definition(heights):
-    result, expected = core_parameters(heights), slow.stratified(heights.ravel().tolist())
+    result, expected = core_parameters(heights), slow.stratified_parameters(heights.ravel().tolist())
     assert result == pytest.approx([expected[name] for name in ("k", "pk", "vk", "mrk1", "mrk2")], rel=1e-9)
 
 
 def test_volumes_equal_integrals_of_the_curve(heights):
-    result, expected = volumes(heights), slow.volumes(heights.ravel().tolist())
+    result, expected = volumes(heights), slow.material_and_void_volumes(heights.ravel().tolist())
     assert result == pytest.approx([expected[name] for name in ("Vmp", "Vmc", "Vvc", "Vvv")], rel=1e-3)
 
 
@@ -81,13 +81,13 @@ def test_parameter_set_shows_units_and_missing_values():
     with pytest.raises(AttributeError, match="SurfaceParameters has no parameter 'Ra'"):
         result.Ra  # noqa: B018
     assert math.isnan(result.Str)
-    assert list(roughness_parameters(rough()).values) == ["Pa", "Pq", "Pt", "Psk", "Pku", "Pdq"]
+    assert list(roughness_parameters(rough_profile()).values) == ["Pa", "Pq", "Pt", "Psk", "Pku", "Pdq"]
 
 
 def test_values_and_units_are_those_of_the_table_of_parameters():
     surface = self_affine_map(2, 0.6, (30, 40))
     assert tuple(surface_parameters(surface).values) == tuple(parameter.name for parameter in SURFACE_PARAMETERS)
-    result = section_parameters(rough(points=4000), lc=8.0)
+    result = section_parameters(rough_profile(points=4000), lc=8.0)
     assert tuple(result.values) == tuple(parameter.name for letter in "RW" for parameter in PROFILE_PARAMETERS[letter])
     assert len(PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))  # names are unique
     # Heights ten times as large, in units of the table.

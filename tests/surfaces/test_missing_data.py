@@ -20,7 +20,7 @@ from stiction import (
 )
 from stiction.studies.pair import Pair
 from stiction.surfaces.missing_data import find_outliers
-from support.machined_surfaces import CLEAN, filtered_noise
+from support.machined_surfaces import MACHINED_SURFACES, filtered_noise
 
 HOLE = np.s_[20:44, 30:50]
 READ = {"unit": "um", "spacing": "0.1 um"}
@@ -150,9 +150,9 @@ def test_find_outliers_detects_groups_of_at_most_four_points(size, is_outlier):
     assert find_outliers(heights)[group].any() == is_outlier
 
 
-@pytest.mark.parametrize("kind", CLEAN)
+@pytest.mark.parametrize("kind", MACHINED_SURFACES)
 def test_find_outliers_has_few_false_positives(kind):
-    result = sum(int(find_outliers(CLEAN[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
+    result = sum(int(find_outliers(MACHINED_SURFACES[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
     assert result <= 10  # of 10240 points
 
 

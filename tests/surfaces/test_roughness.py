@@ -15,7 +15,7 @@ from stiction import (
     surface_parameters,
 )
 from stiction.surfaces.roughness import autocorrelation
-from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough, wave
+from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough_profile, sinusoid
 
 # Round-off of sums over some thousand points, and of transforms.
 ROUND_OFF = 1e-12
@@ -25,7 +25,7 @@ class TestParameters:
     def test_parameters_of_sinusoid_have_closed_forms(self):
         # Even moments of whole periods are exact. The mean of |sin| at n points per period is below 2/π by π²/3n².
         n = 512
-        result = roughness_parameters(wave(n))
+        result = roughness_parameters(sinusoid(n))
         assert result.Pa == pytest.approx(2 / np.pi * AMPLITUDE, rel=1.01 * np.pi**2 / (3 * n**2) * 4)
         assert result.Pq == pytest.approx(AMPLITUDE / np.sqrt(2), rel=ROUND_OFF)
         assert result.Pt == pytest.approx(2 * AMPLITUDE, rel=ROUND_OFF)
@@ -37,12 +37,12 @@ class TestParameters:
         exact = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
         for n in (16, 32):
             # Long, so that six points without a seven-point slope have little weight.
-            short = 1 - roughness_parameters(wave(n, waves=40_000), derivative=derivative).Pdq / exact
+            short = 1 - roughness_parameters(sinusoid(n, waves=40_000), derivative=derivative).Pdq / exact
             # The next term is about (2π/n)² of this one.
             assert short == pytest.approx((2 * np.pi / n) ** order / factor, rel=(2 * np.pi / n) ** 2, abs=2e-6)
 
     def test_parameters_of_normal_heights_have_closed_forms(self):
-        result = roughness_parameters(rough(points=200_000, longest_wavelength=1.0))
+        result = roughness_parameters(rough_profile(points=200_000, longest_wavelength=1.0))
         # About 2000 independent heights: four times the standard errors of 0.05 and 0.11.
         assert result.Psk == pytest.approx(0, abs=0.2)
         assert result.Pku == pytest.approx(3, abs=0.45)
@@ -50,7 +50,7 @@ class TestParameters:
 
     @pytest.mark.parametrize("factor", [1e-45, 1e45])
     def test_parameters_scale_with_heights(self, factor):
-        profile = rough()
+        profile = rough_profile()
         one, other = (
             roughness_parameters(profile),
             roughness_parameters(Profile(profile.heights * factor, spacing=0.01)),
@@ -69,7 +69,7 @@ class TestParameters:
         with pytest.raises(ValueError, match="7 points"):
             roughness_parameters(Profile([0.0, 1.0, 0.0, 1.0], spacing=1.0))
         with pytest.raises(ValueError, match="derivative"):
-            roughness_parameters(rough(), derivative="spline")
+            roughness_parameters(rough_profile(), derivative="spline")
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # its own names, and what it imports
@@ -84,7 +84,7 @@ class TestAgainstSurfaceTopography:
     def profile(self, request):
         if request.param == "measured":
             return levelled(read_profile(request.getfixturevalue("measured")("dektak-1.csv")), "line")
-        return levelled(rough(), "mean")
+        return levelled(rough_profile(), "mean")
 
     def test_levelling_agrees_with_surface_topography(self, line_scan, measured):
         profile = read_profile(measured("dektak-1.csv"))

@@ -20,15 +20,15 @@ from stiction import (
     surface_spectrum,
 )
 from stiction.surfaces.scale import interval_power_laws
-from support.machined_surfaces import CLEAN, filtered_noise, turned, unit
-from support.rough_surfaces import rough, self_affine_map, wave
+from support.machined_surfaces import MACHINED_SURFACES, filtered_noise, scale_to_unit_rms, turned_surface
+from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
 
 ROUND_OFF = 1e-9
 BINS = 0.03  # relative error of a slope between two bins (48 per decade)
 
 
 def test_scale_dependent_roughness_tends_to_moments_of_spectrum():
-    profile = rough()
+    profile = rough_profile()
     moments = spectral_moments(profile, periodic=True)
     result = scale_dependent_roughness(profile, periodic=True)
     assert result.gradient[-1] ** 2 == pytest.approx(moments.slope, rel=ROUND_OFF)
@@ -117,8 +117,8 @@ def test_extrapolation_follows_power_law(hurst, areal):
 
 
 def test_extrapolation_is_continuous_at_exponent_1():
-    estimate = replace(estimate_hurst_exponent(rough(points=4096)), value=1.0)
-    recorded = scale_dependent_roughness(rough(points=4096))
+    estimate = replace(estimate_hurst_exponent(rough_profile(points=4096)), value=1.0)
+    recorded = scale_dependent_roughness(rough_profile(points=4096))
     near = replace(estimate, value=1 + 1e-9)
     assert recorded.continued(1e-4, estimate) == pytest.approx(recorded.continued(1e-4, near), rel=1e-6)
 
@@ -225,15 +225,15 @@ class TestInstrument:
 
 
 def body_of(heights, spacing=0.1):
-    return (Profile if heights.ndim == 1 else Surface)(0.02 * unit(heights), spacing=spacing)
+    return (Profile if heights.ndim == 1 else Surface)(0.02 * scale_to_unit_rms(heights), spacing=spacing)
 
 
 class TestTexture:
     @pytest.mark.parametrize("dimensions", [1, 2])
-    @pytest.mark.parametrize("kind", CLEAN)
+    @pytest.mark.parametrize("kind", MACHINED_SURFACES)
     def test_clean_surface_has_no_instrument_wavelengths(self, kind, dimensions):
         limits = [
-            instrument_limit(body_of(CLEAN[kind](np.random.default_rng([seed, dimensions]), dimensions)))
+            instrument_limit(body_of(MACHINED_SURFACES[kind](np.random.default_rng([seed, dimensions]), dimensions)))
             for seed in range(8)
         ]
         assert not any(limit.matters and limit.origin == "instrument" for limit in limits)
@@ -241,7 +241,7 @@ class TestTexture:
 
     @pytest.mark.parametrize("feed", [10, 25, 60])
     def test_feed_of_turned_profile_is_detected(self, feed):
-        heights = turned(np.random.default_rng(1), 1, feed=(feed, feed))
+        heights = turned_surface(np.random.default_rng(1), 1, feed=(feed, feed))
         assert instrument_limit(body_of(heights)).period == pytest.approx(0.1 * feed, rel=0.01)
 
     @pytest.mark.parametrize("hurst", [0.3, 0.8, 1.0])
@@ -252,7 +252,7 @@ class TestTexture:
 
     def test_noise_on_turned_profile_is_attributed_to_instrument_if_texture_is_declared(self):
         rng = np.random.default_rng(3)
-        heights = turned(rng, 1, feed=(40, 40), rough=0.02, wander=0.0)
+        heights = turned_surface(rng, 1, feed=(40, 40), rough=0.02, wander=0.0)
         noisy = body_of(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
         result = instrument_limit(noisy)
         assert (result.reason, result.origin, result.matters) == ("noise floor", "unknown", True)
@@ -280,8 +280,8 @@ class TestTexture:
     [
         (scale_dependent_roughness, {"body": [1.0]}, "body must be a Profile or a Surface, got list"),
         (scale_dependent_roughness, {"body": Profile(np.ones(9), spacing=1.0)}, "a flat profile has no roughness"),
-        (scale_dependent_roughness, {"body": wave(16), "periodic": 1}, "periodic must be True or False"),
-        (instrument_limit, {"body": wave(16), "tip_radius": 0.0}, "tip_radius must be a finite number above 0 µm"),
+        (scale_dependent_roughness, {"body": sinusoid(16), "periodic": 1}, "periodic must be True or False"),
+        (instrument_limit, {"body": sinusoid(16), "tip_radius": 0.0}, "tip_radius must be a finite number above 0 µm"),
     ],
 )
 def test_instrument_limit_rejects_bad_arguments(function, arguments, message):
@@ -290,7 +290,7 @@ def test_instrument_limit_rejects_bad_arguments(function, arguments, message):
 
 
 def test_gradient_and_wavelength_reject_bad_arguments():
-    result = scale_dependent_roughness(wave(16))
+    result = scale_dependent_roughness(sinusoid(16))
     with pytest.raises(ValueError, match="wavelength must be above 0"):
         result.gradient_at(0.0)
     with pytest.raises(ValueError, match="gradient must be a finite number above 0"):

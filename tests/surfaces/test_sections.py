@@ -81,11 +81,14 @@ class TestDefinitions:
 
     def test_roughness_parameters_equal_their_definitions(self, parts, found):
         z = parts[0]
-        peak, pit = slow.sections(z, 5)
-        spacing, tall = slow.profile_elements(z, peak, pit)
-        expected = slow.heights_and_slopes(z, 0.5) | slow.stratified(z)
+        peak, pit = slow.mean_section_extremes(z, 5)
+        spacing, tall = slow.measure_profile_elements(z, peak, pit)
+        expected = slow.height_parameters(z, 0.5) | slow.stratified_parameters(z)
         expected |= {"p": peak, "v": pit, "z": peak + pit, "Sm": 0.5 * spacing, "c": tall}
-        expected |= {"mr": slow.ratio_at(z, 0), "dc": slow.height_at(z, 0.2) - slow.height_at(z, 0.8)}
+        expected |= {
+            "mr": slow.material_ratio_at_height(z, 0),
+            "dc": slow.height_at_material_ratio(z, 0.2) - slow.height_at_material_ratio(z, 0.8),
+        }
         assert sorted(f"R{stem}" for stem in expected) == sorted(
             parameter.name for parameter in PROFILE_PARAMETERS["R"]
         )
@@ -96,8 +99,8 @@ class TestDefinitions:
 
     def test_waviness_parameters_equal_their_definitions(self, parts, found):
         z = parts[1]
-        spacing, tall = slow.profile_elements(z, max(z), -min(z))
-        expected = slow.heights_and_slopes(z, 0.5) | {"Sm": 0.5 * spacing, "c": tall}
+        spacing, tall = slow.measure_profile_elements(z, max(z), -min(z))
+        expected = slow.height_parameters(z, 0.5) | {"Sm": 0.5 * spacing, "c": tall}
         for stem, value in expected.items():
             assert getattr(found, f"W{stem}") == pytest.approx(value, rel=2e-4, abs=1e-6), stem
 
@@ -120,7 +123,7 @@ def test_profile_elements_are_invariant_under_reversal_and_flip(seed):
 @pytest.mark.parametrize("seed", range(4))
 def test_profile_elements_equal_a_walk_along_the_profile(seed):
     heights = ground(seed, points=1500).heights
-    assert mean_element(heights, 0.5, 0.7) == pytest.approx(slow.profile_elements(heights, 0.5, 0.7), rel=1e-9)
+    assert mean_element(heights, 0.5, 0.7) == pytest.approx(slow.measure_profile_elements(heights, 0.5, 0.7), rel=1e-9)
 
 
 class TestSettingClass:

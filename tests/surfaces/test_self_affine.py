@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from stiction import Surface, power_spectrum, roughness_parameters, self_affine_surface
-from support.rough_surfaces import rough
+from support.rough_surfaces import rough_profile
 
 ROUND_OFF = 1e-12  # round-off of sums and transforms of ten thousand numbers
 CHOICES = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spacing": (0.02, 0.01)}
@@ -11,7 +11,7 @@ CHOICES = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spacing": (0.
 
 class TestSelfAffineProfile:
     def test_profile_has_requested_spectrum_and_height(self):
-        profile = rough(periodic=True, amplitudes="fixed", longest_wavelength=2.0, shortest_wavelength=0.05)
+        profile = rough_profile(periodic=True, amplitudes="fixed", longest_wavelength=2.0, shortest_wavelength=0.05)
         assert roughness_parameters(profile).Pq == pytest.approx(0.1, rel=ROUND_OFF)
         spectrum = power_spectrum(profile, periodic=True)
         wavelength = 2 * np.pi / spectrum.wave_number
@@ -24,7 +24,7 @@ class TestSelfAffineProfile:
     @pytest.mark.parametrize("periodic", [True, False])
     def test_ensemble_mean_square_equals_requested(self, periodic):
         squares = [
-            roughness_parameters(rough(repetition=r, periodic=periodic, longest_wavelength=0.5)).Pq ** 2
+            roughness_parameters(rough_profile(repetition=r, periodic=periodic, longest_wavelength=0.5)).Pq ** 2
             for r in range(100)
         ]
         # 100 profiles with about ten independent sections: 4 %; subtracting the mean removes as much again.
@@ -33,21 +33,21 @@ class TestSelfAffineProfile:
     def test_finer_grid_samples_the_same_profile(self):
         options = {"shortest_wavelength": 0.05}
         for periodic in (True, False):
-            coarse = rough(points=1000, spacing=0.01, periodic=periodic, **options)
-            fine = rough(points=4000, spacing=0.0025, periodic=periodic, **options)
+            coarse = rough_profile(points=1000, spacing=0.01, periodic=periodic, **options)
+            fine = rough_profile(points=4000, spacing=0.0025, periodic=periodic, **options)
             assert np.allclose(fine.heights[::4], coarse.heights, rtol=0, atol=ROUND_OFF)
 
     def test_periodic_ends_meet_and_others_do_not(self):
         def jump(profile):
             return abs(profile.heights[0] - profile.heights[-1]) / np.abs(np.diff(profile.heights)).max()
 
-        assert max(jump(rough(repetition=r, periodic=True)) for r in range(10)) < 2
-        assert np.median([jump(rough(repetition=r)) for r in range(10)]) > 5
+        assert max(jump(rough_profile(repetition=r, periodic=True)) for r in range(10)) < 2
+        assert np.median([jump(rough_profile(repetition=r)) for r in range(10)]) > 5
 
     def test_profile_depends_only_on_random_numbers(self):
-        assert np.array_equal(rough(1).heights, rough(1).heights)
-        for other in (rough(2), rough(1, repetition=1), rough(1, side="upper")):
-            assert not np.allclose(rough(1).heights, other.heights)
+        assert np.array_equal(rough_profile(1).heights, rough_profile(1).heights)
+        for other in (rough_profile(2), rough_profile(1, repetition=1), rough_profile(1, side="upper")):
+            assert not np.allclose(rough_profile(1).heights, other.heights)
 
     @pytest.mark.parametrize(
         ("bad", "match"),
@@ -69,7 +69,7 @@ class TestSelfAffineProfile:
     )
     def test_self_affine_rejects_bad_arguments(self, bad, match):
         with pytest.raises(ValueError, match=match):
-            rough(**bad)
+            rough_profile(**bad)
 
 
 def surface(seed=3, **changes):

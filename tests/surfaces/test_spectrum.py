@@ -18,7 +18,7 @@ from stiction import (
     weierstrass_mandelbrot,
     weierstrass_mandelbrot_moments,
 )
-from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough, self_affine_map, wave
+from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough_profile, self_affine_map, sinusoid
 
 # Round-off of sums over some thousand points, and of transforms.
 ROUND_OFF = 1e-12
@@ -28,7 +28,7 @@ LAY = 10.0  # degrees, for maps about ten wavelengths long and stretched by two;
 
 class TestSpectrum:
     def test_spectrum_of_sinusoid_is_one_line(self):
-        profile = wave(16)
+        profile = sinusoid(16)
         spectrum = power_spectrum(profile, periodic=True)
         line = int(np.argmax(spectrum.density))
         assert spectrum.wave_number[line] == pytest.approx(2 * np.pi / WAVELENGTH, rel=ROUND_OFF)
@@ -37,7 +37,7 @@ class TestSpectrum:
 
     @pytest.mark.parametrize("points", [1000, 1001])
     def test_spectrum_integrates_to_mean_square_height(self, points):
-        profile = rough(points=points)
+        profile = rough_profile(points=points)
         spectrum = power_spectrum(profile, periodic=True)
         mean_square = roughness_parameters(profile).Pq ** 2
         assert spectrum.moment(0) == pytest.approx(mean_square, rel=ROUND_OFF)
@@ -48,7 +48,7 @@ class TestSpectrum:
             assert (np.diff(binned.wave_number) > 0).all()
 
     def test_spectrum_equals_its_definition(self):
-        profile = rough(points=64)
+        profile = rough_profile(points=64)
         window = np.sqrt(8 / 3) * np.sin(np.pi * np.arange(64) / 64) ** 2
         for periodic in (True, False):
             heights = (profile.heights - profile.heights.mean()) * (1.0 if periodic else window)
@@ -58,7 +58,7 @@ class TestSpectrum:
                 assert density == pytest.approx(abs(transform) ** 2 / profile.extent, rel=1e-9)
 
     def test_window_preserves_level_and_removes_leakage(self):
-        profiles = [rough(repetition=r, points=4096, longest_wavelength=4.0) for r in range(40)]
+        profiles = [rough_profile(repetition=r, points=4096, longest_wavelength=4.0) for r in range(40)]
         windowed, plain = (
             np.mean([power_spectrum(p, periodic=periodic).density for p in profiles], axis=0)
             for periodic in (False, True)
@@ -76,14 +76,14 @@ class TestSpectrum:
     def test_spectrum_rejects_bad_arguments(self, bad):
         for function in (power_spectrum, estimate_hurst_exponent, spectral_moments):
             with pytest.raises(ValueError, match="periodic"):
-                function(rough(), **bad)
+                function(rough_profile(), **bad)
         with pytest.raises(ValueError, match="per_decade"):
-            power_spectrum(rough()).in_bins(0)
+            power_spectrum(rough_profile()).in_bins(0)
 
 
 class TestSpectralMoments:
     def test_moments_of_sinusoid_have_closed_forms(self):
-        result = spectral_moments(wave(16), periodic=True)
+        result = spectral_moments(sinusoid(16), periodic=True)
         q = 2 * np.pi / WAVELENGTH
         for order, value in enumerate((result.height, result.slope, result.curvature)):
             # Round-off at the highest of 64 harmonics is amplified by 8^(2j).
@@ -91,7 +91,7 @@ class TestSpectralMoments:
         assert result.nayak_parameter == pytest.approx(1, rel=1e-10)
 
     def test_moments_of_bands_add_up(self):
-        profile = rough()
+        profile = rough_profile()
         whole = spectral_moments(profile)
         # 0.35 µm is no wavelength of the profile, so nothing is counted twice.
         parts = spectral_moments(profile, shortest_wavelength=0.35), spectral_moments(profile, longest_wavelength=0.35)
@@ -100,9 +100,9 @@ class TestSpectralMoments:
 
     def test_moments_reject_bad_arguments(self):
         with pytest.raises(ValueError, match="longest_wavelength must be above"):
-            spectral_moments(rough(), shortest_wavelength=2.0, longest_wavelength=1.0)
+            spectral_moments(rough_profile(), shortest_wavelength=2.0, longest_wavelength=1.0)
         with pytest.raises(ValueError, match="no wavelength of the profile"):
-            spectral_moments(rough(), shortest_wavelength=20.0)
+            spectral_moments(rough_profile(), shortest_wavelength=20.0)
         with pytest.raises(ValueError, match="flat"):
             spectral_moments(Profile([1.0] * 10, spacing=1.0))
 

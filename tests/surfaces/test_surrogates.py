@@ -17,7 +17,7 @@ from stiction import (
     surface_spectrum,
     surrogate,
 )
-from support.rough_surfaces import rough
+from support.rough_surfaces import rough_profile
 
 # Round-off of sums over some thousand points, and of transforms.
 ROUND_OFF = 1e-12
@@ -33,7 +33,7 @@ SCATTER = 0.1
 class TestSurrogate:
     @pytest.mark.parametrize("points", [1000, 1001])
     def test_surrogate_of_periodic_profile_has_equal_spectrum(self, points):
-        profile = rough(points=points, periodic=True)
+        profile = rough_profile(points=points, periodic=True)
         other = surrogate(profile, 5, periodic=True)
         one, two = (power_spectrum(p, periodic=True).density for p in (profile, other))
         assert np.allclose(one, two, rtol=1e-9, atol=ROUND_OFF**2 * one.max())
@@ -41,14 +41,18 @@ class TestSurrogate:
         assert other.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
 
     def test_surrogate_of_profile_has_equal_height(self):
-        for profile in (rough(), rough(points=1001), Profile(rough().heights + 7.0, spacing=0.01)):
+        for profile in (
+            rough_profile(),
+            rough_profile(points=1001),
+            Profile(rough_profile().heights + 7.0, spacing=0.01),
+        ):
             other = surrogate(profile, 5, repetition=2)
             assert other.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
             assert roughness_parameters(other).Pq == pytest.approx(roughness_parameters(profile).Pq, rel=1e-11)
 
     @pytest.mark.parametrize("points", [8, 9, 10, 11])
     def test_surrogate_has_averaged_spectrum_of_mirrored_profile(self, points):
-        heights = rough(points=points).heights
+        heights = rough_profile(points=points).heights
         image = np.concatenate([heights, heights[::-1]]) - heights.mean()
         density = np.abs(np.fft.fft(image)) ** 2
         own = 2 * np.arange(1, points // 2 + 1)
@@ -63,7 +67,7 @@ class TestSurrogate:
     def test_surrogate_preserves_slope_and_short_wavelengths(self, hurst, longest):
         slopes, short = [], []
         for r in range(20):
-            profile = rough(points=4096, longest_wavelength=longest, hurst_exponent=hurst, repetition=r)
+            profile = rough_profile(points=4096, longest_wavelength=longest, hurst_exponent=hurst, repetition=r)
             tilt = np.polynomial.Polynomial.fit(profile.x, profile.heights, 1)(profile.x)
             profile = Profile(profile.heights - tilt, spacing=profile.spacing)
             other = surrogate(profile, 5, repetition=r)
@@ -81,7 +85,7 @@ class TestSurrogate:
         assert np.mean(short) == pytest.approx(1, abs=0.03)
 
     def test_surrogates_form_an_ensemble(self):
-        profile = rough()
+        profile = rough_profile()
         assert np.array_equal(surrogate(profile, 1).heights, surrogate(profile, 1).heights)
         others = [surrogate(profile, 1, repetition=r) for r in range(3)] + [surrogate(profile, 1, side="upper")]
         for one, two in pairwise(others):
@@ -91,9 +95,9 @@ class TestSurrogate:
         with pytest.raises(ValueError, match="flat"):
             surrogate(Profile([1.0] * 10, spacing=1.0), 1)
         with pytest.raises(ValueError, match="seed"):
-            surrogate(rough(), -1)
+            surrogate(rough_profile(), -1)
         with pytest.raises(ValueError, match="periodic"):
-            surrogate(rough(), 1, periodic="no")
+            surrogate(rough_profile(), 1, periodic="no")
 
 
 def known(hurst, side="lower", shape=(256, 2048), spacing=0.1):

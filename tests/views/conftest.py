@@ -2,7 +2,7 @@
 
 import pytest
 from support import browser
-from support.measured_studies import lines_result, maps_result
+from support.studies_of_files import run_lines, run_maps
 
 
 @pytest.fixture(scope="session")
@@ -12,15 +12,15 @@ def result(small_result):
 
 @pytest.fixture(scope="session")
 def maps(tmp_path_factory):
-    return maps_result(tmp_path_factory.mktemp("maps"))
+    return run_maps(tmp_path_factory.mktemp("maps"))
 
 
 @pytest.fixture(scope="session")
 def lines(tmp_path_factory):
-    return lines_result(tmp_path_factory.mktemp("lines"))
+    return run_lines(tmp_path_factory.mktemp("lines"))
 
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory):
-    with browser.browser(tmp_path_factory.mktemp("profile")) as driver:
+    with browser.start_browser(tmp_path_factory.mktemp("profile")) as driver:
         yield driver

@@ -19,14 +19,14 @@ from stiction.views.figures.standard import figures_of
 from stiction.views.report import report_page
 from stiction.views.rows import summary_json, summary_table
 from stiction.views.style import FORMATS, save_figure, spread_labels
-from support.generated_studies import SMALL, empty_dataset
-from support.measured_studies import maps_result
+from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.report_numbers import ReportNumbers
+from support.studies_of_files import run_maps
 
 
 @pytest.fixture(scope="module")
 def maps(tmp_path_factory):
-    return maps_result(tmp_path_factory.mktemp("maps"), cut_off='["0 um", "1 um"]')
+    return run_maps(tmp_path_factory.mktemp("maps"), cut_off='["0 um", "1 um"]')
 
 
 # ---- Which figures ---------------------------------------------------------------------------------------------------
@@ -112,9 +112,9 @@ def test_foreign_files_are_not_replaced_and_empty_results_are_rejected(tmp_path)
             save_figure(Figure(), other)
         assert other.read_bytes() == content
     with pytest.raises(ValueError, match="formats"):
-        draw_figures(empty_dataset(SMALL), tmp_path, formats=["tiff"])
+        draw_figures(empty_dataset(SMALL_STUDY), tmp_path, formats=["tiff"])
     with pytest.raises(ValueError, match="nothing to draw"):
-        draw_figures(empty_dataset(SMALL), Path())
+        draw_figures(empty_dataset(SMALL_STUDY), Path())
 
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------

@@ -8,12 +8,12 @@ from stiction._number_format import quoted
 from stiction.studies.study import Study
 from stiction.studies.summary import summarize
 from stiction.views.latex import latex_table
-from support.synthetic_results import generated, generated_study, measured, measured_study
+from support.synthetic_results import generated_result, generated_study, measured_result, measured_study
 
 RESULTS = {
-    "pair": summarize(measured(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study()),
-    "readings": summarize(measured(cut_offs=(0.0, 0.5)), measured_study()),
-    "study": summarize(generated(dimensions=(1.1, 1.3)), generated_study()),
+    "pair": summarize(measured_result(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study()),
+    "readings": summarize(measured_result(cut_offs=(0.0, 0.5)), measured_study()),
+    "study": summarize(generated_result(dimensions=(1.1, 1.3)), generated_study()),
 }
 
 

@@ -14,7 +14,7 @@ from stiction.studies.study import study_of
 from stiction.studies.summary import summarize
 from stiction.views.report import report_page
 from stiction.views.report.tables import decimals_of
-from support.generated_studies import SMALL, empty_dataset
+from support.generated_studies import SMALL_STUDY, empty_dataset
 
 pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
 
@@ -26,7 +26,7 @@ MOST_EXCESS = 3.0  # errors at single settings over the tolerances by which the 
 
 def invented(reached):
     """Sums that are of no surface: loads that rise and fall, fall below zero, and repetitions that carry nothing."""
-    data = empty_dataset(SMALL)
+    data = empty_dataset(SMALL_STUDY)
     random = np.random.default_rng(9)
     shape = data["normal_elastic"].shape
     rise = np.arange(1, shape[-1] + 1) ** 1.5
@@ -208,7 +208,7 @@ def test_members_without_a_solution_are_left_out(result):
 
 
 def test_report_of_bodies_that_do_not_touch_has_no_loads():
-    data = empty_dataset(SMALL.with_changes({"contact.approach": ["0 nm"]}))
+    data = empty_dataset(SMALL_STUDY.with_changes({"contact.approach": ["0 nm"]}))
     assert ReportNumbers(report_page(data)).facts["loads"]["values"] == []
 
 

@@ -16,10 +16,10 @@ from stiction.views.characterisation import Characterisation
 from stiction.views.report import report_page, save_report
 from stiction.views.report.surface import surface_page
 from support import browser
-from support.generated_studies import SMALL, empty_dataset
+from support.generated_studies import SMALL_STUDY, empty_dataset
 
 pytest.importorskip("selenium", reason="selenium is not installed")
-pytestmark = browser.IN_BROWSER
+pytestmark = browser.BROWSER_MARKS
 
 MOST_EXCESS = 10.0  # errors at single settings over the tolerances by which nodes are chosen
 CONTROL, SHIFT = 2, 8  # bits of the browser's protocol
@@ -90,7 +90,7 @@ def enter(driver, name, value):
     from selenium.webdriver.common.keys import Keys
 
     by_id(driver, name).send_keys(Keys.CONTROL + "a" + Keys.NULL, str(value))
-    browser.settle(driver)
+    browser.wait_for_drawing(driver)
 
 
 def pointer(driver, x, y):
@@ -142,10 +142,12 @@ def touch(driver, kind, *points):
 
 def wheel(driver, plot):
     """Turn the wheel with Ctrl over a point that is a quarter in from the left and the bottom."""
-    left, top, width, height = browser.frame(driver, plot)
+    left, top, width, height = browser.find_axes_frame(driver, plot)
     mouse(driver, "mouseWheel", left + width / 4, top + 3 * height / 4, modifiers=CONTROL, deltaX=0, deltaY=-200)
-    browser.wait(driver, lambda driver: driver.execute_script(f"return document.getElementById('{plot}').view != null"))
-    browser.settle(driver)
+    browser.wait_for(
+        driver, lambda driver: driver.execute_script(f"return document.getElementById('{plot}').view != null")
+    )
+    browser.wait_for_drawing(driver)
 
 
 @pytest.mark.parametrize(("kind", "plot"), [(kind, plot) for kind, plots in KINDS.items() for plot in sorted(plots)])
@@ -162,33 +164,33 @@ def test_plots_zoom_and_pan(driver, pages, kind, plot):
     ratio = (near[:, 1] - near[:, 0]) / span
     assert ratio == pytest.approx(np.exp(-200 / 300), rel=1e-6)
     assert near[:, 0] + (near[:, 1] - near[:, 0]) / 4 == pytest.approx(whole[:, 0] + span / 4, abs=0.01 * span.max())
-    left, top, width, height = browser.frame(driver, plot)
+    left, top, width, height = browser.find_axes_frame(driver, plot)
     start = (left + width / 2, top + height / 2)
     mouse(driver, "mousePressed", *start, modifiers=SHIFT, button="left", clickCount=1)
     for part in (0.05, 0.1):
         end = start[0] + part * width, start[1] - part * height
         mouse(driver, "mouseMoved", *end, modifiers=SHIFT, button="left", buttons=1)
     mouse(driver, "mouseReleased", *end, modifiers=SHIFT, button="left", clickCount=1)
-    browser.settle(driver)
+    browser.wait_for_drawing(driver)
     moved = view(driver, plot)
     assert (moved - near)[0] == pytest.approx(-0.1 * ratio[0] * span[0], rel=0.05)
     assert (moved - near)[1] == pytest.approx(-0.1 * ratio[1] * span[1], rel=0.05)
-    browser.press(driver, plot, Keys.SHIFT + Keys.ARROW_RIGHT + Keys.NULL)
+    browser.press_keys(driver, plot, Keys.SHIFT + Keys.ARROW_RIGHT + Keys.NULL)
     assert (view(driver, plot) - moved)[0] == pytest.approx(0.2 * ratio[0] * span[0], rel=0.05)
-    browser.press(driver, plot, "0")
+    browser.press_keys(driver, plot, "0")
     assert view(driver, plot) == pytest.approx(whole)
-    browser.press(driver, plot, "+")
+    browser.press_keys(driver, plot, "+")
     assert np.diff(view(driver, plot)).ravel() == pytest.approx(span / 1.5)
-    browser.press(driver, plot, "-")
+    browser.press_keys(driver, plot, "-")
     assert view(driver, plot) == pytest.approx(whole)
     # Two fingers that move apart.
     driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2})
-    left, top, width, height = browser.frame(driver, plot)
+    left, top, width, height = browser.find_axes_frame(driver, plot)
     for kind_of_event, times in (("touchStart", 1), ("touchMove", 1.5), ("touchMove", 2)):
         x = [left + width * (0.5 + 0.1 * side * times) for side in (-1, 1)]
         touch(driver, kind_of_event, *((item, top + height / 2) for item in x))
     touch(driver, "touchEnd")
-    browser.settle(driver)
+    browser.wait_for_drawing(driver)
     driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
     near = view(driver, plot)
     assert np.diff(near).ravel() == pytest.approx(span / 2, rel=0.05)
@@ -224,10 +226,10 @@ def test_numbers_under_pointer_equal_the_library(opened, result):
         enter(opened, "tau0-number", tau0)
         d, row = random.integers(dimensions.size), random.integers(loads.size // 4, loads.size)
         # Cells are of equal size: dimensions are in equal steps, and loads in equal ratios on a logarithmic axis.
-        left, top, width, height = browser.frame(opened, "map")
+        left, top, width, height = browser.find_axes_frame(opened, "map")
         x, y = left + width * (d + 0.5) / dimensions.size, top + height * (1 - (row + 0.5) / loads.size)
         pointer(opened, x, y).pause(0.2).perform()
-        browser.settle(opened)
+        browser.wait_for_drawing(opened)
         reference = friction_map(result, [loads[row]], mu0=[mu0], tau0=[tau0 / 1000])
         reference = reference.isel(fractal_dimension=d, amplitude=0, load=0, mu0=0, tau0=0)
         status, numbers = said(opened)
@@ -245,32 +247,32 @@ def test_numbers_under_pointer_equal_the_library(opened, result):
 def test_click_selects_and_double_click_resets(opened):
     whole = ends(opened)
     for _ in range(5):  # on a busy machine two clicks may be too far apart to be a double one
-        left, top, width, height = browser.frame(opened, "map")
+        left, top, width, height = browser.find_axes_frame(opened, "map")
         pointer(opened, left + 0.125 * width, top + 0.7 * height).click().perform()
-        browser.settle(opened)
+        browser.wait_for_drawing(opened)
         before = picked(opened)
         assert before[0] == 0
-        browser.press(opened, "map", "+")
+        browser.press_keys(opened, "map", "+")
         assert ends(opened) != whole
-        left, top, width, height = browser.frame(opened, "map")
+        left, top, width, height = browser.find_axes_frame(opened, "map")
         pointer(opened, left + 0.8 * width, top + 0.4 * height).double_click().perform()
-        browser.settle(opened)
+        browser.wait_for_drawing(opened)
         if ends(opened) == pytest.approx(whole):
             break
-        browser.press(opened, "map", "0")
+        browser.press_keys(opened, "map", "0")
     assert picked(opened) == before
     assert ends(opened) == pytest.approx(whole)
 
 
 def test_rectangle_and_buttons_zoom(opened):
     whole = ends(opened)
-    left, top, width, height = browser.frame(opened, "map")
+    left, top, width, height = browser.find_axes_frame(opened, "map")
     chain = pointer(opened, left + 0.3 * width, top + 0.3 * height)
     chain.click_and_hold()
     for part in (0.5, 0.7):
         chain.w3c_actions.pointer_action.move_to_location(round(left + part * width), round(top + part * height))
     chain.release().perform()
-    browser.settle(opened)
+    browser.wait_for_drawing(opened)
     near = ends(opened)
     assert near[:2] == pytest.approx([whole[0] + part * (whole[1] - whole[0]) for part in (0.3, 0.7)], rel=0.02)
     ratio = whole[3] / whole[2]
@@ -278,11 +280,11 @@ def test_rectangle_and_buttons_zoom(opened):
     closer, _, all_of_it = opened.find_elements("css selector", "#friction + .saves button")[:3]
     before = ends(opened, "friction")
     closer.click()
-    browser.settle(opened)
+    browser.wait_for_drawing(opened)
     after = ends(opened, "friction")
     assert before[0] < after[0] < after[1] < before[1]
     all_of_it.click()
-    browser.settle(opened)
+    browser.wait_for_drawing(opened)
     assert ends(opened, "friction") == pytest.approx(before)
 
 
@@ -290,15 +292,15 @@ def test_arrow_keys_move_the_selection(opened):
     from selenium.webdriver.common.keys import Keys
 
     opened.execute_script("pick(2, 20)")
-    browser.settle(opened)
+    browser.wait_for_drawing(opened)
     dimension, load = picked(opened)
-    browser.press(opened, "map", Keys.ARROW_RIGHT + Keys.ARROW_UP * 3 + Keys.ARROW_LEFT * 2)
+    browser.press_keys(opened, "map", Keys.ARROW_RIGHT + Keys.ARROW_UP * 3 + Keys.ARROW_LEFT * 2)
     assert picked(opened) == [dimension - 1, load + 3]
-    browser.press(opened, "area", Keys.ARROW_LEFT * 2)
+    browser.press_keys(opened, "area", Keys.ARROW_LEFT * 2)
     assert picked(opened) == [dimension - 1, load + 1]
-    browser.press(opened, "over", Keys.ARROW_RIGHT)
+    browser.press_keys(opened, "over", Keys.ARROW_RIGHT)
     assert picked(opened) == [dimension, load + 1]
-    browser.press(opened, "mu0", Keys.ARROW_RIGHT * 5)
+    browser.press_keys(opened, "mu0", Keys.ARROW_RIGHT * 5)
     assert float(by_id(opened, "mu0-number").get_attribute("value")) == pytest.approx(0.45)
 
 
@@ -321,8 +323,8 @@ def test_address_restores_the_view(driver, pages):
     browser.open_page(driver, pages["study"])
     enter(driver, "mu0-number", 0.37)
     enter(driver, "tau0-number", 41)
-    browser.press(driver, "map", "\ue012\ue013\ue013")
-    browser.rest(driver)
+    browser.press_keys(driver, "map", "\ue012\ue013\ue013")
+    browser.wait_until_idle(driver)
     address, recorded = driver.current_url, by_id(driver, "answer").text
     assert "mu0=0.37" in address
     driver.get("about:blank")
@@ -348,7 +350,7 @@ def test_figures_and_numbers_are_saved(driver, pages, tmp_path):
             driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
             file = tmp_path / f"study_{name}.{button.text.lower()}"
             button.click()
-            browser.wait(driver, lambda _, file=file: file.exists())  # a browser holds back many downloads at once
+            browser.wait_for(driver, lambda _, file=file: file.exists())  # a browser holds back many downloads at once
     text = (tmp_path / "study_friction.svg").read_text("utf-8")
     assert "var(" not in text
     words = " ".join(xml.etree.ElementTree.fromstring(text).itertext())
@@ -368,7 +370,7 @@ def test_other_quantities_and_amplitudes_are_selected(opened):
     from selenium.webdriver.support.ui import Select
 
     def drawn():
-        browser.rest(opened)
+        browser.wait_until_idle(opened)
         return opened.execute_script("return document.getElementById('map').innerHTML")
 
     recorded = [drawn()]
@@ -392,7 +394,7 @@ def test_missing_results_are_reported(driver, tmp_path, result):
     unsolved = result.copy(deep=True)
     unsolved["normal_elastic"].values[0, 0, 3, 2] = np.nan
     for data, words in (
-        (empty_dataset(SMALL.with_changes({"contact.approach": ["0 nm"]})), ["No pair of this study touches"]),
+        (empty_dataset(SMALL_STUDY.with_changes({"contact.approach": ["0 nm"]})), ["No pair of this study touches"]),
         (result.isel(repetition=[0]), ["is unfinished: 1 of 12 repetitions", "there is one repetition"]),
         (result.isel(fractal_dimension=[0], amplitude=[0], approach=[-1]), ["one approach", "no value in this range"]),
         (unsolved, ["1 repetition without a solution"]),
@@ -432,7 +434,7 @@ def test_result_of_maps_equals_the_library_for_all_controls(opened_maps, maps):
         enter(opened_maps, "tau0-number", 1000 * tau0)
         Select(by_id(opened_maps, "way")).select_by_index(way)
         opened_maps.execute_script("pick(0, arguments[0])", load)
-        browser.settle(opened_maps)
+        browser.wait_for_drawing(opened_maps)
         at = at_load(maps, maps["load"].values[[load]], mu0=[mu0], tau0=[tau0])
         name = "friction_all_round" if way == 0 else "friction_coefficient"
         at = at[name].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(statistic="mean")
@@ -441,7 +443,7 @@ def test_result_of_maps_equals_the_library_for_all_controls(opened_maps, maps):
         assert rules_said(opened_maps) == pytest.approx(expected, rel=1e-4)
     # What the library has not judged is not judged; one goes back to what it has.
     opened_maps.find_element("css selector", "#judgement button").click()
-    browser.settle(opened_maps)
+    browser.wait_for_drawing(opened_maps)
     assert opened_maps.find_element("css selector", ".verdict").text == first.verdict
 
 
@@ -449,11 +451,11 @@ def test_compass_sets_direction_and_curve_shows_numbers(opened_maps):
     from selenium.webdriver.common.keys import Keys
 
     for words in ("to +x", "to +y"):
-        browser.press(opened_maps, "compass", Keys.ARROW_UP)
+        browser.press_keys(opened_maps, "compass", Keys.ARROW_UP)
         assert words in by_id(opened_maps, "answer").text
-    left, top, width, height = browser.frame(opened_maps, "friction")
+    left, top, width, height = browser.find_axes_frame(opened_maps, "friction")
     pointer(opened_maps, left + 0.5 * width, top + 0.5 * height).perform()
-    browser.settle(opened_maps)
+    browser.wait_for_drawing(opened_maps)
     words = opened_maps.find_element("css selector", "#friction .tip").text
     assert "friction at all contacts" in words
     assert "mN" in words
@@ -464,7 +466,7 @@ def test_compass_sets_direction_and_curve_shows_numbers(opened_maps):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_report_is_accessible_and_sends_no_requests(driver, pages, scheme):
-    axe = browser.axe()
+    axe = browser.load_axe_script()
     media = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", media)
     for kind, path in pages.items():
@@ -472,7 +474,7 @@ def test_report_is_accessible_and_sends_no_requests(driver, pages, scheme):
         if kind in KINDS:
             enter(driver, "tau0-number", 50)
             browser.open_more(driver)
-        assert browser.faults(driver, axe) == []
+        assert browser.find_accessibility_faults(driver, axe) == []
         assert browser.foreign_requests(driver, path) == set()
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
@@ -518,7 +520,7 @@ def test_report_is_readable_at_double_size_and_on_a_phone(driver, pages):
         size = "return parseFloat(getComputedStyle(document.querySelector('#friction text')).fontSize)"
         before = driver.execute_script(size)
         driver.execute_script("document.documentElement.style.fontSize = '200%'; dispatchEvent(new Event('resize'))")
-        browser.settle(driver)
+        browser.wait_for_drawing(driver)
         assert driver.execute_script(size) == pytest.approx(2 * before)
         assert driver.execute_script("return document.documentElement.scrollWidth") <= 1280
 

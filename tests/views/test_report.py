@@ -13,9 +13,9 @@ from stiction.views.report import ReportError, report_page, save_report
 from stiction.views.report.generated import LOAD_STEPS
 from stiction.views.report.page import MARK
 from stiction.views.report.surface import surface_page
-from support.generated_studies import SMALL, empty_dataset
-from support.measured_studies import study_of as study_of_files
-from support.measured_studies import write_maps
+from support.generated_studies import SMALL_STUDY, empty_dataset
+from support.studies_of_files import study_of_files as study_of_files
+from support.studies_of_files import write_maps
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -33,7 +33,7 @@ def test_report_is_small_and_contains_its_licence(result):
     assert text.startswith(MARK)
     for words in ("GNU GENERAL PUBLIC LICENSE", "How to Apply These Terms to Your New Programs"):
         assert words in text
-    cells = result.sizes["fractal_dimension"] * len(SMALL.surfaces.amplitudes())
+    cells = result.sizes["fractal_dimension"] * len(SMALL_STUDY.surfaces.amplitudes())
     assert len(text.encode()) < 250_000 + 6 * 20 * cells * LOAD_STEPS * MAX_NODES**2
 
 

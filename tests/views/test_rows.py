@@ -9,7 +9,14 @@ import pytest
 from stiction.studies.assessment import Caveat
 from stiction.studies.summary import summarize
 from stiction.views.rows import SCHEMA, summary_csv, summary_json, values_frame
-from support.synthetic_results import LOADED, generated, generated_study, interval, measured, measured_study
+from support.synthetic_results import (
+    QUANTITIES_AT_LOAD,
+    generated_result,
+    generated_study,
+    measured_result,
+    measured_study,
+    value_and_ends,
+)
 
 MANY = {"loads": (1.0, 10.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2)}
 
@@ -19,7 +26,7 @@ def rows_of(text):
 
 
 def test_frame_has_every_number_of_the_result():
-    at = measured(**MANY)
+    at = measured_result(**MANY)
     rows = values_frame(at)
     numbers = [name for name, table in at.data_vars.items() if table.dtype.kind in "if"]
     assert set(rows["name"]) == set(numbers)
@@ -27,7 +34,7 @@ def test_frame_has_every_number_of_the_result():
         size = at[name].size // (3 if "statistic" in at[name].dims else 1)
         assert (rows["name"] == name).sum() == size
     one = rows[(rows["name"] == "contact_area") & (rows["load"] == 10.0) & (rows["cut_off"] == 0.2)]
-    assert one[["value", "lower", "upper", "unit"]].values.tolist() == [[*interval(100.0), "um2"]]
+    assert one[["value", "lower", "upper", "unit"]].values.tolist() == [[*value_and_ends(100.0), "um2"]]
     assert one["mu0"].isna().all()
     friction = rows[rows["name"] == "friction_by_axis"]
     assert set(friction["axis"]) == {0.0, 90.0}
@@ -35,7 +42,7 @@ def test_frame_has_every_number_of_the_result():
 
 
 def test_frame_has_status_of_numbers():
-    at = measured(loads=(1.0, 10.0))
+    at = measured_result(loads=(1.0, 10.0))
     at["status"].loc[{"load": 10.0}] = "not-reached"
     at["friction_coefficient"].loc[{"load": 10.0}] = np.nan
     rows = values_frame(at)
@@ -46,7 +53,7 @@ def test_frame_has_status_of_numbers():
 
 def test_csv_has_a_row_for_each_motion_with_assessment_and_caveats():
     beside = Caveat("a parabola, which carries the load", "take it off", "caution")
-    rows = rows_of(summary_csv(summarize(measured(**MANY), measured_study(), input_caveats=[beside])))
+    rows = rows_of(summary_csv(summarize(measured_result(**MANY), measured_study(), input_caveats=[beside])))
     assert len(rows) == 2 * 2 * 2 * 2 * 2 * (1 + 2 + 4)
     first = rows[0]
     assert first["upper body to (degree)"] == "all directions"
@@ -57,20 +64,20 @@ def test_csv_has_a_row_for_each_motion_with_assessment_and_caveats():
         "all directions", "along 0", "along 90", "0", "90", "180", "270",
     }  # fmt: skip
     area = next(name for name in first if name.endswith("(um2)"))
-    assert {float(row[area]) for row in rows} == {LOADED["contact_area"]}
+    assert {float(row[area]) for row in rows} == {QUANTITIES_AT_LOAD["contact_area"]}
     assert {row["verdict"] for row in rows} == {"Quote with care"}
     assert {row["caveats"] for row in rows} == {"a parabola, which carries the load: take it off"}
-    rows = rows_of(summary_csv(summarize(generated(), generated_study())))
+    rows = rows_of(summary_csv(summarize(generated_result(), generated_study())))
     assert len(rows) == 2 * 2 * 2
     assert {row["fractal dimension"] for row in rows} == {"1.1", "1.4"}
     assert {row["sliding"] for row in rows} == {"opposing"}
 
 
 RESULTS = {
-    "maps": (measured(**MANY), measured_study()),
-    "missing": (measured(status="no-contact", all_rub=np.nan, opposing=np.nan, ok=0), measured_study()),
-    "generated": (generated(), generated_study()),
-    "a point": (generated().isel(fractal_dimension=[0], load=[0], tau0=[0]), generated_study()),
+    "maps": (measured_result(**MANY), measured_study()),
+    "missing": (measured_result(status="no-contact", all_rub=np.nan, opposing=np.nan, ok=0), measured_study()),
+    "generated": (generated_result(), generated_study()),
+    "a point": (generated_result().isel(fractal_dimension=[0], load=[0], tau0=[0]), generated_study()),
 }
 
 
@@ -93,7 +100,7 @@ def test_json_has_one_schema(name):
 
 def test_json_has_value_assessment_and_reasons():
     record = json.loads(
-        summary_json("pair", summarize(measured(share_at_edge=0.6, half=0.02), measured_study()), positions=3)
+        summary_json("pair", summarize(measured_result(share_at_edge=0.6, half=0.02), measured_study()), positions=3)
     )
     (message,) = record["answers"]
     assert message["verdict"] == "Do not quote"

@@ -17,7 +17,7 @@ from stiction.views.text import (
     result_text,
     wrap_text,
 )
-from support.synthetic_results import generated, generated_study, interval, measured, measured_study
+from support.synthetic_results import generated_result, generated_study, measured_result, measured_study, value_and_ends
 
 COLUMNS = 80
 
@@ -30,15 +30,15 @@ def _columns(monkeypatch):
 MANY = {"loads": (0.5, 1.0, 10.0, 100.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2, 0.4)}
 
 RESULTS = {
-    "maps": (measured(), measured_study()),
-    "with a hardness": (measured(rms_gradient=0.7), measured_study(hardness=3.0)),
-    "many": (measured(**MANY), measured_study()),
-    "with caveats": (measured(share_at_edge=0.6, contact_count=5.0, reading_difference=0.1), measured_study()),
-    "lines": (measured(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities")),
+    "maps": (measured_result(), measured_study()),
+    "with a hardness": (measured_result(rms_gradient=0.7), measured_study(hardness=3.0)),
+    "many": (measured_result(**MANY), measured_study()),
+    "with caveats": (measured_result(share_at_edge=0.6, contact_count=5.0, reading_difference=0.1), measured_study()),
+    "lines": (measured_result(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities")),
     "without an answer": (
-        measured(status="not-solved", all_rub=np.nan, opposing=np.nan, ok=0), measured_study(),
+        measured_result(status="not-solved", all_rub=np.nan, opposing=np.nan, ok=0), measured_study(),
     ),
-    "generated": (generated(), generated_study()),
+    "generated": (generated_result(), generated_study()),
 }  # fmt: skip
 
 
@@ -75,7 +75,7 @@ def test_spheres_on_a_strip_have_no_area_fraction():
 
 
 def test_several_conditions_have_a_line_each():
-    lines = result_text(summarize(measured(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study())).splitlines()
+    lines = result_text(summarize(measured_result(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study())).splitlines()
     assert lines[0].split()[:2] == ["load", "τ0"]
     assert [line.split()[:2] for line in lines[1:5]] == [["1", "mN"], ["1", "mN"], ["10", "mN"], ["10", "mN"]]
     assert all("0.21 [0.20, 0.22]" in line and line.endswith("Quote it") for line in lines[1:5])
@@ -83,7 +83,7 @@ def test_several_conditions_have_a_line_each():
 
 
 def test_caveats_of_several_points_give_their_count():
-    at = measured(loads=(1.0, 10.0))
+    at = measured_result(loads=(1.0, 10.0))
     at["share_at_edge"].loc[{"load": 1.0}] = 0.6
     text = result_text(summarize(at, measured_study()))
     assert "Do not quote" in text.splitlines()[1]
@@ -92,7 +92,7 @@ def test_caveats_of_several_points_give_their_count():
 
 
 def test_remedy_without_visible_effect_is_left_out():
-    one = summarize(measured(), measured_study()).points[0]
+    one = summarize(measured_result(), measured_study()).points[0]
     for ends, message in (((0.205, 0.215), True), ((one.lower, one.upper - 1e-6), False)):
         options = replace(one, budget=(Left("finer waves", *ends, 0.0),))
         assert options.most is not None
@@ -120,38 +120,44 @@ def test_wrapped_text_keeps_number_and_unit_together():
 
 
 def test_verbose_table_equals_the_result():
-    at = measured(contact_count=123.0, share_on_largest=0.0421)
+    at = measured_result(contact_count=123.0, share_on_largest=0.0421)
     text = quantities_text(at.isel(cut_off=0), measured_study(), verbose=True)
     rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}
     count = next(value for name, value in rows.items() if "contacts" in name and "(" not in name)
-    assert count == with_interval(*interval(123.0))
-    assert rows["load on the largest contact (%)"] == with_interval(*interval(4.21))
+    assert count == with_interval(*value_and_ends(123.0))
+    assert rows["load on the largest contact (%)"] == with_interval(*value_and_ends(4.21))
     assert "error of the solution" in rows
-    by_asperities = quantities_text(measured(error=np.nan).isel(cut_off=0), measured_study(), verbose=True)
+    by_asperities = quantities_text(measured_result(error=np.nan).isel(cut_off=0), measured_study(), verbose=True)
     assert "error of the solution" not in by_asperities
 
 
 @pytest.mark.parametrize(
     ("by_axis", "words"),
     [
-        ([interval(0.1600, 0.011), interval(0.1535, 0.003)], "Grooves: friction along x is 4.2 % higher than along y."),
-        ([interval(0.1535, 0.003), interval(0.1600, 0.011)], "Grooves: friction along y is 4.2 % higher than along x."),
-        ([interval(0.1935, 0.022), interval(0.1913, 0.022)], "No grooves"),
-        ([interval(0.16, np.nan), interval(0.15, np.nan)], "Grooves: unknown"),
+        (
+            [value_and_ends(0.1600, 0.011), value_and_ends(0.1535, 0.003)],
+            "Grooves: friction along x is 4.2 % higher than along y.",
+        ),
+        (
+            [value_and_ends(0.1535, 0.003), value_and_ends(0.1600, 0.011)],
+            "Grooves: friction along y is 4.2 % higher than along x.",
+        ),
+        ([value_and_ends(0.1935, 0.022), value_and_ends(0.1913, 0.022)], "No grooves"),
+        ([value_and_ends(0.16, np.nan), value_and_ends(0.15, np.nan)], "Grooves: unknown"),
     ],
 )
 def test_grooves_are_reported_if_intervals_of_axes_are_separate(by_axis, words):
-    at = measured(by_axis=by_axis).isel(cut_off=0, load=0, mu0=0, tau0=0)
+    at = measured_result(by_axis=by_axis).isel(cut_off=0, load=0, mu0=0, tau0=0)
     text = axes_text(at, verbose=True)
     assert words in " ".join(text.split())
     assert [line.split()[0] for line in text.splitlines()[1:3]] == ["x", "y"]
     briefly = text.split("\n", 3)[3] if words.startswith("Grooves: friction") else ""
     assert axes_text(at) == briefly
-    assert axes_text(measured(directions=(0.0, 180.0)).isel(cut_off=0, load=0, mu0=0, tau0=0)) == ""
+    assert axes_text(measured_result(directions=(0.0, 180.0)).isel(cut_off=0, load=0, mu0=0, tau0=0)) == ""
 
 
 def test_overview_has_a_row_for_each_cell_and_marks_invalid_values():
-    at = generated(dimensions=(1.1, 1.2, 1.3, 1.4, 1.5))
+    at = generated_result(dimensions=(1.1, 1.2, 1.3, 1.4, 1.5))
     at["share_beyond_hertz"].loc[{"fractal_dimension": 1.4}] = 0.6
     at["status"].loc[{"fractal_dimension": 1.5, "load": 0.01}] = "not-reached"
     text = overview_text(summarize(at, generated_study()))
@@ -165,7 +171,7 @@ def test_overview_has_a_row_for_each_cell_and_marks_invalid_values():
 
 
 def test_overview_counts_caveats_beyond_its_lines():
-    at = generated(dimensions=(1.1, 1.2), contact_count=3.0)
+    at = generated_result(dimensions=(1.1, 1.2), contact_count=3.0)
     at["share_beyond_hertz"].loc[{"fractal_dimension": 1.2}] = 0.6
     summary = summarize(at, generated_study())
     text, short = overview_text(summary), overview_text(summary, 1)
@@ -192,7 +198,7 @@ def test_text_of_many_points_fits_on_a_screen():
 
 def test_quantities_of_several_cells_name_the_cell_that_they_are_of():
     for dimensions, words in (((1.1, 1.2), "D = 1.1, mean [95 %]"), ((1.1,), "mean [95 %]")):
-        text = result_text(summarize(generated(dimensions=dimensions), generated_study()))
+        text = result_text(summarize(generated_result(dimensions=dimensions), generated_study()))
         table = text[text.rindex("\n\n") :] if "\n\n" in text else text
         assert words.split()[0] in table
         assert ("D = 1.1" in table) == (len(dimensions) > 1)
@@ -239,7 +245,9 @@ def test_quantity_uses_unit_with_fewest_zeros(value, unit, text):
 
 
 def test_large_quantities_use_larger_units():
-    lines = quantities_text(measured(contact_area=1.01e7, contact_area_fraction=None), measured_study(), verbose=True)
+    lines = quantities_text(
+        measured_result(contact_area=1.01e7, contact_area_fraction=None), measured_study(), verbose=True
+    )
     assert "true contact area (mm²)" in lines
     row = next(line for line in lines.splitlines() if line.startswith("true contact area"))
     assert row.split("  ")[-1].strip().startswith("10.1")

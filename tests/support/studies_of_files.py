@@ -1,0 +1,79 @@
+"""Small studies of two height files, and their results."""
+
+import numpy as np
+from stiction import run, self_affine, self_affine_surface
+from stiction.studies.study import parse_study
+
+SIDES = ("upper", "lower")
+
+
+def write_heights(folder, make, kind="", seed=3, **options):
+    """Generate two surfaces, and write their heights to upper.npy and lower.npy (with the suffix `kind`)."""
+    for side in SIDES:
+        np.save(folder / f"{side}{kind}.npy", make(seed, hurst_exponent=0.8, side=side, **options).heights)
+
+
+def write_maps(folder, shape=(48, 48), rms=0.02):
+    """Write two rough maps, and return their grid spacing."""
+    write_heights(folder, self_affine_surface, rms=rms, shape=shape, spacing=0.1, shortest_wavelength=0.6)
+    return "0.1 um"
+
+
+def write_profiles(folder, points=1200):
+    """Write two rough profiles, and return their grid spacing."""
+    write_heights(folder, self_affine, rms=0.05, points=points, spacing=0.02, shortest_wavelength=0.2)
+    return "0.02 um"
+
+
+def study_of_files(
+    folder, press="areas", mechanics="half-space", *, spacing, members=6, load="2 mN", more="", contact="", kind=""
+):
+    """Return a study of the files upper.npy and lower.npy in a directory; `kind` is a suffix of their names."""
+    files = "\n".join(
+        f'{side} = {{ file = "{folder}/{side}{kind}.npy", unit = "um", spacing = "{spacing}" }}' for side in SIDES
+    )
+    return parse_study(
+        f"""
+[surfaces]
+kind = "measured"
+press = "{press}"
+{files}
+{more}
+
+[contact]
+mechanics = "{mechanics}"
+effective_modulus = "100 GPa"
+{contact}
+
+[friction]
+mu0 = [0.3]
+tau0 = ["0 MPa", "50 MPa"]
+load = ["{load}"]
+
+[ensemble]
+repetitions = {members}
+""",
+        kind.removeprefix("-") or "test",
+    )
+
+
+RESULT_CHANGES = {"contact.effective_modulus": "10 GPa", "friction.mu0": [0.3, 0.5]}
+
+
+def run_maps(folder, cut_off='["0 um"]'):
+    """Return the result of two maps at four shifts, four directions and three loads, two of them requested."""
+    write_heights(
+        folder, self_affine_surface, "-maps", 4, rms=0.02, shape=(48, 48), spacing=0.1, shortest_wavelength=0.8
+    )
+    contact = 'load = ["0.05 mN", "0.1 mN", "0.5 mN"]\ndirection = [0, 90, 180, 270]'
+    options = {"spacing": "0.1 um", "members": 4, "load": "0.1 mN", "contact": contact, "kind": "-maps"}
+    study = study_of_files(folder, more=f"cut_off = {cut_off}", **options)
+    return run(study.with_changes(RESULT_CHANGES | {"friction.load": ["0.1 mN", "0.5 mN"]})).dataset
+
+
+def run_lines(folder):
+    """Return the result of two profiles with the asperity model."""
+    write_heights(folder, self_affine, "-lines", 4, rms=0.02, points=600, spacing=0.1)
+    contact = 'load = ["1 uN", "10 uN", "100 uN"]'
+    options = {"spacing": "0.1 um", "members": 12, "load": "10 uN", "contact": contact, "kind": "-lines"}
+    return run(study_of_files(folder, "lines", "asperities", **options).with_changes(RESULT_CHANGES)).dataset
