@@ -339,7 +339,7 @@ class TestValidity:
         curve = press(upper, lower, approaches)
         turn = np.linspace(0, 2 * np.pi, 2000)
         points = candidates(upper, lower, deepest=0.25)
-        of_gap = areal.Spline(upper.heights - lower.heights, upper.spacing)
+        of_gap = areal.SplineSurface(upper.heights - lower.heights, upper.spacing)
         for k, approach in enumerate(approaches):
             table = contacts(points, approach)
             loads = table.force * table.normal[:, 2]
