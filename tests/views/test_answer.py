@@ -85,7 +85,7 @@ FAULTS = {
 def test_sentence_contains_assessment_caveats_version_and_adhesion():
     caveat = Caveat("a parabola carries the load", "try --level quadratic", "caution")
     (point,) = summarize(
-        measured().assign_attrs(stiction_version="1.2.3"), measured_study(), input_caveats=[caveat]
+        measured_result().assign_attrs(stiction_version="1.2.3"), measured_study(), input_caveats=[caveat]
     ).points
     sentence = sentence_text(point)
     assert f"assessment: {point.verdict} ({caveat.text}" in sentence

@@ -182,7 +182,7 @@ def test_overview_counts_caveats_beyond_its_lines():
 
 
 def test_text_of_many_points_fits_on_a_screen():
-    at = generated(loads=tuple(np.linspace(0.01, 1, 30)), dimensions=tuple(np.linspace(1.1, 1.5, 15)))
+    at = generated_result(loads=tuple(np.linspace(0.01, 1, 30)), dimensions=tuple(np.linspace(1.1, 1.5, 15)))
     summary = summarize(at, generated_study())
     lines = result_text(summary, complete="--verbose").splitlines()
     assert len(lines) <= 40
