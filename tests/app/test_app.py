@@ -123,6 +123,8 @@ def state(driver):
 def finished(driver):
     """Return the final state of the job, with its error if it failed."""
     until(lambda: state(driver), lambda now: now not in (None, "waiting", "running"))
+    words = "return jobs.find(({number}) => number === current).words"
+    until(lambda: driver.execute_script(words), lambda text: not text)  # the finished part of a stopped job is read
     return " ".join([state(driver), driver.find_element("id", "job-wrong").text]).strip()
 
 

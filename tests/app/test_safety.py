@@ -1,5 +1,6 @@
 """Tests of access control and limits of the server, with requests that no browser would send."""
 
+import asyncio
 import json
 import os
 import resource
@@ -19,6 +20,7 @@ import pytest
 pytest.importorskip("starlette", reason="the extra app is not installed")
 
 from app.served import served, until, write_maps
+from stiction.app.jobs import Jobs, run_module
 
 MAX_RESULT_BYTES = 400e6  # bytes: it has xarray and its own pages, and reads a scan at a time
 
@@ -284,6 +286,53 @@ def test_stopped_first_results_do_not_block_requests(app, tmp_path):
             app.post(f"/jobs/{job}/stop", {})
         assert app.ask("GET", f"/scans/{upper}")[0] == 200
         until(lambda: {item["state"] for item in app.jobs()[-6:]}, lambda states: states == {"stopped"})
+
+
+@pytest.mark.parametrize("is_ending", [False, True])
+def test_stopped_job_has_its_state_before_its_result_is_read(tmp_path, monkeypatch, is_ending):
+    async def check():
+        started, reading, released = asyncio.Event(), asyncio.Event(), asyncio.Event()
+
+        async def run_module(arguments, **_):
+            (started if arguments[0] == "stiction" else reading).set()
+            await (asyncio.Event() if arguments[0] == "stiction" else released).wait()
+            return '{"answer": {}, "finished": 3, "total": 9}'
+
+        monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
+        queue = Jobs(tmp_path)
+        job = queue.add("a pair", ["pair"])
+        await started.wait()
+        job.stop()
+        await reading.wait()
+        assert (job.state, job.activity) == ("stopped", "reading the finished part")
+        if is_ending:
+            await asyncio.wait_for(queue.end(), 60)
+        else:
+            released.set()
+            await job.task
+        assert (job.state, job.finished) == ("stopped", 0 if is_ending else 3)
+        assert is_ending or not job.activity
+
+    asyncio.run(check())
+
+
+def test_cancelled_module_has_ended_when_its_task_ends(monkeypatch):
+    async def check():
+        processes, create = [], asyncio.create_subprocess_exec
+
+        async def create_process(*arguments, **options):
+            processes.append(await create(*arguments, **options))
+            return processes[-1]
+
+        monkeypatch.setattr("asyncio.create_subprocess_exec", create_process)
+        task = asyncio.create_task(run_module(["http.server", "0"], memory=0.5))
+        while not processes:
+            await asyncio.sleep(0.01)
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+        assert processes[0].returncode is not None
+
+    asyncio.run(check())
 
 
 def test_sketch_of_measured_surfaces_is_rejected(app):

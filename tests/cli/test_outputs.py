@@ -5,7 +5,8 @@ import errno
 
 import numpy as np
 import pytest
-from stiction import _files, self_affine_surface, write_surface
+from stiction import _files, open_result, self_affine_surface, write_surface
+from stiction.cli.result_output import write_pair_files
 from stiction.studies import pipeline
 from support.command import assert_rejected, call_stiction, check_stiction
 
@@ -53,6 +54,17 @@ def test_command_rejects_output_over_foreign_file(folder, arguments, name, kind)
     assert_rejected(completed, f"{path.name}: exists already")
     assert completed.stdout == ""  # before anything is computed
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
+
+
+def test_files_of_pair_agree_with_study_that_another_command_stored(folder, no_figures):
+    check_stiction(*PAIR, cwd=folder)
+    result, report = open_result(folder / "pair"), (folder / "pair/report.html").read_bytes()
+    study = folder / "pair/study.toml"
+    study.write_text(study.read_text("utf-8").replace("mu0 = [0.2]", "mu0 = [0.4]"), "utf-8")
+    write_pair_files(result, print_written=str)
+    with (folder / "pair/result.csv").open(encoding="utf-8", newline="") as file:
+        assert {row["mu0"] for row in csv.DictReader(file)} == {"0.4"}
+    assert (folder / "pair/report.html").read_bytes() != report
 
 
 @pytest.mark.parametrize("scan_name", ["result.csv", "onset.csv"])

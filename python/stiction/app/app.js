@@ -209,10 +209,12 @@ function render() {
   else byId("progress").removeAttribute("value");
   if (byId("job").dataset.error !== job.error) showJobError(job);
   byId("job").dataset.error = job.error;
-  const stopText = job.state !== "stopped" ? "" : job.total ? `stopped: ${job.finished} of ${job.total} are finished and kept` : "stopped";
-  if (!selection) showResult(job.answer, [stopText, job.by].filter(Boolean).join("; "), !job.by);
+  const isReading = job.state === "stopped" && Boolean(job.words);
+  const keptText = isReading ? `: ${job.words}` : job.total ? `: ${job.finished} of ${job.total} are finished and kept` : "";
+  const stopText = job.state === "stopped" ? `stopped${keptText}` : "";
+  if (!selection) showResult(job.answer, [stopText, job.by].filter(Boolean).join("; "), !job.by && !isReading);
   byId("command").textContent = equivalentCommand(job);
-  byId("share").hidden = !job.versions || isActive || Boolean(job.by);
+  byId("share").hidden = !job.versions || isActive || isReading || Boolean(job.by);
   for (const link of byId("share").querySelectorAll("a")) link.href = withKey(`/jobs/${job.number}/${link.dataset.file}?save`);
   const page = withKey(`/jobs/${job.number}/page.html?${job.versions}`);
   if (!job.versions || page === reportAddress) return;

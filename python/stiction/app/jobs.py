@@ -26,6 +26,7 @@ from stiction.studies.store import open_stored
 
 POLL_INTERVAL = 0.4  # seconds between two checks of the progress of a command
 MAX_SHUTDOWN_TIME = 5.0  # seconds that a command has to write its results before it is killed
+MAX_KILL_TIME = 1.0  # maximum time in seconds until a killed process has ended
 MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
 MAX_OUTPUT = 2**25  # maximum number of bytes that a command may print
 JOB_MEMORY = 0.5  # maximum fraction of the machine's memory for the one running job
@@ -77,7 +78,7 @@ class Job:
         }  # fmt: skip
 
     def stop(self) -> None:
-        """Stop the command. The state changes after the finished part is read."""
+        """Stop the command. The state changes when the command has ended; the finished part is read afterwards."""
         if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
             self.is_ending, self.activity = True, "stopping"
             self.task.cancel()
@@ -110,6 +111,8 @@ class Jobs:
         self._is_ending = True
         for job in self.all.values():
             job.stop()
+            if job.state == "stopped" and job.task is not None:
+                job.task.cancel()  # a result that is still read
         await asyncio.gather(*(job.task for job in self.all.values() if job.task), return_exceptions=True)
 
     async def _run_job(self, job: Job) -> None:
@@ -121,6 +124,7 @@ class Jobs:
             final_state = "done"
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
+            job.state, job.activity = final_state, "reading the finished part"
             with suppress(*REPORTED_ERRORS):  # no result exists, or the surfaces do not touch
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
@@ -239,4 +243,6 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
+            with suppress(TimeoutError):  # otherwise the transport outlives the event loop
+                await asyncio.wait_for(process.wait(), MAX_KILL_TIME)
         errors.cancel()

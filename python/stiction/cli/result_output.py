@@ -78,19 +78,41 @@ def print_values(
 
 
 def write_pair_files(result: Result, *, print_written: Callable[[str], None]) -> None:
-    """Write the report, the table and a figure of a measured pair into its directory, and print their names."""
+    """Write the report, the table and a figure of a measured pair into its directory, and print their names.
+
+    If another command has stored other mu0, tau0 or loads in the directory in the meantime, the files are written for
+    these values, so that they agree with the stored study.
+    """
+    from stiction.studies.result import Result
+    from stiction.studies.store import open_stored
+
+    folder = result.path
+    assert folder is not None, "the result of the command is stored"
+    names: list[str] = []
+    for _ in range(MAX_REWRITES):
+        stored = open_stored(folder)
+        is_current = stored.study.friction == result.study.friction
+        if names and is_current:
+            break
+        result = result if is_current else Result(stored)
+        names = _write_files(result, folder)
+    print_written(f"wrote {names[0]} (open it), {' and '.join(names[1:])}")
+
+
+MAX_REWRITES = 4  # attempts to write files that agree with the stored study
+
+
+def _write_files(result: Result, folder: Path) -> list[str]:
     from stiction.views.figures import draw_figures
     from stiction.views.files import TABLE, VIEWS, replace_text, result_csv
     from stiction.views.report import save_report
 
-    folder = result.path
-    assert folder is not None, "the result of the command is stored"
     replace_text(folder / TABLE, result_csv(result), VIEWS[TABLE])
     show_status("drawing")
     drawings = draw_figures(result, folder, first=True)
     report = folder / "report.html"
     save_report(result, report, name=folder.resolve().name)
-    print_written(f"wrote {report} (open it), {' and '.join([TABLE, *(drawing.name for drawing in drawings)])}")
+    return [str(report), TABLE, *(drawing.name for drawing in drawings)]
 
 
 def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
