@@ -32,9 +32,9 @@ from stiction import (
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load, member_values
-from stiction.studies.pair import pair_study
 from stiction.views.rows import point_record
 from support.command import call_stiction, check_stiction
+from support.studies_of_files import pair_study
 
 NAMES = [name for name in stiction.__all__ if name != "__version__"]
 ERRORS = [name for name in NAMES if inspect.isclass(value := getattr(stiction, name)) and issubclass(value, Exception)]

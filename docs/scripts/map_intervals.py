@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 from stiction import Result, run, self_affine_surface
 from stiction.studies.evaluation import at_load, member_values
-from stiction.studies.pair import pair_study
+from stiction.studies.pair import study_from_options
+from stiction.studies.pair_options import read_options
 
 OUT = Path(__file__).parent.parent / "generated/map_intervals.md"
 PAIRS, SHIFTS, TAKEN = 40, 400, 16
@@ -32,7 +33,8 @@ def main():
             )
             for side in ("upper", "lower")
         )  # fmt: skip
-        result = run(pair_study(upper, lower, shifts=SHIFTS, surrogates=TAKEN, seed=pair, **OPTIONS))
+        options = {"upper": upper, "lower": lower, "shifts": SHIFTS, "surrogates": TAKEN, "seed": pair, **OPTIONS}
+        result = run(study_from_options(read_options(options)))
         loads = result.default_loads
         populations.append(np.nanmean(numbers(member_values(result, loads, of="shifts")), axis=-1))
         first = Result(result.dataset.isel(repetition=slice(2 * TAKEN)))  # surrogates, and as many shifts

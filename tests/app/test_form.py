@@ -1,9 +1,10 @@
 """Fields of the app's form, made from the options of a pair."""
 
+import html
 import json
 
 import pytest
-from stiction.app.form import FIELDS, READING, fields_html, first_option, numbers_json, with_labels
+from stiction.app.form import FIELDS, READING, fields_html, first_option, page_facts, with_labels
 from stiction.studies.pair_options import PAIR_OPTIONS, ReadingOptions, list_choices
 
 
@@ -25,7 +26,7 @@ def test_choices_of_fields_are_values_of_their_options():
 
 
 def test_units_are_added_to_bare_numbers_of_quantities_alone():
-    numbers = json.loads(numbers_json())
+    numbers = json.loads(html.unescape(page_facts()))
     assert numbers["units"]["hardness"] == " GPa"
     assert set(numbers["units"]) | set(numbers["texts"]) <= set(FIELDS)
     assert not set(numbers["units"]) & set(numbers["texts"])

@@ -21,10 +21,10 @@ from stiction.mechanics.quantities import (
 )
 from stiction.studies.contact_statistics import LOAD_FRACTION_FORMULAS
 from stiction.studies.evaluation import at_load
-from stiction.studies.pair import pair_study
 from stiction.studies.study import study_of
 from stiction.studies.summary import summarize
 from stiction.views.rows import summary_table
+from support.studies_of_files import pair_study
 
 LOADS = ["20 MPa", "40 MPa"]
 COMMON = {"effective_modulus": "10 GPa", "mu0": 0.2, "tau0": "50 MPa", "onset": 1, "load": LOADS}

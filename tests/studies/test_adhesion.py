@@ -13,7 +13,8 @@ from stiction.studies.members import load_bodies
 from stiction.studies.point import is_unloaded, points
 from stiction.studies.pull_off import Sticking
 from stiction.views.pull_off import pull_off_text
-from stiction.views.rows import summary_csv, summary_json
+from stiction.views.rows import summary_json, summary_table
+from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import result_text, values_text
 from support.rough_surfaces import rough_maps
 
@@ -85,7 +86,7 @@ def test_pull_off_force_is_in_rows_text_report_and_figure(adhesive_result, tmp_p
     text = repr(adhesive_result)
     assert text.startswith("Sticks without a load: yes. Pull-off force ")
     for term in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
-        assert term in summary_csv(adhesive_result.summary()).splitlines()[0]
+        assert term in frame_to_csv(summary_table(adhesive_result.summary())).splitlines()[0]
     values = json.loads(summary_json("pair", adhesive_result.summary()))["values"]
     assert {value["unit"] for value in values if value["name"] in HELD} == {"mN", "GPa"}
     assert "adhesion 50 mJ/m² over 0.5 nm" in adhesive_result.sentence

@@ -16,10 +16,10 @@ from stiction.studies.evaluation import PerLoad, areas_of, at_load, member_sums
 from stiction.studies.executors import thread_executor
 from stiction.studies.hardness import choose_area_nodes, compute_areas_over_hardness, find_inputs
 from stiction.studies.input_uncertainty import Z_95, parse_input
-from stiction.studies.pair import pair_study
 from stiction.studies.summary import summarize
 from stiction.studies.values import StudyError
 from support.rough_surfaces import rough_maps
+from support.studies_of_files import pair_study
 
 SIDES = ("upper", "lower")
 SAMPLING_ERROR = 0.02  # largest error of an interval end by random samples, as a fraction of the interval width

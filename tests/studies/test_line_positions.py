@@ -20,7 +20,7 @@ from stiction import (
     surrogate,
 )
 from stiction.studies import intervals
-from stiction.studies.pair import pair_study
+from support.studies_of_files import pair_study
 
 LOADS = [0.003, 0.03]
 INTERFACE = {"mu0": 0.3, "tau0": 0.1}

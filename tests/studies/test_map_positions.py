@@ -20,9 +20,9 @@ from stiction import (
 from stiction.mechanics.patches import slopes
 from stiction.studies.contact_statistics import STORED_PROBABILITIES
 from stiction.studies.evaluation import at_load, member_values
-from stiction.studies.pair import pair_study
 from stiction.surfaces.pairing import MIN_PIECE_POINTS, MapPairs
 from support.rough_surfaces import rough_maps
+from support.studies_of_files import pair_study
 
 LOADS = (0.02, 0.1)
 ASPERITY_OPTIONS = {"mechanics": "asperities", "level": "mean", "direction": [0, 45]}

@@ -12,12 +12,11 @@ from stiction.studies.executors import thread_executor
 from stiction.studies.intervals import sample_mean
 from stiction.studies.members import load_bodies
 from stiction.studies.onset import ONSET_FILE, TRACTION_TOLERANCE, compute_onset, format_backbone, load_onset
-from stiction.studies.pair import pair_study
 from stiction.studies.runner import compute_missing
 from stiction.studies.store import export, open_stored
 from stiction.views.onset import onset_record, onset_rows, onset_text
 from stiction.views.report import report_page
-from support.studies_of_files import study_of_files, write_maps, write_profiles
+from support.studies_of_files import pair_study, study_of_files, write_maps, write_profiles
 
 
 def compute_study_onset(study, **options):

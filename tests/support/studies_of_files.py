@@ -2,9 +2,16 @@
 
 import numpy as np
 from stiction import run, self_affine, self_affine_surface
+from stiction.studies.pair import study_from_options
+from stiction.studies.pair_options import read_options
 from stiction.studies.study import parse_study
 
 SIDES = ("upper", "lower")
+
+
+def pair_study(upper, lower, **options):
+    """Return the study of two bodies, with options named like the fields of `PairOptions`."""
+    return study_from_options(read_options({"upper": upper, "lower": lower, **options}))
 
 
 def write_heights(folder, make, kind="", seed=3, **options):

@@ -5,7 +5,7 @@ import pytest
 from stiction import Profile, Surface, instrument_limit, pair, self_affine
 from stiction.studies.input_caveats import FORM, HIGHEST_MU0, SPIKE, WHOLE_PART, find_input_caveats
 from stiction.studies.measured_surfaces import MeasuredFile
-from stiction.studies.pair import pair_study
+from support.studies_of_files import pair_study
 from support.synthetic_results import measured_study
 
 

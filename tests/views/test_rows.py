@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from stiction.studies.assessment import Caveat
 from stiction.studies.summary import summarize
-from stiction.views.rows import SCHEMA, summary_csv, summary_json, values_frame
+from stiction.views.rows import SCHEMA, summary_json, summary_table, values_frame
+from stiction.views.spreadsheet import frame_to_csv
 from support.synthetic_results import (
     QUANTITIES_AT_LOAD,
     generated_result,
@@ -53,7 +54,9 @@ def test_frame_has_status_of_numbers():
 
 def test_csv_has_a_row_for_each_motion_with_assessment_and_caveats():
     beside = Caveat("a parabola, which carries the load", "take it off", "caution")
-    rows = rows_of(summary_csv(summarize(measured_result(**MANY), measured_study(), input_caveats=[beside])))
+    rows = rows_of(
+        frame_to_csv(summary_table(summarize(measured_result(**MANY), measured_study(), input_caveats=[beside])))
+    )
     assert len(rows) == 2 * 2 * 2 * 2 * 2 * (1 + 2 + 4)
     first = rows[0]
     assert first["upper body to (degree)"] == "all directions"
@@ -67,7 +70,7 @@ def test_csv_has_a_row_for_each_motion_with_assessment_and_caveats():
     assert {float(row[area]) for row in rows} == {QUANTITIES_AT_LOAD["contact_area"]}
     assert {row["verdict"] for row in rows} == {"Quote with care"}
     assert {row["caveats"] for row in rows} == {"a parabola, which carries the load: take it off"}
-    rows = rows_of(summary_csv(summarize(generated_result(), generated_study())))
+    rows = rows_of(frame_to_csv(summary_table(summarize(generated_result(), generated_study()))))
     assert len(rows) == 2 * 2 * 2
     assert {row["fractal dimension"] for row in rows} == {"1.1", "1.4"}
     assert {row["sliding"] for row in rows} == {"opposing"}

@@ -124,7 +124,8 @@ async function loadSamples() {
   form.requestSubmit();
 }
 
-const {units: UNITS, texts: TEXTS} = JSON.parse(document.body.dataset.numbers); // units of plain numbers; fields in which a comma separates values
+// Units of plain numbers, fields in which a comma separates values, and descriptions of the sliding rules.
+const {units: UNITS, texts: TEXTS, ruleDescriptions: RULE_DESCRIPTIONS} = JSON.parse(document.body.dataset.facts);
 const entry = (name) => form[name].value.trim().replace(",", ".");
 
 /** Return the options of `stiction pair` for the form. Fields for both bodies occur twice. */
@@ -226,7 +227,6 @@ function render() {
 }
 
 const VERDICT_CLASSES = {"Quote it": "good", "Quote with care": "care", "Do not quote": "bad"}; // CSS class of each assessment
-const RULE_DESCRIPTIONS = {all: "friction at all contacts", opposing: "friction at opposing contacts only (the paper's rule)"};
 
 /** Show values, assessment and caveats. Intermediate results are grey and have no assessment. */
 function showResult(answer, scope, isFinal) {

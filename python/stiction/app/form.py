@@ -8,6 +8,7 @@ import re
 from typing import Literal
 
 from stiction.studies.pair_options import PAIR_OPTIONS, FormField, format_command_line_name
+from stiction.views.point import RULE_DESCRIPTIONS
 
 FIELDS: dict[str, FormField] = {
     format_command_line_name(name).removeprefix("--"): option.field
@@ -38,10 +39,17 @@ def _field_html(flag: str, field: FormField) -> str:
     return f"<label>{html.escape(field.label)} {entry}</label>"
 
 
-def numbers_json() -> str:
-    """Return the JSON by which the page completes entries: units of plain numbers, and options with commas."""
-    units = {flag: f" {field.unit}" for flag, field in FIELDS.items() if field.unit}
-    return json.dumps({"units": units, "texts": [flag for flag, field in FIELDS.items() if field.has_commas]})
+def page_facts() -> str:
+    """Return the facts that the script of the page reads, as JSON text of an attribute.
+
+    The facts are units of plain numbers, options with commas, and descriptions of the sliding rules.
+    """
+    facts = {
+        "units": {flag: f" {field.unit}" for flag, field in FIELDS.items() if field.unit},
+        "texts": [flag for flag, field in FIELDS.items() if field.has_commas],
+        "ruleDescriptions": RULE_DESCRIPTIONS,
+    }
+    return html.escape(json.dumps(facts, ensure_ascii=False))
 
 
 _FLAG = re.compile(r"--([a-z0-9-]+)")

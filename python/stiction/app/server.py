@@ -26,7 +26,7 @@ from starlette.routing import Route
 from stiction._files import replaced_file
 from stiction._units import short_repr
 from stiction.app import sample_surfaces
-from stiction.app.form import FIELDS, READING, fields_html, numbers_json
+from stiction.app.form import FIELDS, READING, fields_html, page_facts
 from stiction.app.jobs import Job, Jobs, RejectedError, remove_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
@@ -178,7 +178,7 @@ class Server:
         demo, menu = "demo" if self.has_demo else "", "" if sys.platform == "linux" else "hidden"
         text = Template(_read_file("app.html")).substitute(
             materials=entries, demo=demo, menu=menu, max_bytes=MAX_SCAN_BYTES, reading=fields_html("scan"),
-            more=fields_html("more"), numbers=numbers_json(),
+            more=fields_html("more"), facts=page_facts(),
         )  # fmt: skip
         return Response(text, media_type="text/html")
 

@@ -41,7 +41,15 @@ ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95,
 
 TRACTION_TOLERANCE = 1e-5  # relative error of tractions, which changes displacements by a fraction of 1e-7
 DEFAULT_POISSON_RATIO = 0.3  # of both bodies, if the study has none
-_CURVE_NAMES = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
+_CURVE_TITLES = {
+    "tangential_load": "tangential load",
+    "displacement": "displacement",
+    "slipped_area": "slipped area",
+    "slipped_load": "slipped load",
+    "energy_lost": "energy lost",
+}
+"""Quantities of the curve, with their column titles in `ONSET_TABLE_FILE`."""
+
 _NUMBER_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
 _STATISTIC_NAMES = ["mean", "lower", "upper"]
 
@@ -93,7 +101,7 @@ def compute_member_onset(
     except (RuntimeError, ValueError):  # the solver failed, or the contact law has no onset
         return None
     curve: dict[str, Any] = {
-        name: getattr(onset, name) for name in (*_CURVE_NAMES, *_NUMBER_NAMES[:-1]) if name != "energy_lost"
+        name: getattr(onset, name) for name in (*_CURVE_TITLES, *_NUMBER_NAMES[:-1]) if name != "energy_lost"
     }  # fmt: skip
     curve["unloading_stiffness"] = float(np.ravel(getattr(pressed.curve, "unloading_stiffness", np.nan))[0])
     return curve | {
@@ -112,8 +120,8 @@ def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes:
         study, {name: [curve[name] for curve in curves] for name in ("line", "x", "y", "repetition")}
     )
     variables: dict[str, Any] = {}
-    for name in (*_CURVE_NAMES, *_NUMBER_NAMES):
-        dims = ("fraction", "statistic") if name in _CURVE_NAMES else ("statistic",)
+    for name in (*_CURVE_TITLES, *_NUMBER_NAMES):
+        dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
         values = np.clip(members.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
         variables[name] = (dims, values, attributes_of(name))
     variables["tangential_load"][2]["long_name"] = "tangential load"  # of all points of the curve up to sliding
@@ -135,6 +143,13 @@ def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes:
     return dataset.assign_attrs(_fit_models(dataset))
 
 
+MODELS = {
+    "iwan": ("sliding_load_mN", "stiffness_mN_per_um", "chi", "beta", "largest_residual"),
+    "lugre": ("sigma0_mN_per_um", "largest_residual"),
+}
+"""Models fitted to the mean curve, and their parameters: attributes of the dataset, such as "iwan_chi"."""
+
+
 def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
     """Fit the four-parameter Iwan model and the LuGre model to the mean curve, and return their parameters."""
     curve = onset.sel(statistic="mean")
@@ -145,14 +160,15 @@ def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
         lugre = fit_lugre(displacement, load, sliding_load=sliding)
     except ValueError:  # displacements of a free half-plane are not defined
         return {}
+    chi = round(iwan.chi, 12) + 0.0  # avoids -0 at the bound
+    values = {
+        "iwan": (sliding, iwan.stiffness, chi, iwan.beta, float(np.abs(iwan.residual).max() / sliding)),
+        "lugre": (lugre.stiffness, float(np.abs(lugre.residual).max() / sliding)),
+    }
     return {
-        "iwan_sliding_load_mN": sliding,
-        "iwan_stiffness_mN_per_um": iwan.stiffness,
-        "iwan_chi": round(iwan.chi, 12) + 0.0,  # avoids -0 at the bound
-        "iwan_beta": iwan.beta,
-        "iwan_largest_residual": float(np.abs(iwan.residual).max() / sliding),
-        "lugre_sigma0_mN_per_um": lugre.stiffness,
-        "lugre_largest_residual": float(np.abs(lugre.residual).max() / sliding),
+        f"{model}_{name}": value
+        for model, names in MODELS.items()
+        for name, value in zip(names, values[model], strict=True)
     }
 
 
@@ -168,7 +184,7 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
         return None
     friction = result.study.friction
     onset = read_companion(
-        Path(result.path) / ONSET_FILE, ("fraction", "statistic", *_NUMBER_NAMES[:-1], *_CURVE_NAMES)
+        Path(result.path) / ONSET_FILE, ("fraction", "statistic", *_NUMBER_NAMES[:-1], *_CURVE_TITLES)
     )
     if (
         onset is None
@@ -187,9 +203,9 @@ def format_backbone(onset: xarray.Dataset) -> str:
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
-    for name in _CURVE_NAMES:
+    for name, words in _CURVE_TITLES.items():
         unit = QUANTITIES[name].unit
-        title = name.replace("_", " ") + ("" if unit == "1" else f" ({unit})")
+        title = words + ("" if unit == "1" else f" ({unit})")
         for statistic, suffix in (("mean", ""), ("lower", ": lower"), ("upper", ": upper")):
             columns[title + suffix] = [0.0, *onset[name].sel(statistic=statistic).values]
     text: str = pandas.DataFrame(columns).to_csv(index=False, float_format="%.9g")

@@ -702,14 +702,6 @@ def _find_option(key: str) -> str | None:
     )
 
 
-def pair_study(upper: object = None, lower: object = None, **options: object) -> Study:
-    """Return the study of two bodies, files or in memory, with options named like the fields of `PairOptions`.
-
-    Raises a `ValueError` if the bodies cannot be pressed.
-    """
-    return study_from_options(read_options({"upper": upper, "lower": lower, **options}))
-
-
 def study_from_options(options: PairOptions) -> Study:
     """Return the study of two bodies, files or in memory. Raises a `ValueError` if they cannot be pressed."""
     study = Pair(options).study

@@ -9,6 +9,7 @@ import numpy as np
 
 from stiction._number_format import finite, percent, prefix, quoted, with_interval, with_unit
 from stiction.mechanics.quantities import QUANTITIES
+from stiction.studies.onset import MODELS
 from stiction.studies.point import STATISTICS
 
 if TYPE_CHECKING:
@@ -104,10 +105,8 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     ]
     attributes = {str(name): value for name, value in onset.attrs.items()}
     models = {
-        model: {
-            name.removeprefix(f"{model}_"): float(value) for name, value in attributes.items() if name.startswith(model)
-        }
-        for model in ("iwan", "lugre")
+        model: {name: float(attributes[f"{model}_{name}"]) for name in names if f"{model}_{name}" in attributes}
+        for model, names in MODELS.items()
     }
     return {
         "sentence": onset_text(onset), "load": float(attributes["load_mN"]), "mu0": float(attributes["mu0"]),

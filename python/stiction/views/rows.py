@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +26,6 @@ from stiction.views.onset import onset_record, quantity_label
 from stiction.views.pull_off import pull_off_record
 from stiction.views.resolution import resolution_record
 from stiction.views.sentence import covers_text, list_assumptions, sentence_text
-from stiction.views.spreadsheet import frame_to_csv
 
 if TYPE_CHECKING:
     import pandas
@@ -121,11 +120,6 @@ def _quantity_rows(at: xarray.Dataset, name: str) -> pandas.DataFrame:
 # ---- CSV -------------------------------------------------------------------------------------------------------------
 
 
-def summary_csv(summary: Summary) -> str:
-    """Return `summary_table` as CSV for spreadsheet programs."""
-    return frame_to_csv(summary_table(summary))
-
-
 def summary_table(summary: Summary) -> pandas.DataFrame:
     """Return a table with a row for each cell, load, mu0, tau0, sliding rule and motion; units are in the header.
 
@@ -164,9 +158,10 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
         unit = "" if selected["unit"].iloc[0] == "1" else f" ({selected['unit'].iloc[0]})"
         columns = {"value": f"{words}{unit}", "lower": f"{words}{unit}: lower", "upper": f"{words}{unit}: upper"}
         table = table.merge(selected[[*on, *columns]].rename(columns=columns), on=on, how="left")
-    table = table.merge(_assessment_table(summary.points, keys), on=[*keys, "sliding"], how="left")
-    of_mean = [name for name in table if name in ends or name.startswith("mu_s ")]
-    table.loc[table["motion"] != _COEFFICIENTS["friction_all_round"], of_mean] = math.nan
+    coefficients = _mean_coefficients(summary.points)
+    assessments = _assessment_table(summary.points, keys, coefficients)
+    table = table.merge(assessments, on=[*keys, "sliding"], how="left")
+    table.loc[table["motion"] != _COEFFICIENTS["friction_all_round"], [*ends, *coefficients]] = math.nan
     others = [str(name) for name in table if name not in ends]
     place = others.index(title) + 1
     table = table[[*others[:place], *ends, *others[place:]]]
@@ -180,35 +175,45 @@ def _load_quantities(at: xarray.Dataset) -> list[str]:
     return [name for name in shown_in("csv") if name in at and at[name].sizes.get("direction", 1) == 1]
 
 
-def _assessment_table(points: Sequence[PointSummary], keys: Sequence[str]) -> pandas.DataFrame:
-    import pandas
+def _mean_coefficients(points: Sequence[PointSummary]) -> dict[str, list[float]]:
+    """Return further coefficients, means over all directions: a column with a value for each rule of each point.
 
-    rules = [(point, rule, rule is point.rules[0]) for point in points for rule in point.rules]
+    The values of rules other than the rule to quote are NaN.
+    """
+    rows = [(point, rule is point.rules[0]) for point in points for rule in point.rules]
     waited = {
         f"mu_s after {duration(aged.seconds)}{end}": [
-            getattr(point.waited[index], field) if first else math.nan for point, _, first in rules
+            getattr(point.waited[index], field) if is_quoted else math.nan for point, is_quoted in rows
         ]
         for index, aged in enumerate(points[0].waited if points else ())
         for field, end in (("value", ""), ("lower", ": lower"), ("upper", ": upper"))
     }
+    roughness = [
+        math.nan if point.from_roughness is None or not is_quoted else point.from_roughness for point, is_quoted in rows
+    ]
+    return {**waited, "mu_s from roughness": roughness}
+
+
+def _assessment_table(
+    points: Sequence[PointSummary], keys: Sequence[str], coefficients: Mapping[str, Sequence[float]]
+) -> pandas.DataFrame:
+    import pandas
+
+    rules = [(point, rule) for point in points for rule in point.rules]
     return pandas.DataFrame(
         {
-            **{key: [point.at[key] for point, *_ in rules] for key in keys},
-            "sliding": [rule.rule for _, rule, _ in rules],
+            **{key: [point.at[key] for point, _ in rules] for key in keys},
+            "sliding": [rule.rule for _, rule in rules],
             **{
-                f"coefficient of static friction: {end}": [getattr(rule, end) for _, rule, _ in rules]
+                f"coefficient of static friction: {end}": [getattr(rule, end) for _, rule in rules]
                 for end in ("lower", "upper")
             },
-            **waited,
-            "mu_s from roughness": [
-                math.nan if point.from_roughness is None or not first else point.from_roughness
-                for point, _, first in rules
-            ],
-            "headline": [not point.covered for point, *_ in rules],
-            "assumptions": ["; ".join(list_assumptions(point.study)) for point, *_ in rules],
-            "contact status": [point.contact_status for point, *_ in rules],
-            "verdict": [point.verdict for point, *_ in rules],
-            "caveats": ["; ".join(f"{caveat.text}: {caveat.cure}" for caveat in point.caveats) for point, *_ in rules],
+            **coefficients,
+            "headline": [not point.covered for point, _ in rules],
+            "assumptions": ["; ".join(list_assumptions(point.study)) for point, _ in rules],
+            "contact status": [point.contact_status for point, _ in rules],
+            "verdict": [point.verdict for point, _ in rules],
+            "caveats": ["; ".join(f"{caveat.text}: {caveat.cure}" for caveat in point.caveats) for point, _ in rules],
         }
     )
 

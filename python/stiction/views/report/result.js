@@ -107,7 +107,7 @@ function showReadout() {
   const points = curves().map((curve) => ({...curve, at: frictionAt(curve.rule, d, l), alone: slopeEstimate(curve.rule, d)}));
   const judged = judgement(points, d, l);
   for (const [i, {at, colour, rule, alone}] of points.entries()) {
-    answers.push(element("p", {class: i ? "of other" : "of", style: `color: ${colour}`}, facts.ruleWords[rule]), ...answerOf(at, rule, judged.saysSlopes ? null : alone));
+    answers.push(element("p", {class: i ? "of other" : "of", style: `color: ${colour}`}, facts.ruleDescriptions[rule]), ...answerOf(at, rule, judged.saysSlopes ? null : alone));
     if (judged.answer?.bar && rule === "all" && at.isCombined) answers.push(contributionBar(judged.answer.bar), ...(judged.answer.most ? [element("p", {class: "hint"}, judged.answer.most)] : []));
   }
   if (points.length > 1 && isMeasured)

@@ -102,7 +102,7 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
     )  # fmt: skip
     facts = {
         "percent": f"{100 * CONFIDENCE:g} %", "ticks": COLOUR_BAR_TICKS,
-        "ruleWords": RULE_DESCRIPTIONS, "ruleNames": RULE_LABELS,
+        "ruleDescriptions": RULE_DESCRIPTIONS, "ruleNames": RULE_LABELS,
         "why": {
             name: {"short": short, "why": _status_reason(name)} for name, short in STATUSES.items()
         },
