@@ -75,6 +75,18 @@ def test_at_load_of_generated_result_equals_friction_map():
     )  # fmt: skip
 
 
+def test_at_load_of_chosen_quantities_equals_those_of_all(areas):
+    study, result = areas
+    loads = study.contact.steps()[1:3]
+    complete = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02])
+    some = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02], names=("contact_count", "gentle_friction"))
+    assert set(some.data_vars) < set(complete.data_vars)
+    assert {"friction_all_round", "contact_area", "contact_count", "gentle_friction"} <= set(some.data_vars)
+    assert "reading_difference" not in some
+    for name in some.data_vars:
+        assert some[name].equals(complete[name]), name
+
+
 def test_ensemble_quantities_average_directions_before_intervals():
     study = Study().with_changes({
         "ensemble.repetitions": 6, "surfaces.kind": "surface", "surfaces.shape": [24, 24], "contact.direction": [0, 90],

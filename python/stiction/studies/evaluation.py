@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -65,7 +65,7 @@ COMPLETE, ABOVE_NOMINAL = "complete", "above-nominal"
 
 def at_load(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
-    reading: Reading | None = None, of: Kind | None = None,
+    reading: Reading | None = None, of: Kind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate friction, true area and contact statistics at given loads, with 95 % intervals.
 
@@ -82,6 +82,8 @@ def at_load(
     of : {"shifts", "surrogates"}, optional
         Of measured areas, which members: those at relative positions of the two maps, where there are any, or the pairs
         of surrogates.
+    names : collection of str, optional
+        Quantities to evaluate besides friction; all by default. Of measured bodies the true area is always evaluated.
 
     Returns
     -------
@@ -115,23 +117,23 @@ def at_load(
     material = material_of(result.head, mu0, tau0)
     areas = None
     if reading == "mean":
-        point = _evaluate_ensemble(result, values, *material)
+        point = _evaluate_ensemble(result, values, *material, names)
     else:
-        members = _members_before_growth(result, values, *material, reading, of)
+        members = _members_before_growth(result, values, *material, reading, of, names)
         if study.contact.junction_growth:
             areas = _areas_of_members(members, result)
             members = _with_growth(members, result, areas, of)
-        point = _average_members(study, members)
+        point = _average_members(study, members, names)
         if measured:
             gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
             cells = [str(dim) for dim in gradient.dims]
             along = slope.transpose(*cells, "direction").values
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
             point = point.assign(estimate_by_slopes(cells, gradient.values, along, rules, *material, modulus))
-    if measured:
+    if measured and (names is None or "reading_difference" in names):
         # The largest relative difference of friction between each member's elastic and its normal load.
         other: Reading = "normal" if reading == "elastic" else "elastic"
-        members = _members_before_growth(result, values, *material, other, of)
+        members = _members_before_growth(result, values, *material, other, of, names)
         if areas is not None:
             members = _with_growth(members, result, areas, of)
         there = members["friction_coefficient"].mean(("repetition", "direction"))
@@ -180,7 +182,9 @@ def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
 # ---- The ensemble's mean load ----------------------------------------------------------------------------------------
 
 
-def _evaluate_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.Dataset:
+def _evaluate_ensemble(
+    result: Result, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
+) -> xarray.Dataset:
     """Return ensemble means at loads, as `friction_map` has them, with a dimension statistic."""
     import xarray
 
@@ -211,7 +215,8 @@ def _evaluate_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats)
             variables["friction_by_axis"] = xarray.Variable(dims, along.values, along.attrs)
             first = first.assign_coords(axis=("axis", axes, attributes_of("axis")))
     others = [name for name in (*ONSET, "contact_load") if name in head]
-    for what in ("contact_area", "contact_count", "normal_stiffness", *others):
+    quantities = ("contact_area", "contact_count", "normal_stiffness", *others)
+    for what in quantities if names is None else [name for name in quantities if name in names]:
         if what == "normal_stiffness" and head.sizes[find_step_dimension(head)] < MIN_STIFFNESS_STEPS:
             continue
         try:
@@ -221,7 +226,7 @@ def _evaluate_ensemble(result: Result, loads: Floats, mu0: Floats, tau0: Floats)
                 raise
             continue
         variables[what] = _with_statistic(found if every is None else found.isel(direction=0), what)
-    if result.study.contact.adheres:
+    if result.study.contact.adheres and (names is None or "pull_off" in names):
         unloaded = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
         for name in ("pull_off", "share_of_pull_off_bounds", "friction_at_no_load"):
             own = unloaded[name].transpose("repetition", ...)
@@ -270,7 +275,7 @@ def default_loads(result: Result) -> Floats:
 # ---- Means over members ----------------------------------------------------------------------------------------------
 
 
-def _average_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
+def _average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
     import xarray
 
     order = OverMembers.of(study, members)
@@ -279,6 +284,8 @@ def _average_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
     dims = [str(dim) for dim in there["friction_coefficient"].dims if dim != "repetition"]
     variables: dict[str, Any] = {}
     for name in members.data_vars:
+        if names is not None and name in ("normal_load", "tangential_load") and name not in names:
+            continue  # members alone have them
         values = there[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
             own = [dim for dim in values.dims if dim != "repetition"]
@@ -308,7 +315,7 @@ def _average_members(study: Study, members: xarray.Dataset) -> xarray.Dataset:
         (*rest, "statistic"), order.mean(round_mean), words | {"long_name": "friction coefficient, mean of directions"},
     )  # fmt: skip
     axes, places = axes_of(members["direction"].values)
-    if several and axes.size:
+    if several and axes.size and (names is None or "friction_by_axis" in names):
         by_axis = np.stack([np.take(coefficient, pair, axis=at).mean(axis=at) for pair in places], axis=at)
         named = ("axis" if dim == "direction" else dim for dim in dims)
         variables["friction_by_axis"] = (
@@ -427,14 +434,15 @@ def member_values(
 
 
 def _members_before_growth(
-    result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, of: Kind | None
-) -> xarray.Dataset:
+    result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, of: Kind | None,
+    names: Collection[str] | None = None,
+) -> xarray.Dataset:  # fmt: skip
     """Return `member_values` without junction growth."""
-    return _evaluate_pieces(
-        result,
-        of,
-        lambda piece: evaluate_piece(piece, loads, mu0, tau0, reading, ratio=find_step_dimension(piece) == "load"),
-    )
+
+    def read(piece: xarray.Dataset) -> xarray.Dataset:
+        return evaluate_piece(piece, loads, mu0, tau0, reading, ratio=find_step_dimension(piece) == "load", names=names)
+
+    return _evaluate_pieces(result, of, read)
 
 
 # ---- Junction growth -------------------------------------------------------------------------------------------------
@@ -463,7 +471,7 @@ def growth_of_area(result: Result, loads: Floats) -> Floats:
     steps = result.study.contact.steps()
     if steps.size > 1:
         zero = np.zeros(1)
-        curve = _members_before_growth(result, steps, zero, zero, "elastic", None)["contact_area"]
+        curve = _members_before_growth(result, steps, zero, zero, "elastic", None, ())["contact_area"]
         ratio = curve.mean([dim for dim in curve.dims if dim != "load"]).values / steps
         known = np.isfinite(ratio) & (ratio > 0)
         if known.sum() > 1:
@@ -538,6 +546,30 @@ def member_sums(
     return _evaluate_pieces(Result.of(result), of, read)
 
 
+def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.DataArray:
+    """Return mean(F_T) / mean(F_N) over members and directions at elastic loads (mN), with the interval of a jackknife.
+
+    The dimensions are cells, sliding, load, mu0, tau0 and statistic. It is NaN where mean(F_N) is not above 0.
+    """
+    import xarray
+
+    six = member_sums(result, loads).mean("direction")
+    dims = [str(dim) for dim in six[SIX_SUMS[0]].dims if dim != "repetition"]
+    sums = {name: six[name].transpose("repetition", *dims).values for name in SIX_SUMS}
+    members = np.stack(compute_loads(sums, mu0, tau0))  # (2, members, ..., mu0, tau0)
+    total = members.sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = np.where(total[0] > 0, total[1] / total[0], np.nan)
+        others = total[:, np.newaxis] - members
+        moved = others[1] / others[0] - mean
+    left_out = intervals.PowerSums(mean.shape)
+    left_out.add(np.moveaxis(moved, 0, -1))
+    half = left_out.half_width() if six.sizes["repetition"] >= intervals.MIN_SAMPLE_SIZE else np.nan
+    values = np.stack([mean, np.maximum(mean - half, 0.0), mean + half], axis=-1)
+    words = attributes_of("friction_coefficient")
+    return xarray.DataArray(values, dims=(*dims, "mu0", "tau0", "statistic"), attrs=words)
+
+
 @dataclass(frozen=True, kw_only=True)
 class PerLoad:
     """Forces over the elastic load: tangential = elastic + mu0 rub + tau0 stick, normal = 1 + mu0 .. + tau0 .."""
@@ -551,7 +583,7 @@ class PerLoad:
     @classmethod
     def of(cls, six: Mapping[str, Any], **more: Any) -> Self:
         """Return the forces over the elastic load from means of the six sums."""
-        per = {name: float(each / six["normal_elastic"]) for name, each in six.items()}
+        per = {name: float(six[name] / six["normal_elastic"]) for name in SIX_SUMS}
         return cls(
             elastic=per["tangential_elastic"], rub=per["tangential_frictional"], stick=per["tangential_adhesive"],
             rub_normal=per["normal_frictional"], stick_normal=per["normal_adhesive"], **more,
@@ -581,10 +613,19 @@ def _evaluate_pieces(
     return whole.isel(repetition=np.flatnonzero(made == wanted))
 
 
+_FRICTION = ("friction_coefficient", "normal_load", "tangential_load", "status", "contact_area", *GAP)
+"""Quantities that are always evaluated: intervals of friction need the true area and the slopes of the gap."""
+
+
 def evaluate_piece(
-    piece: xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, *, ratio: bool
-) -> xarray.Dataset:
-    """Evaluate members in memory as `member_values` does; with `ratio`, interpolate over the logarithm of the load."""
+    piece: xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, *, ratio: bool,
+    names: Collection[str] | None = None,
+) -> xarray.Dataset:  # fmt: skip
+    """Evaluate members in memory as `member_values` does.
+
+    With `ratio`, values are interpolated over the logarithm of the load. `names` are quantities besides `_FRICTION`;
+    all by default.
+    """
     import xarray
 
     cells, step = cells_of(piece), find_step_dimension(piece)
@@ -622,12 +663,15 @@ def evaluate_piece(
         with np.errstate(divide="ignore", invalid="ignore"):
             opposing = both[0] / both[1]  # of the sum of F |t·s|, which is the load but for squares of slopes
         variables["share_opposing"] = ((*lead, "direction", "load"), opposing, attributes_of("share_opposing"))
+    wanted = None if names is None else {*_FRICTION, *names}
     for name in READ_AT_LOAD:
+        if wanted is not None and name not in wanted and name != "normal_elastic":
+            continue
         if name in there and step in there[name].dims:
             read = off.at(_over(there[name], (*lead, step)), sums=QUANTITIES[name].proportional)
             variables[name] = ((*lead, "load"), read, there[name].attrs)
     for name in DISTRIBUTIONS:
-        if name in there:
+        if name in there and (wanted is None or name in wanted):
             read = off.at(_over(there[name], (*lead, "fraction_below", step)), sums=False)
             variables[name] = ((*lead, "fraction_below", "load"), read, there[name].attrs)
     for name in (*GAP, "pull_off"):
@@ -646,7 +690,10 @@ def evaluate_piece(
     }
     parameters = {"load": loads, "mu0": mu0, "tau0": tau0}
     coordinates |= _motions_of(piece) | {name: (name, each, attributes_of(name)) for name, each in parameters.items()}
-    return xarray.Dataset(_add_ratios(variables, piece.coords.get("nominal_area")), coordinates, piece.attrs)
+    variables = _add_ratios(variables, piece.coords.get("nominal_area"))
+    if wanted is not None:
+        variables = {name: each for name, each in variables.items() if name in wanted}
+    return xarray.Dataset(variables, coordinates, piece.attrs)
 
 
 def _curves(

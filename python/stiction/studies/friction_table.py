@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, number
 from stiction._units import exact_quantity, short_repr
-from stiction.mechanics.friction import SIX_SUMS, compute_loads, friction_parameter
+from stiction.mechanics.friction import friction_parameter
 from stiction.mechanics.quantities import attributes_of
 from stiction.studies import intervals
+from stiction.studies.evaluation import ensemble_friction
 from stiction.studies.maps import material_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study, study_of
@@ -208,6 +209,7 @@ def friction_table(
     means = {name: np.stack(intervals.sample_mean(each), axis=-1) for name, each in pairs.items()}
     light = means["contact_area_fraction"][..., 0] <= MAX_FITTED_AREA
     light[light.sum(axis=-1) < 2] = True
+    coefficient = ensemble_friction(dataset, dataset["load"].values, *material)
     laws = _laws(pressure, light, pairs)
     factor, prefactor, exponent = (each[..., :1] for each in laws.values())
     fits = {
@@ -218,8 +220,9 @@ def friction_table(
     variables: dict[str, Any] = {
         **{name: ((*places, "pressure", "statistic"), each, attributes_of(name)) for name, each in means.items()},
         "friction_coefficient": (
-            ("sliding", *places, "pressure", "mu0", "tau0", "statistic"), _coefficient(dataset, *material),
-            attributes_of("friction_coefficient"),
+            ("sliding", *places, "pressure", "mu0", "tau0", "statistic"),
+            coefficient.transpose("sliding", *_ORDER[1:], "mu0", "tau0", "statistic").values,
+            coefficient.attrs,
         ),
         **{name: ((*places, "statistic"), each, attributes_of(name)) for name, each in laws.items()},
     }  # fmt: skip
@@ -236,26 +239,6 @@ def friction_table(
     table["pressure"].attrs["long_name"] = "normal load over nominal area"
     table["normal_stiffness"].attrs = {"units": "GPa/um", "long_name": "normal stiffness of each nominal area"}
     return table.sortby("hurst_exponent")
-
-
-def _coefficient(data: xarray.Dataset, mu0: Floats, tau0: Floats) -> Floats:
-    """Return ratios of means over pairs and directions (sliding, dimension, amplitude, load, mu0, tau0, 3)."""
-    sums = {}
-    for name in SIX_SUMS:
-        part = data[name]
-        part = part.mean("direction") if "direction" in part.dims else part
-        part = part if "sliding" in part.dims else part.expand_dims(sliding=max(1, data.sizes.get("sliding", 1)))
-        sums[name] = part.transpose("sliding", *_ORDER).values
-    loads = np.stack(compute_loads(sums, mu0, tau0))
-    total = loads.sum(axis=2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        mean = np.where(total[0] > 0, total[1] / total[0], np.nan)
-        others = total[:, :, np.newaxis] - loads
-        moved = others[1] / others[0] - mean[:, np.newaxis]
-    left_out = intervals.PowerSums(mean.shape)
-    left_out.add(np.moveaxis(moved, 1, -1))
-    half = left_out.half_width() if data.sizes["repetition"] >= intervals.MIN_SAMPLE_SIZE else np.nan
-    return np.stack([mean, np.maximum(mean - half, 0.0), mean + half], axis=-1)
 
 
 def _laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
