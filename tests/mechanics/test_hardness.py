@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from stiction import half_space
-from stiction.mechanics.hardness import area_per_load
+from stiction.mechanics.hardness import MIXING_EXPONENT, MIXING_POWER, area_per_load
 from stiction.studies.hardness import NODE_POSITIONS
 from support.rough_surfaces import rough_maps
 
@@ -31,6 +31,33 @@ def test_interpolated_area_agrees_with_direct_solutions(rms: float) -> None:
     direct = np.array([ratio(float(item)) for item in expected])
     assert result == pytest.approx(direct, rel=AREA)
     assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION)
+
+
+def test_interpolated_area_agrees_with_its_definition() -> None:
+    random = np.random.default_rng(4)
+    nodes, elastic = np.sort(random.uniform(0.2, 3.0, 7)), np.array([0.3, 1.1])
+    at_nodes = random.uniform(0.8, 1.2, (2, 7)) / nodes
+    hardness = random.uniform(0.1, 4.0, 50)
+
+    def estimate(pressure: float, area: float) -> float:
+        exponent = MIXING_EXPONENT * (pressure * area) ** MIXING_POWER
+        return float((pressure**-exponent + area**exponent) ** (1 / exponent))
+
+    expected = [
+        [
+            estimate(each, area)
+            * np.exp(
+                np.interp(
+                    np.log(each),
+                    np.log(nodes),
+                    np.log([a / estimate(n, area) for n, a in zip(nodes, row, strict=True)]),
+                )
+            )
+            for each in hardness
+        ]
+        for row, area in zip(at_nodes, elastic, strict=True)
+    ]
+    np.testing.assert_allclose(area_per_load(hardness, nodes, at_nodes, elastic), expected, rtol=1e-13)
 
 
 def test_interpolated_area_has_limits() -> None:

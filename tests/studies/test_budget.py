@@ -11,7 +11,14 @@ from scipy.stats import halfnorm
 from stiction import Study, Surface, cut_off, pair, self_affine_surface
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
-from stiction.studies.budget import _CoefficientSamples, _numbers_at, add_uncertainty
+from stiction.studies.budget import (
+    _CoefficientSamples,
+    _columns,
+    _ends,
+    _numbers_at,
+    _sheared_contacts,
+    add_uncertainty,
+)
 from stiction.studies.evaluation import PerLoad, areas_of, at_load, member_sums
 from stiction.studies.executors import thread_executor
 from stiction.studies.hardness import choose_area_nodes, compute_areas_over_hardness, find_inputs
@@ -101,7 +108,8 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
     point_index = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
     sums, areas = member_sums(result.source, table["load"].values), areas_of(table, result.source)
     friction = PerLoad.of(sums.sel(sliding="all").mean())
-    samples = _CoefficientSamples(_numbers_at(table, point_index), point_index, result.study, inputs, friction, areas)
+    numbers = _numbers_at(_columns(table) | _sheared_contacts(table, result.study, areas), point_index)
+    samples = _CoefficientSamples(numbers, point_index, result.study, inputs, friction, areas)
     samples.names, samples.places = tuple(inputs), {}  # without samples of the positions
     for probability in (0.03, 0.7):
         hardness = float(inputs["hardness"].estimate.quantile(probability))
@@ -111,6 +119,17 @@ def test_interval_over_hardness_and_modulus_agrees_with_direct_solutions(rms, mo
         assert computed[0] == pytest.approx(
             direct.value, rel=WIDE_INTERPOLATION_ERROR if modulus.startswith("48") else INTERPOLATION_ERROR
         )
+
+
+@pytest.mark.parametrize("infinite", [0, 300, 500])
+def test_ends_of_samples_are_their_quantiles(infinite) -> None:
+    samples = np.random.default_rng(3).lognormal(size=2**14)
+    samples[:infinite] = np.inf
+    method = "inverted_cdf" if infinite else "linear"
+    assert _ends(samples) == pytest.approx(np.quantile(samples, [0.025, 0.975], method=method).tolist(), rel=1e-14)
+    samples[0] = np.nan
+    with pytest.raises(ValueError, match="have no coefficient"):
+        _ends(samples)
 
 
 def test_large_maps_are_solved_over_hardness_for_two_members(monkeypatch) -> None:

@@ -103,16 +103,18 @@ def add_uncertainty(
     whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
     left, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited, seizing = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
-    six, areas = member_sums(result, at["load"].values).mean(("repetition", "direction")), areas_of(at, result)
-    read, pressures = at[[name for name in _READ if name in at]], at["load"].values / float(at["nominal_area"])
+    areas = areas_of(at, result)
+    six = _columns(member_sums(result, at["load"].values).mean(("repetition", "direction")))
+    read = _columns(at[[name for name in _READ if name in at]]) | _sheared_contacts(at, study, areas)
+    pressures = at["load"].values / float(at["nominal_area"])
     for place in np.ndindex(*shape):
         where = dict(zip(dims, place, strict=True))
-        sums = {str(name): each.values[tuple(where[str(dim)] for dim in each.dims)] for name, each in six.items()}
+        sums, numbers = _numbers_at(six, where), _numbers_at(read, where)
         one = _CoefficientSamples(
-            _numbers_at(read, where), where, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(place)
+            numbers, where, study, inputs, PerLoad.of(sums), areas, strengths, scatters.get(place)
         )
         if not one.names:
-            point = _numbers_at(read[["friction_all_round"]], where)["friction_all_round"]
+            point = numbers["friction_all_round"]
             if (np.abs(point) < NEGLIGIBLE).all() and {"mu0", "tau0"} & inputs.keys():
                 whole[place] = point[0], *_ends_about_zero(PerLoad.of(sums), one, inputs, point)
             continue
@@ -150,11 +152,38 @@ def add_uncertainty(
     return at.assign(variables).assign_coords(coordinates)
 
 
-def _numbers_at(table: xarray.Dataset, where: Mapping[str, int]) -> dict[str, Any]:
-    """Return the values of all variables at one place, which takes less time than a dataset."""
+def _sheared_contacts(at: xarray.Dataset, study: Study, areas: AreaInterpolator) -> Columns:
+    """Return H' (GPa) and the growth of the true area at the study's own inputs, for all mu0 and tau0 at once.
+
+    Empty without a hardness. Without junction growth H' is the hardness.
+    """
+    if (hardness := areas.hardness) is None:
+        return {}
+    mu0, tau0, growth = at["mu0"].values, at["tau0"].values, find_junction_growth(study)
+    pressure = np.full((mu0.size, tau0.size), hardness)
+    grown = np.ones((at.sizes["sliding"], at.sizes["load"], *pressure.shape))
+    if growth is not None:
+        pressure = hardness_under_shear(hardness, mu0[:, np.newaxis], tau0, growth.value)
+        own = np.full(pressure.size, hardness)
+        for rule, load in np.ndindex(grown.shape[:2]):
+            values = areas.growth_ratio(load, str(at["sliding"].values[rule]), own, pressure.ravel())
+            grown[rule, load] = np.where(tau0 == 0, 1.0, values.reshape(pressure.shape))
+    dims = ("mu0", "tau0")
+    return {"sheared_pressure": (dims, pressure), "area_growth": (("sliding", "load", *dims), grown)}
+
+
+Columns = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
+
+
+def _columns(table: xarray.Dataset) -> Columns:
+    """Return dimensions and values of all variables; indexing these takes less time than indexing a dataset."""
+    return {str(name): (tuple(map(str, each.dims)), each.values) for name, each in table.variables.items()}
+
+
+def _numbers_at(columns: Columns, where: Mapping[str, int]) -> dict[str, Any]:
+    """Return the values of all variables at one place."""
     return {
-        str(name): each.values[tuple(where.get(str(dim), slice(None)) for dim in each.dims)]
-        for name, each in table.variables.items()
+        name: values[tuple(where.get(dim, slice(None)) for dim in dims)] for name, (dims, values) in columns.items()
     }
 
 
@@ -235,12 +264,13 @@ class _CoefficientSamples:
         self.strengths = strengths
         self.rule = str(point["sliding"])
         self.growth = find_junction_growth(study)  # α of junction growth
+        self.own_growth = float(point.get("area_growth", 1.0))  # of the true area, at the study's own inputs
         hardness = study.contact.hardness
         self.finest: tuple[float, float] | None = None  # range of coefficients of finer scans
         free = study.uses_half_space and not study.contact.adheres
         if hardness is not None and free and self.rule == "all":
             contacts = float(point["contact_count"][0]) * float(point["members"])
-            limits = self.mu0, self.tau0 / self._under_shear(float(hardness), self.mu0, self.tau0), contacts
+            limits = self.mu0, self.tau0 / float(point["sheared_pressure"]), contacts
             self.finest = friction_bracket(value, *limits)
             self.bracket = friction_bracket(value, *limits, upper)
         width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
@@ -306,15 +336,17 @@ class _CoefficientSamples:
         found = hardness_under_shear(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
         return float(found) if found.ndim == 0 else found
 
-    def _grown(self, hardness: Floats, mu0: Any, tau0: Any, alpha: Any = None, modulus: Any = 1.0) -> Any:
+    def _grown(self, hardness: Floats, tau0: Any, pressure: Any, modulus: Any = 1.0) -> Any:
         """Return the true area at the onset of sliding over that before shear; infinite at seizure.
 
-        The ratio is 1 for tau0 = 0, because friction then does not depend on the area.
+        `pressure` is H' of `_under_shear`. The ratio is 1 for tau0 = 0, because friction then does not depend on the
+        area.
         """
         if self.growth is None or (np.ndim(tau0) == 0 and tau0 == 0):
             return 1.0
-        pressure = np.broadcast_to(self._under_shear(hardness, mu0, tau0, alpha), hardness.shape)
-        return self.areas.growth_ratio(self.load, self.rule, hardness, pressure, modulus)
+        return self.areas.growth_ratio(
+            self.load, self.rule, hardness, np.broadcast_to(pressure, hardness.shape), modulus
+        )
 
     def next_test(self) -> tuple[float, float]:
         """Return the 95 % prediction interval of one more member in one direction.
@@ -339,7 +371,7 @@ class _CoefficientSamples:
         if pressure >= left:
             return math.nan, math.nan, math.nan
         ends = np.array([left]), np.array([hardness])
-        area, grown = (self._grown(each, self.mu0, self.tau0) for each in ends)
+        area, grown = (self._grown(each, self.tau0, self._under_shear(each, self.mu0, self.tau0)) for each in ends)
         if not np.isfinite(area).all():
             return math.nan, math.nan, math.nan
         area = self.areas.area_ratio(self.load, ends[0], 1.0) * area
@@ -350,19 +382,18 @@ class _CoefficientSamples:
     def _friction_samples(
         self, fixed: Mapping[str, float], wait: float = 1.0, strength: Strength | None = None
     ) -> Floats:
-        from scipy.special import ndtri
-
         key = self.names, tuple(fixed.items()), self.load, wait
         if key not in self.areas.cache:  # shared by all mu0 and tau0 of a load
             self.areas.cache[key] = self._input_samples(fixed, wait)
-        columns, samples, hardness, area, modulus = self.areas.cache[key]
+        columns, scores, samples, hardness, area, modulus = self.areas.cache[key]
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
         if strength is not None:  # ordered by the coefficient, so that quantiles are those of the coefficient
             own, growth = strength[2:]
             with_own = 1.0 if own is None else self.areas.area_ratio(self.load, own, 1.0)
             softness = np.full(strength[0].shape, self.areas.hardness or np.nan) if own is None else own
-            with_own = with_own * self._grown(softness, *strength[:2], growth)
+            pressure = self._under_shear(softness, *strength[:2], growth)
+            with_own = with_own * self._grown(softness, strength[1], pressure)
             with np.errstate(invalid="ignore"):
                 order = np.argsort(self.friction.coefficient(*strength[:2], with_own))
             place = order[(columns[INTERFACE] * order.size).astype(int)]
@@ -371,13 +402,12 @@ class _CoefficientSamples:
             if own is not None:
                 hardness = own[place] * hardness / float(self.areas.hardness or 1.0)
                 area = self.areas.area_ratio(self.load, hardness, modulus)
-        own_grown: Any = 1.0
         if self.growth is not None:
             alpha = samples.get("junction_growth", self.growth.value) if growth is None else growth
-            area = area * self._grown(hardness, mu0, tau0, alpha, modulus)
-            hardness = self._under_shear(hardness, mu0, tau0, alpha)
-            own_grown = self._grown(np.array([self.areas.hardness], float), self.mu0, self.tau0)
-        middle = self.friction.coefficient(self.mu0, self.tau0, own_grown)
+            pressure = self._under_shear(hardness, mu0, tau0, alpha)
+            area = area * self._grown(hardness, tau0, pressure, modulus)
+            hardness = pressure
+        middle = self.friction.coefficient(self.mu0, self.tau0, self.own_growth)
         with np.errstate(invalid="ignore"):
             found = np.broadcast_to(self.value * self.friction.coefficient(mu0, tau0, area) / middle, (NUM_SAMPLES,))
         seizes = np.broadcast_to(np.isinf(area), (NUM_SAMPLES,))
@@ -386,14 +416,16 @@ class _CoefficientSamples:
             least = np.minimum(mu0 + tau0 / np.where(seizes, np.inf, hardness), found)
             most = np.maximum(found * (self.finest[1] / self.value), least)
             found = least + columns[FINER] * (most - least)
-        for name, error in self.places.items():
-            found = found * np.exp(error * ndtri(columns[name]))
+        if self.places:
+            found = found * np.exp(sum(error * scores[name] for name, error in self.places.items()))
         return np.where(seizes, np.inf, np.maximum(found, 0.0))
 
     def _input_samples(
         self, fixed: Mapping[str, float], wait: float
-    ) -> tuple[dict[str, Floats], dict[str, Floats], Floats, Floats, Floats | float]:
-        """Return unit samples by name, inputs, hardness, and true area and E* over those of the study."""
+    ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats, Floats | float]:
+        """Return unit samples and normal scores by name, inputs, hardness, and true area and E* over the study's."""
+        from scipy.special import ndtri
+
         cube = stratified_points(len(self.names) + 1)
         columns = dict(zip(self.names, cube.T, strict=False))
         columns |= {name: np.full(NUM_SAMPLES, part) for name, part in fixed.items() if name in columns}
@@ -403,7 +435,8 @@ class _CoefficientSamples:
             hardness = hardness * wait ** -creep.quantile(cube[:, -1])
         softest = None if self.areas.hardness is None else hardness
         modulus = compute_relative_modulus(self.study, samples)
-        return columns, samples, hardness, self.areas.area_ratio(self.load, softest, modulus), modulus
+        scores = {name: ndtri(columns[name]) for name in self.places}
+        return columns, scores, samples, hardness, self.areas.area_ratio(self.load, softest, modulus), modulus
 
 
 def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:
@@ -430,6 +463,15 @@ def _ends(values: NDArray[Any]) -> tuple[float, float]:
             f"the inputs are too uncertain: {count} of {values.size} samples of them have no coefficient; "
             "specify narrower ranges"
         )
-    method: Any = "linear" if np.isfinite(values).all() else "inverted_cdf"  # the method does not average infinities
-    low, high = np.quantile(values, [0.025, 0.975], method=method)
-    return float(low), float(high)
+    ordered = np.sort(values)  # in a quarter of the time of `numpy.quantile`
+    low, high = (_quantile(ordered, part) for part in (0.025, 0.975))
+    return low, high
+
+
+def _quantile(ordered: NDArray[Any], part: float) -> float:
+    """Return a quantile of sorted samples, linear between neighbors; of infinite samples that of the steps."""
+    if np.isinf(ordered[-1]):
+        return float(ordered[max(math.ceil(part * ordered.size) - 1, 0)])
+    place = part * (ordered.size - 1)
+    index = min(int(place), ordered.size - 2)
+    return float(ordered[index] + (place - index) * (ordered[index + 1] - ordered[index]))

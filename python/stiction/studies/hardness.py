@@ -359,8 +359,10 @@ class AreaInterpolator:
         else:
             known = self.node_hardnesses, self.node_areas[load], self.elastic_areas[load]
             ratio = np.asarray(hardness / modulus)
-            now, own = (area_per_load(np.ravel(each), *known) for each in (ratio, self.hardness))
-            now = now.reshape(-1, *(ratio.shape or (1,)))
+            now = area_per_load(ratio.ravel(), *known).reshape(-1, *(ratio.shape or (1,)))
+            if (key := ("own", load)) not in self.cache:
+                self.cache[key] = area_per_load([self.hardness], *known)
+            own = self.cache[key]
         scale = np.power(modulus, -(1.0 + self.growth[load]))
         return np.asarray(scale * _interpolate_moduli(now, self.moduli, modulus) / own[self.moduli.size // 2])
 
