@@ -12,6 +12,7 @@ from stiction.studies.nodes import (
     is_interpolated,
     largest_errors,
     refined,
+    resolved_panels,
 )
 from stiction.studies.study import parse_study
 from support.generated_studies import SMALL_STUDY
@@ -77,7 +78,7 @@ def test_axes_of_makes_ranged_inputs_ranged_nodes(tmp_path):
 
 def test_refined_axes_reach_the_tolerances():
     coarse_axes = tuple(Axis(axis.rising[[0, 2, 4]]) for axis in AXES)
-    axes = refined(coarse_axes, smooth_friction)
+    axes, _ = refined(coarse_axes, smooth_friction)
     assert sum(axis.rising.size for axis in axes) > 6
     table = smooth_friction(axes[0].values, axes[1].values)
     random = np.random.default_rng(1).uniform([0, 0], [1, 0.2], (50, 2))
@@ -91,6 +92,25 @@ def test_refined_axes_reach_the_tolerances():
     value_error, ends_error = largest_errors(axes, table, smooth_friction)
     assert 0 < value_error < 10 * VALUE_TOLERANCE
     assert 0 < ends_error < 10 * ENDS_TOLERANCE
+
+
+def test_panels_with_errors_above_the_printed_tolerance_are_not_resolved():
+    def cusp(mu0, tau0):
+        """Return points at one load whose upper end has a cusp along mu0, at large tau0."""
+        table = smooth_friction(mu0, tau0)
+        rise = np.maximum(0.0, 0.1 - np.abs(np.asarray(mu0)[:, np.newaxis] - 0.4)) * (np.asarray(tau0) > 0.08)
+        table[..., 2] += 5 * rise
+        return table[np.newaxis]
+
+    axes, compared = refined(AXES, lambda mu0, tau0: smooth_friction(mu0, tau0)[np.newaxis], max_nodes=5)
+    assert resolved_panels(axes, compared)[:-1, :-1].all()
+    axes, compared = refined(AXES, cusp, max_nodes=5)
+    is_resolved = resolved_panels(axes, compared)
+    assert not is_resolved[2, 3]  # mu0 from 0.25 to 0.6
+    assert is_resolved[2, 0]  # compared along the line of small tau0
+    finer, compared = refined(AXES, cusp, max_nodes=40)
+    length = np.diff(finer[0].rising)[~resolved_panels(finer, compared)[:-1, 3]].sum()
+    assert length < 0.5 * (0.6 - 0.25)
 
 
 def test_panels_with_a_jump_or_undefined_node_are_not_interpolated():

@@ -7,10 +7,9 @@ import re
 import numpy as np
 import pytest
 from stiction import Profile, Study, levelled, pair, run, self_affine
-from stiction.studies.nodes import MAX_NODES
+from stiction.studies.nodes import LOAD_STEPS, MAX_NODES
 from stiction.studies.study import study_of
 from stiction.views.report import ReportError, report_page, save_report
-from stiction.views.report.generated import LOAD_STEPS
 from stiction.views.report.page import MARK
 from stiction.views.report.surface import surface_page
 from support.generated_studies import SMALL_STUDY, empty_dataset

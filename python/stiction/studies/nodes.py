@@ -6,15 +6,17 @@ The library evaluates every node, chooses the nodes by the tolerances below, and
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.studies.budget import SAME_INPUT, add_uncertainty
-from stiction.studies.evaluation import at_load
+from stiction.studies.evaluation import at_load, reached_loads
 from stiction.studies.hardness import find_inputs
 
 if TYPE_CHECKING:
@@ -26,11 +28,19 @@ if TYPE_CHECKING:
 
 VALUE_TOLERANCE = 1e-4  # relative error of an interpolated value: no value is printed with more than four digits
 ENDS_TOLERANCE = 1e-2  # error of an end of an interval over the interval's width, or `VALUE_TOLERANCE` of the value
-MIN_NODES, MAX_NODES = 5, 7
-"""Rising nodes of an axis at first, and after refinement."""
+PRINTED_TOLERANCE = 0.025
+"""Error over the width of an interval above which a number is not shown; it is the finest rounding of printed ends."""
 
+MIN_NODES = 5  # rising nodes of an axis at first
+MAX_NODES, MAX_MEASURED_NODES = 7, 10
+"""Rising nodes of an axis after refinement: of generated surfaces, whose reports are large, and of measured ones."""
+
+LOAD_STEPS = 40  # loads of a report of generated surfaces
+SAMPLED_LOADS = 4  # loads of generated surfaces for the choice of nodes and the interpolation error
+CHOICE_LOADS = 2  # loads of measured surfaces for the choice of nodes
+MEASURED_NAMES = ("contact_count", "gentle_friction")  # quantities at nodes of measured surfaces besides friction
 MAX_OWN = 9  # values of a study that are nodes of an axis: of more, so many in equal steps of their number
-MAX_ROUNDS = 3  # refinements of an axis
+MAX_ROUNDS = 4  # refinements of an axis
 CLOSE = 0.35  # fraction of the distance to the next node below which a first node gives way to a value of the study
 CURVED = 0.05
 """Relative difference of cubic from bilinear interpolation in the middle of a panel above which it has no value."""
@@ -101,6 +111,123 @@ class Axis:
         return found
 
 
+class Nodes:
+    """Values of a result at nodes of mu0 and tau0, between which a report interpolates.
+
+    Parameters
+    ----------
+    result : Result
+
+    Attributes
+    ----------
+    axes : pair of Axis
+        Nodes of mu0 and tau0, chosen by the tolerances.
+    loads : ndarray of float, mN
+        Loads of a report: those of the study of measured bodies, and `LOAD_STEPS` in equal ratios of generated ones.
+    kinds : list of str or None
+        Kinds of members of measured bodies, the kind to quote first; None stands for all members.
+    values : tuple of xarray.Dataset
+        Values and intervals of each kind at the loads and nodes.
+    of_load : tuple of xarray.Dataset
+        Quantities of measured bodies that depend on the load alone, of each kind.
+    error : (float, float)
+        Largest relative error of interpolated values, and of ends over widths, at a few values between nodes.
+    """
+
+    def __init__(self, result: Result) -> None:
+        self.result, self.study = result, result.study
+
+    @cached_property
+    def loads(self) -> Floats:
+        """Loads (mN) of a report; empty if no pair touches."""
+        if self.study.is_measured:
+            return np.asarray(self.study.contact.steps())
+        try:
+            low, high = (float(f"{load:.3g}") for load in reached_loads(self.result, 2))
+        except ValueError:
+            return np.zeros(0)
+        return np.array([float(f"{load:.5g}") for load in np.geomspace(low, high, LOAD_STEPS)])
+
+    @cached_property
+    def kinds(self) -> list[Kind | None]:
+        """Kinds of members, the kind to quote first."""
+        head = self.result.head
+        if "surrogate" not in head.coords:
+            return [None]
+        surrogate = self.result.dataset["surrogate"].values.astype(bool)
+        return ["shifts", "surrogates"] if surrogate.any() and not surrogate.all() else [None]
+
+    @property
+    def axes(self) -> tuple[Axis, Axis]:
+        """Nodes of mu0 and tau0."""
+        return self._choice[0]
+
+    @property
+    def is_resolved(self) -> NDArray[np.bool_]:
+        """True for panels in whose middles errors are within `PRINTED_TOLERANCE`, over cells, motions, mu0 and tau0."""
+        return self._choice[1]
+
+    @cached_property
+    def _choice(self) -> tuple[tuple[Axis, Axis], NDArray[np.bool_]]:
+        """Nodes chosen at a few loads, and resolved panels."""
+        if self.study.is_measured:
+            loads = np.unique([*self.loads[[-1]], float(self.study.friction.load[0])])[:CHOICE_LOADS]
+        else:
+            loads = self._sample
+        max_nodes = MAX_MEASURED_NODES if self.study.is_measured else MAX_NODES
+        axes, middles = refined(axes_of(self.study), partial(self._friction, loads), max_nodes)
+        return axes, resolved_panels(axes, middles)
+
+    @cached_property
+    def values(self) -> tuple[xarray.Dataset, ...]:
+        """Values and intervals of each kind of members at the loads and nodes."""
+        names = MEASURED_NAMES if self.study.is_measured else None
+        return tuple(self._at(self.loads, self.axes, kind, names) for kind in self.kinds)
+
+    @cached_property
+    def of_load(self) -> tuple[xarray.Dataset, ...]:
+        """Quantities of measured bodies that depend on the load alone, of each kind of members."""
+        return tuple(at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], of=kind) for kind in self.kinds)
+
+    @cached_property
+    def error(self) -> tuple[float, float]:
+        """Largest relative error of interpolated values, and of ends over widths, at a few values between nodes."""
+        loads = self.loads if self.study.is_measured else self._sample
+        table = self._table(self.values[0].sel(load=loads))
+        return largest_errors(self.axes, table, partial(self._friction, loads))
+
+    def is_interpolated(self, values: Floats) -> Any:
+        """Return True for panels between nodes in which values (..., m, t) may be interpolated."""
+        return is_interpolated(self.axes, values)
+
+    @property
+    def _sample(self) -> Floats:
+        return self.loads[:: max(1, self.loads.size // SAMPLED_LOADS)]
+
+    def _at(
+        self, loads: Floats, axes: tuple[Axis, Axis], kind: Kind | None, names: Collection[str] | None
+    ) -> xarray.Dataset:
+        """Return `at_load` at nodes, of measured bodies with combined intervals.
+
+        Combined intervals are of the members that a result averages first; those of surrogates have none.
+        """
+        mu0, tau0 = (axis.values for axis in axes)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # a tau0 that is large beside E* is marked in the report
+            at = at_load(self.result, loads, mu0=mu0, tau0=tau0, of=kind, names=names)
+        return at if kind == "surrogates" else add_uncertainty(at, self.result, budget=False, tests=False)
+
+    def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
+        """Return friction with intervals at other mu0 and tau0 (..., m, t, 3)."""
+        names = ("contact_count",) if self.study.is_measured else ()
+        return self._table(self._at(loads, (Axis(mu0), Axis(tau0)), self.kinds[0], names))
+
+    def _table(self, at: xarray.Dataset) -> Floats:
+        """Return the coefficient of a report with its interval, over cells, motions, load, mu0, tau0 and statistic."""
+        name = "friction_combined" if self.study.is_measured else "friction_coefficient"
+        return np.asarray(at[name].transpose(..., "load", "mu0", "tau0", "statistic").values)
+
+
 def axes_of(study: Study) -> tuple[Axis, Axis]:
     """Return the first nodes of mu0 and of tau0 (GPa) of a study, from 0 to the largest value of a report."""
     ranged = set(find_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
@@ -128,20 +255,16 @@ def _axis(own: Floats, most: float, *, is_ranged: bool) -> Axis:
     return Axis(np.unique([*first[kept], *own]))
 
 
-def at_nodes(result: Result, loads: Floats, axes: tuple[Axis, Axis], of: Kind | None = None) -> xarray.Dataset:
-    """Return what `at_load` gives of a result at nodes, of measured bodies with combined intervals.
-
-    Combined intervals are of the members that a result averages first; those of another kind `of` members have none.
-    """
-    mu0, tau0 = (axis.values for axis in axes)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # a tau0 that is large beside E* is marked in the report
-        at = at_load(result, loads, mu0=mu0, tau0=tau0, of=of)
-    return at if of == "surrogates" else add_uncertainty(at, result, budget=False, tests=False)
+Middles = tuple[Floats, Floats]
+"""Interpolated and evaluated values in the middles of panels along two lines of an axis, (panels, ..., 2, 3) each."""
 
 
-def refined(axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats]) -> tuple[Axis, Axis]:
-    """Return axes with so many nodes that values and intervals along some lines are within the tolerances.
+def refined(
+    axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats], max_nodes: int = MAX_NODES
+) -> tuple[tuple[Axis, Axis], tuple[Middles, Middles]]:
+    """Return axes with so many nodes that values and intervals along two lines are within the tolerances.
+
+    An axis is refined to at most `max_nodes` rising nodes. The second result has the values in the middles of panels.
 
     Parameters
     ----------
@@ -149,25 +272,52 @@ def refined(axes: tuple[Axis, Axis], evaluate: Callable[[Floats, Floats], Floats
     evaluate : function of mu0 (m,) and tau0 (t,)
         Values, lower and upper ends (..., m, t, 3).
     """
-    found = list(axes)
+    found, compared = list(axes), []
     for place in range(2):
+        other = found[1 - place].rising
+        across = other[[min(1, other.size - 1), max(other.size - 2, 0)]]
+        rows: dict[float, Floats] = {}  # values (..., 3) along the axis
         for _ in range(MAX_ROUNDS):
-            axis, other = found[place], found[1 - place].rising
-            across = other[[min(1, other.size - 1), -2]] if other.size > 2 else other
+            axis = found[place]
             middles = axis.middles()
             along = np.concatenate([axis.values, middles])
-            table = evaluate(along, across) if place == 0 else np.swapaxes(evaluate(across, along), -2, -3)
-            table = np.moveaxis(table, -3, 0)  # (along, ..., 3)
-            nodes, wanted = table[: axis.values.size], table[axis.values.size :]
+            if (new := np.array([value for value in along.tolist() if value not in rows])).size:
+                table = evaluate(new, across) if place == 0 else np.swapaxes(evaluate(across, new), -2, -3)
+                rows |= zip(new.tolist(), np.moveaxis(table, -3, 0), strict=True)
+            nodes, wanted = (np.stack([rows[value] for value in part.tolist()]) for part in (axis.values, middles))
             with np.errstate(invalid="ignore"):
                 given = np.stack([np.tensordot(axis.weights(middle), nodes, axes=1) for middle in middles])
             errors = excess(given, wanted).reshape(middles.size, -1).max(axis=1)
             more = middles[errors > 1.0][np.argsort(-errors[errors > 1.0])]
-            more = more[: max(MAX_NODES - axis.rising.size, 0)]
+            more = more[: max(max_nodes - axis.rising.size, 0)]
             if not more.size:
                 break
             found[place] = axis.with_nodes(more.tolist())
-    return found[0], found[1]
+        compared.append((given, wanted))
+    return (found[0], found[1]), (compared[0], compared[1])
+
+
+def resolved_panels(axes: tuple[Axis, Axis], compared: tuple[Middles, Middles]) -> NDArray[np.bool_]:
+    """Return True for panels (..., m, t) in whose middles numbers are within `PRINTED_TOLERANCE`, at all loads.
+
+    Arguments are those that `refined` returns. A panel is compared along the nearer one of the two lines.
+    """
+    sizes = [axis.values.size for axis in axes]
+    parts = []
+    for place, (given, wanted) in enumerate(compared):
+        value, width = np.abs(wanted[..., 0]), wanted[..., 2] - wanted[..., 1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            error = (
+                np.abs(given - wanted) / np.fmax(PRINTED_TOLERANCE * width, VALUE_TOLERANCE * value)[..., np.newaxis]
+            )
+            error = np.where(np.isfinite(error), error, 0.0).max(axis=-1)  # (panels, ..., load, line)
+        exceeds = np.moveaxis((error > 1).any(axis=-2), 0, -1)  # (..., line, panels)
+        other = sizes[1 - place]
+        lines = np.where(np.arange(other) < axes[1 - place].rising.size // 2, 0, 1)
+        bad = np.zeros((*exceeds.shape[:-2], other, sizes[place]), bool)
+        bad[..., : exceeds.shape[-1]] = exceeds[..., lines, :]
+        parts.append(np.swapaxes(bad, -1, -2) if place == 0 else bad)
+    return ~(parts[0] | parts[1])
 
 
 def excess(given: Floats, wanted: Floats) -> Floats:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stiction.studies.assessment import Caveat
+    from stiction.studies.nodes import Nodes
     from stiction.studies.summary import PointSummary, Summary
 
 DIMENSIONS = 4  # fractal dimensions of an overview if the study has a range of them
@@ -164,6 +165,13 @@ class Result:
         from stiction.studies.contact_picture import coming_and_going
 
         return coming_and_going(self)
+
+    @cached_property
+    def nodes(self) -> Nodes:
+        """Values at nodes of mu0 and tau0, between which a report interpolates."""
+        from stiction.studies.nodes import Nodes
+
+        return Nodes(self)
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:

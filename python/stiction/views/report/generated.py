@@ -22,9 +22,8 @@ from stiction.studies.assessment import (
     VERDICTS,
     list_ensemble_checks,
 )
-from stiction.studies.evaluation import reached_loads
-from stiction.studies.maps import friction_map, means, solved_pieces
-from stiction.studies.nodes import Axis, at_nodes, axes_of, is_interpolated, largest_errors, refined
+from stiction.studies.maps import means, solved_pieces
+from stiction.studies.nodes import Axis, Nodes
 from stiction.studies.point import rules_of
 from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
@@ -35,8 +34,6 @@ from stiction.views.report.pictures import dimension_panel, profiles_panel
 from stiction.views.report.tables import Tables
 
 MAX_POINTS = 1_000_000  # maximum number of coefficients in a page: nodes times loads, cells, rules and directions
-LOAD_STEPS = 40  # number of loads in a map
-CHECKED_LOADS = 4  # number of loads for the choice of nodes and the interpolation error
 MAX_OVERLAP = 0.1  # mean of overlap / radius above which the page warns; the limit of fractions is `HALF`
 CELLS = ("fractal_dimension", "amplitude")
 
@@ -53,7 +50,7 @@ def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
     if not members:
         raise ReportError("no member of the result has a solution at every load")
     counts = means(result, ["contact_count"])["contact_count"].transpose(*CELLS, study.step).values
-    tables, loads = Tables(), _loads(result) if (counts > 0).any() else np.zeros(0)
+    tables, loads = Tables(), result.nodes.loads
     facts = _study_facts(head, study, loads) | {"name": name or _study_name(study), "repetitions": members}
     facts |= {
         "hasIntervals": members > 1,
@@ -63,7 +60,7 @@ def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
         "asked": [],
     }
     if loads.size:
-        facts |= _at_nodes(result, study, head, loads, members, tables)
+        facts |= _at_nodes(result.nodes, study, head, members, tables)
     return PageResult(
         study=study, name=facts["name"], head=_head(study), pairs=_pairs(study, facts), facts=facts, tables=tables,
         num_members=num_members, pictures=_pictures(result, study, head, counts),
@@ -94,19 +91,17 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
     }  # fmt: skip
 
 
-def _at_nodes(
-    result: Result, study: Study, head: xarray.Dataset, loads: Floats, members: int, tables: Tables
-) -> dict[str, Any]:
+def _at_nodes(nodes: Nodes, study: Study, head: xarray.Dataset, members: int, tables: Tables) -> dict[str, Any]:
     """Add all quantities at nodes to tables, over cell, amplitude, rule, motion, load, mu0 and tau0."""
     rules, angles = motions_of(study)
-    axes = _choose_nodes(result, study, loads)
+    axes, loads = nodes.axes, nodes.loads
     count = math.prod(head.sizes[name] for name in CELLS) * loads.size * len(rules) * len(angles)
     if (size := count * axes[0].values.size * axes[1].values.size) > MAX_POINTS:
         raise ReportError(
             f"the result has {size} coefficients at nodes, more than the {MAX_POINTS} that a page can hold; choose "
             "fewer fractal dimensions, amplitudes or directions"
         )
-    node_values = at_nodes(result, loads, axes)
+    (node_values,) = nodes.values
     points, area = to_leading_order(node_values["friction_coefficient"]), to_leading_order(node_values["contact_area"])
     shape: tuple[int, ...] = points.shape[:-1]
     area = np.broadcast_to(area, points.shape)
@@ -135,7 +130,11 @@ def _at_nodes(
     status = np.broadcast_to(to_leading_order(node_values["status"]), shape)
     statuses, codes = _statuses(status, validity, figures)
     tables.add("status", codes.astype(np.int8))
-    tables.add("fine", (is_interpolated(axes, points[..., 0]) & is_interpolated(axes, area[..., 0])).astype(np.int8))
+    is_resolved = nodes.is_resolved.reshape(*shape[:4], 1, *shape[-2:])
+    tables.add(
+        "fine",
+        (is_resolved & nodes.is_interpolated(points[..., 0]) & nodes.is_interpolated(area[..., 0])).astype(np.int8),
+    )
     rule = rules.index(rules_of(study)[0])
     numbers = {name: values[:, :, rule] for name, values in validity.items()}
     numbers |= check_numbers(
@@ -151,30 +150,11 @@ def _at_nodes(
     for figure, values in zip(figures, validity.values(), strict=True):
         sound = sound & ~(values > figure["limit"])
     drawn = {name: values[..., 0] for name, values in quantities.items()} | {"width": _relative_width(points)}
-    sample = slice(None, None, max(1, loads.size // CHECKED_LOADS))
-    error = largest_errors(
-        axes, points[:, :, :, :, sample], lambda mu0, tau0: _friction(result, loads[sample], mu0, tau0)
-    )
     return {
         "axes": axes_facts(axes, study), "statuses": statuses, "validity": figures, "judgements": judgements,
         "hasStiffness": "stiffness" in quantities, "start": _start(sound, points, axes, study),
-        "maps": _add_colour_ranges(drawn, tables), "error": error,
+        "maps": _add_colour_ranges(drawn, tables), "error": nodes.error,
     }  # fmt: skip
-
-
-def _choose_nodes(result: Result, study: Study, loads: Floats) -> tuple[Axis, Axis]:
-    """Return the axes of the nodes of a result, chosen at a sample of its loads."""
-    sample = loads[:: max(1, loads.size // CHECKED_LOADS)]
-    return refined(axes_of(study), lambda mu0, tau0: _friction(result, sample, mu0, tau0))
-
-
-def _friction(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
-    """Return friction over cell, amplitude, rule, motion, load, mu0, tau0 and statistic."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # as in `at_nodes`
-        dataset = friction_map(result, loads, mu0=mu0, tau0=tau0)
-    parts = [dataset[name] for name in ("friction_coefficient", "lower", "upper")]
-    return np.stack([to_leading_order(part) for part in parts], axis=-1)
 
 
 LEADING_DIMENSIONS = (*CELLS, "sliding", "direction", "load", "mu0", "tau0")
@@ -334,15 +314,6 @@ def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats
     if set(ONSET) & set(study.sums()):
         panels.append(dimension_panel(result.dataset))
     return "".join(panels)
-
-
-def _loads(result: Result) -> Floats:
-    """Return the loads of the map (mN), rounded to five digits and the ends to three; empty without contact."""
-    try:
-        low, high = (float(f"{load:.3g}") for load in reached_loads(result, 2))
-    except ValueError:
-        return np.zeros(0)
-    return np.array([float(f"{load:.5g}") for load in np.geomspace(low, high, LOAD_STEPS)])
 
 
 def _study_name(study: Study) -> str:

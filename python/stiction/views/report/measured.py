@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,9 +16,8 @@ from stiction._text import printable
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, shown_in
 from stiction.studies.assessment import find_smallest_limit
-from stiction.studies.evaluation import Kind, at_load
 from stiction.studies.measured_surfaces import MeasuredFile
-from stiction.studies.nodes import Axis, at_nodes, axes_of, is_interpolated, largest_errors, refined
+from stiction.studies.nodes import Nodes
 from stiction.studies.resolution import find_resolved_roughness
 from stiction.studies.result import Result
 from stiction.studies.study import Study
@@ -51,7 +51,6 @@ from stiction.views.sentence import sentence_text, slopes_text
 from stiction.views.text import budget_text, dwell_time_text
 
 MAX_POINTS = 400_000  # maximum number of coefficients in a page: nodes times loads, cutoffs, rules and directions
-CHECKED_LOADS = 2  # number of loads for the choice of nodes
 
 _UNITS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without prefixes
 
@@ -67,8 +66,8 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     name = f"{files} ({name})" if name else files
     tables = Tables()
     facts = _result_facts(dataset, result, study)
-    facts |= _friction_at_nodes(result, study, dataset, tables) | {"name": name}
-    facts["quantities"] = _quantities(result, study, len(facts["kinds"]))
+    facts |= _friction_at_nodes(result.nodes, study, tables) | {"name": name}
+    facts["quantities"] = _quantities(result.nodes.of_load)
     picture = result.contact_picture if picture is None else picture
     members = int(facts["repetitions"])
     onset = result.onset
@@ -88,14 +87,6 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     )  # fmt: skip
 
 
-def _member_kinds(dataset: xarray.Dataset) -> list[Kind | None]:
-    """Return the kinds of members of a result, the kind to quote first; None stands for all members."""
-    surrogate = dataset["surrogate"].values.astype(bool) if "surrogate" in dataset.coords else np.zeros(1, bool)
-    if surrogate.any() and not surrogate.all():
-        return ["shifts", "surrogates"]
-    return [None]
-
-
 _KIND_WORDS = {None: "pairs", "shifts": "positions of the two surfaces", "surrogates": "pairs of surrogates"}
 
 
@@ -113,7 +104,7 @@ def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict
             "texts": [f"cut-off {with_unit(value, 'um')}" if value > 0 else "no cut-off" for value in cut_offs],
         },
         "amplitudes": [], "repetitions": int(dataset.sizes["repetition"]), "asked": study_loads,
-        "kinds": [_KIND_WORDS[kind] for kind in _member_kinds(dataset)],
+        "kinds": [_KIND_WORDS[kind] for kind in result.nodes.kinds],
         "loads": {
             "values": loads,
             "texts": [f"{with_unit(load, 'mN')} ({with_unit(load / area, 'GPa')})" for load in loads],
@@ -135,22 +126,19 @@ _CURVES = {
 """Quantity, axis title and factor to the axis unit of each further plot over load."""
 
 
-def _friction_at_nodes(result: Result, study: Study, dataset: xarray.Dataset, tables: Tables) -> dict[str, Any]:
+def _friction_at_nodes(nodes: Nodes, study: Study, tables: Tables) -> dict[str, Any]:
     """Add friction at nodes of mu0 and tau0 to tables, over kind, cutoff, rule, motion, load, mu0 and tau0."""
-    loads, (rules, angles) = study.contact.steps(), motions_of(study)
-    axes = choose_nodes(result, study)
+    (rules, angles), axes, kinds = motions_of(study), nodes.axes, nodes.kinds
     ways: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
     if len(angles) > 1:
         ways.insert(0, {"words": averaged_directions_text(angles), "directions": list(range(len(angles)))})
-    kinds = _member_kinds(dataset)
-    size = len(kinds) * dataset.sizes["cut_off"] * loads.size * len(rules) * len(ways)
+    size = len(kinds) * len(study.surfaces.cells()["cut_off"]) * nodes.loads.size * len(rules) * len(ways)
     size *= axes[0].values.size * axes[1].values.size
     if size > MAX_POINTS:
         raise ReportError(f"the result has {size} coefficients, more than the {MAX_POINTS} that a page can hold")
     members: list[int] = []
     arrays: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
-    for kind in kinds:
-        node_values = at_nodes(result, loads, axes, of=kind)
+    for node_values in nodes.values:
         members.append(int(node_values["members"]))
         lead = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
         single = node_values["friction_coefficient"].transpose(*lead, "statistic").values
@@ -184,9 +172,6 @@ def _friction_at_nodes(result: Result, study: Study, dataset: xarray.Dataset, ta
         way["isWhole"] = len(way["directions"]) == len(angles)
         way["angle"] = None if len(way["directions"]) > 1 else angles[way["directions"][0]]
         is_combined[0, index] = way["isWhole"]
-    error = largest_errors(
-        axes, shown[0, :, :, is_combined[0].argmax()], lambda mu0, tau0: _mean_friction(result, loads, mu0, tau0)
-    )
     # A value without a combined interval has the decimals of the mean over all directions.
     whole = shown[0, :, :, [is_combined[0].argmax()]]
     mean_decimals = np.moveaxis(decimals_of(*np.moveaxis(whole, -1, 0))[0], 0, 2)
@@ -194,12 +179,13 @@ def _friction_at_nodes(result: Result, study: Study, dataset: xarray.Dataset, ta
     tables.add_points("friction", shown, decimals=np.broadcast_to(mean_decimals, shown.shape[:-1]))
     tables.add_points("sampling", stacked["sampling"])
     tables.add("status", stacked["status"].astype(np.int8))
-    tables.add("fine", is_interpolated(axes, stacked["shown"][..., 0]).astype(np.int8))
+    fine = nodes.is_interpolated(stacked["shown"][..., 0]) & nodes.is_resolved[:, :, np.newaxis, np.newaxis]
+    tables.add("fine", fine.astype(np.int8))
     tables.add("answered", stacked["answered"].astype(float))
     slopes = stacked["slopes"]
     tables.add_points("slopes", np.stack([slopes, *(np.full(slopes.shape, np.nan),) * 2], axis=-1))
     return {
-        "ways": ways, "rules": rules, "directions": angles, "axes": axes_facts(axes, study), "error": error,
+        "ways": ways, "rules": rules, "directions": angles, "axes": axes_facts(axes, study), "error": nodes.error,
         "statuses": [{"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": True} for name in STATUS_NAMES],
         "combined": [kind != "surrogates" for kind in kinds], "memberCounts": members,
         "ranged": bool(axes[0].ranged.size or axes[1].ranged.size),
@@ -216,18 +202,6 @@ def _status_codes(statuses: Any, values: Floats) -> Any:
     bad = np.where(codes == 0, len(STATUS_NAMES), codes).min(axis=2)
     not_solved = STATUS_NAMES.index(friction.STATUS_NOT_SOLVED)
     return np.where(np.isfinite(values), 0, np.where(bad == len(STATUS_NAMES), not_solved, bad))
-
-
-def choose_nodes(result: Result, study: Study) -> tuple[Axis, Axis]:
-    """Return the axes of the nodes of a result, chosen at a few loads."""
-    loads = np.unique([*study.contact.steps()[[-1]], float(study.friction.load[0])])[:CHECKED_LOADS]
-    return refined(axes_of(study), lambda mu0, tau0: _mean_friction(result, loads, mu0, tau0))
-
-
-def _mean_friction(result: Result, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
-    """Return friction over all directions with combined intervals, over cutoff, rule, load, mu0, tau0 and statistic."""
-    values = at_nodes(result, loads, (Axis(mu0), Axis(tau0)))["friction_combined"]
-    return np.asarray(values.transpose("cut_off", "sliding", "load", "mu0", "tau0", "statistic").values)
 
 
 def _pull_off_lines(result: Result, study: Study) -> list[str]:
@@ -276,10 +250,8 @@ def _reading_table(scan: MeasuredFile) -> str:
     return ""
 
 
-def _quantities(result: Result, study: Study, num_kinds: int) -> list[dict[str, Any]]:
+def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
     """Return quantities other than friction over kind, cutoff and load: values, ends, decimals and texts."""
-    kinds: list[Any] = ["shifts", "surrogates"] if num_kinds > 1 else [None]
-    evaluations = [at_load(result, study.contact.steps(), mu0=[0.0], tau0=[0.0], of=kind) for kind in kinds]
     records = []
     for name in (name for name in shown_in("report") if name in evaluations[0]):
         means = np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in evaluations])

@@ -1,0 +1,97 @@
+"""Numbers of reports in a browser against `Result.at`, at random settings of the controls, for six kinds of results."""
+
+import numpy as np
+import pytest
+from stiction import Result, Study, pair, run, self_affine_surface
+from stiction.studies.nodes import PRINTED_TOLERANCE, VALUE_TOLERANCE
+from stiction.views.report import save_report
+from support import browser
+
+pytest.importorskip("selenium", reason="selenium is not installed")
+pytestmark = browser.IN_BROWSER
+
+MATERIALS, SETTINGS = 10, 50  # pairs of mu0 and tau0, and settings of all controls, of each kind
+MAX_WIDTH_ERROR = 0.15  # over the width of the interval: panels are compared at a few loads
+MAX_HIDDEN_FRACTION = 0.6  # of settings at which only the library has a number: half of those of growing contacts
+HALF_PLANES = {
+    "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
+    "contact.sliding": ["opposing", "all"], "surfaces.points": 512, "surfaces.extent": "5 um",
+    "ensemble.repetitions": 4, "surfaces.band_limit": "nyquist", "surfaces.fractal_dimension": [1.1, 1.4],
+}  # fmt: skip
+SURFACES = {
+    "ensemble.repetitions": 6, "surfaces.kind": "surface", "surfaces.shape": [24, 24], "contact.direction": [0, 90],
+    "surfaces.extent": ["1.5 um", "1.5 um"], "surfaces.band_limit": "nyquist", "contact.approach.count": 8,
+    "surfaces.fractal_dimension": [1.2, 1.5], "surfaces.amplitude": ["50 nm"],
+}  # fmt: skip
+READ = """
+const [mu0, tau0, rule, cell, load, way] = arguments;
+const at = frictionAt(facts.rules[rule], cell, load, placeAt(nodeAxes, mu0, 1000 * tau0), way);
+return [at.status, at.value, at.lower, at.upper];
+"""
+
+
+def growing_contacts(folder):
+    """Return the result of a pair whose contacts yield and grow, with uncertain inputs."""
+    upper, lower = (
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.03, shape=(48, 48), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    )
+    return pair(
+        upper, lower, load="20 MPa", mu0="0.2 ± 0.02", tau0="30 MPa", effective_modulus="80 GPa", hardness="1..2 GPa",
+        junction_growth="0..27", shifts=4, cutoff="none", onset=0, directory=folder / "growth",
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=["profiles", "half-planes", "surfaces", "maps", "lines", "growing contacts"])
+def case(request, driver, tmp_path_factory):
+    """Return a result, with its report opened in a browser."""
+    folder = tmp_path_factory.mktemp("settings")
+    make = {
+        "profiles": lambda: Result(request.getfixturevalue("result")),
+        "half-planes": lambda: run(Study.named("quick").with_changes(HALF_PLANES)),
+        "surfaces": lambda: run(Study().with_changes(SURFACES)),
+        "maps": lambda: Result(request.getfixturevalue("maps")),
+        "lines": lambda: Result(request.getfixturevalue("lines")),
+        "growing contacts": lambda: growing_contacts(folder),
+    }
+    result = make[request.param]()
+    save_report(result, folder / "report.html")
+    browser.open_page(driver, folder / "report.html")
+    return result, driver
+
+
+def expected_point(at, facts, rule, cell, load, way):
+    """Return the status, value and ends that the library has at a setting."""
+    lead = {"load": load, "mu0": 0, "tau0": 0, "sliding": rule}
+    lead |= {"cut_off": cell} if facts["isMeasured"] else {"fractal_dimension": cell, "amplitude": 0}
+    chosen = facts["ways"][way]
+    name = "friction_combined" if facts["isMeasured"] and chosen["isWhole"] else "friction_coefficient"
+    lead |= {"direction": chosen["directions"][0]}
+    point = at[name].isel({dim: index for dim, index in lead.items() if dim in at[name].dims})
+    return [float(point.sel(statistic=each)) for each in ("mean", "lower", "upper")]
+
+
+def test_report_agrees_with_the_library_at_random_settings(case):
+    result, driver = case
+    facts, axes, loads = driver.execute_script("return [facts, nodeAxes, loads]")
+    random, errors, hidden = np.random.default_rng(7), [], 0
+    for _ in range(MATERIALS):
+        mu0, tau0 = (float(random.uniform(0, axes[name]["most"])) for name in ("mu0", "tau0"))
+        tau0 /= 1000
+        at = result.at(loads, mu0=[mu0], tau0=[tau0])
+        for _ in range(SETTINGS // MATERIALS):
+            sizes = [len(facts["rules"]), len(facts["cells"]["values"]), len(loads), len(facts["ways"])]
+            place = [int(random.integers(size)) for size in sizes]
+            status, *numbers = driver.execute_script(READ, mu0, tau0, *place)
+            expected = expected_point(at, facts, *place)
+            if status != "ok":
+                hidden += np.isfinite(expected[0])
+                continue
+            given = np.array([np.nan if number is None else number for number in numbers])
+            width = np.fmax(expected[2] - expected[1], VALUE_TOLERANCE / PRINTED_TOLERANCE * abs(expected[0]))
+            error = np.abs(given - expected) / width
+            errors.append(np.nanmax(error))
+    assert len(errors) > SETTINGS / 4
+    assert hidden < MAX_HIDDEN_FRACTION * SETTINGS
+    assert np.quantile(errors, 0.9) < PRINTED_TOLERANCE
+    assert max(errors) < MAX_WIDTH_ERROR
