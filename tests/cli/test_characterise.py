@@ -220,7 +220,7 @@ def test_characterise_of_several_files_prints_one_table(folder):
         (["scan.csv", "--lc", "1 um", "--repeated"], "--repeated needs two scans"),
         (["scan.csv", "scan.csv", "--lc", "1 um", "--together"], "--lc, --ls and --robust cannot be combined with"),
         (["scan.csv", "--lc", "1 m"], "one section length is"),
-        (["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"], "lc must be from two points"),
+        (["map.npy", "--unit", "um", "--spacing", "1um", "--lc", "1 m"], "lc must be from half a point"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--form", "circle"], "'sphere', 'cylinder', got 'circle'"),
         (["scan.csv", "--row", "3"], "--row is for surfaces"),
         (["map.npy", "--unit", "um", "--spacing", "1um", "--level", "line"], "one of 'none', 'mean', 'plane'"),

@@ -122,8 +122,8 @@ class TestRobust:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"cutoff": 0.01}, "cutoff must be from two points, 0.02 µm, to the shortest side, 3 µm"),
-        ({"cutoff": 3.1}, "cutoff must be from two points"),
+        ({"cutoff": 0.004}, "cutoff must be from half a point, 0.005 µm, to the shortest side, 3 µm"),
+        ({"cutoff": 3.1}, "cutoff must be from half a point"),
         ({"cutoff": 1.0, "kind": "R"}, "kind must be one of 'S', 'L'"),
         ({"cutoff": 1.0, "robust": True, "periodic": True}, "periodic must be False for a robust filter"),
     ],
@@ -135,3 +135,17 @@ def test_filter_rejects_bad_arguments(options, message):
 
 def test_filter_accepts_the_whole_length_as_cutoff():
     assert filtered(rough_profile(points=300), cutoff=3.0, kind="L").heights.size == 300
+
+
+@pytest.mark.parametrize("points", [0.5, 1.0, 2.0, 3.9])
+@pytest.mark.parametrize("has_missing", [False, True])
+def test_short_cutoff_attenuates_noise_at_ends_and_missing_points(points, has_missing):
+    heights = np.random.default_rng(1).normal(size=(48, 40))
+    missing = np.zeros(heights.shape, dtype=bool)
+    missing[20:26, 10:13] = missing[:3, 5] = has_missing
+    surface = Surface(np.where(missing, 0.0, heights), spacing=0.1, missing=missing if has_missing else None)
+    smooth = filtered(surface, cutoff=0.1 * points).heights
+    assert np.abs(smooth[~missing]).max() < 1.05 * np.abs(heights).max()
+    assert np.square(smooth[~missing]).mean() < np.square(heights).mean()
+    tilt = Surface(np.add.outer(0.3 * np.arange(48), np.arange(40)), spacing=0.1)
+    np.testing.assert_allclose(filtered(tilt, cutoff=0.1 * points).heights, tilt.heights, atol=1e-9)

@@ -176,7 +176,7 @@ class TestInstrument:
         assert math.isnan(result.noise_x)  # the fast axis
         assert result.noise_y == pytest.approx(6.37 * surface.spacing[0], rel=0.01)
         assert result.noise == result.wavelength == 0.125
-        assert result.slope_fraction == pytest.approx(0.227, abs=0.001)
+        assert result.slope_fraction == pytest.approx(0.138, abs=0.001)
         assert instrument_limit(read_profile(measured("dektak-1.csv"))).reason == "pixels"
 
     def test_coloured_noise_is_detected_and_filtered_slope_is_true(self):
@@ -273,6 +273,70 @@ class TestTexture:
         for texture in (False, True):
             result = instrument_limit(noisy, texture=texture)
             assert (result.reason, result.origin, result.matters) == ("noise floor", "instrument", True)
+
+
+class TestNoiseOfAnisotropicMap:
+    """Grooves along y: along them the spectrum reaches the noise at longer wavelengths than across them."""
+
+    @pytest.fixture(params=[1, 2, 3])
+    def grooves(self, request):
+        rng = np.random.default_rng(request.param)
+        return filtered_noise(rng, (192, 192), 0.8, longest=60, shortest=5, stretch=6.0), rng
+
+    @pytest.mark.parametrize("level", [0.002, 0.05])
+    def test_white_noise_is_limited_by_shorter_axis(self, grooves, level):
+        heights, rng = grooves
+        noise = level * rng.normal(size=heights.shape)
+        scan = Surface(heights + noise, spacing=0.1)
+        result = instrument_limit(scan)
+        assert (result.reason, result.axis) == ("noise floor", "")
+        assert result.noise_y > 3 * result.noise_x
+        assert 0.4 < result.wavelength < 0.7
+        slopes = {
+            name: scale_dependent_roughness(body).gradient[-1]
+            for name, body in {"noise": Surface(noise, spacing=0.1), "scan": scan}.items()
+        }
+        assert result.slope_fraction == pytest.approx(
+            (slopes["noise"] / slopes["scan"]) ** 2, rel=0.2
+        )  # windowed samples
+        clean, filtered = (
+            math.hypot(*(np.diff(body, axis=axis).std() for axis in range(2)))
+            for body in (heights, cut_off(scan, result.cut_off).heights)
+        )
+        assert filtered == pytest.approx(clean, rel=0.04)
+
+    def test_noise_hidden_across_grooves_is_counted(self):
+        rng = np.random.default_rng(4)
+        heights = filtered_noise(rng, (192, 192), 0.8, longest=60, stretch=30.0)
+        noise = 0.03 * rng.normal(size=heights.shape)
+        result = instrument_limit(Surface(heights + noise, spacing=0.1))
+        assert (result.reason, result.axis) == ("noise floor", "y")
+        assert math.isnan(result.noise_x)
+        derivatives = [
+            scale_dependent_roughness(Surface(z, spacing=0.1)).gradient[-1] for z in (noise, heights + noise)
+        ]
+        assert result.slope_fraction == pytest.approx(
+            (derivatives[0] / derivatives[1]) ** 2, rel=0.2
+        )  # windowed samples
+
+    def test_narrow_map_without_common_wave_numbers_has_a_limit(self):
+        rng = np.random.default_rng(5)
+        heights = filtered_noise(rng, (512,), 0.8, longest=100, shortest=20) + 0.05 * rng.normal(size=(4, 512))
+        result = instrument_limit(Surface(heights, spacing=(0.001, 0.1)))
+        assert result.reason in ("noise floor", "pixels")
+
+    def test_offsets_of_rows_are_noise_along_y_only(self, grooves):
+        heights, rng = grooves
+        noise = 0.05 * rng.normal(size=(192, 1)) + np.zeros(heights.shape)
+        result = instrument_limit(Surface(heights + noise, spacing=0.1))
+        assert result.axis == "y"
+        assert math.isnan(result.noise_x)
+        derivatives = [
+            scale_dependent_roughness(Surface(z, spacing=0.1)).gradient[-1] for z in (noise, heights + noise)
+        ]
+        assert result.slope_fraction == pytest.approx(
+            (derivatives[0] / derivatives[1]) ** 2, rel=0.2
+        )  # windowed samples
 
 
 @pytest.mark.parametrize(

@@ -199,9 +199,11 @@ def _of_instrument(
         is_known = limit.origin == "instrument"
         source = "where" if is_known else "perhaps from the instrument:"
         text = f"{_waves(limit)}, {source} {REASONS[limit.reason]}"
-        cure = f"--cutoff '{with_unit(limit.cut_off, 'um')}' removes them"
+        cure = f"--cutoff '{with_unit(limit.cut_off, 'um')}' removes this fraction"
         if limit.matters:
-            cure += ", --cutoff none keeps them" if is_known else CURE
+            cure += ", --cutoff none keeps it" if is_known else CURE
+            if is_known and textured:
+                cure += "; --texture concerns lines and humps only"
         severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
         yield Caveat(text, cure, severity, limit.cut_off, has_readings and limit.matters)
     if blunt.reason == "tip" and blunt.slope_fraction > NOISE:
@@ -220,8 +222,10 @@ def _of_instrument(
 
 
 def _waves(limit: InstrumentLimit) -> str:
-    part = f"{100 * limit.slope_fraction:.0f} %"  # few digits, so that caveats of two scans are equal
-    return f"{part} of the mean square slope is from wavelengths below {with_unit(limit.wavelength, 'um')}"
+    """Return the mean square slope fraction of unreliable wavelengths, with their limit."""
+    fraction = f"{100 * limit.slope_fraction:.0f} %"  # few digits, so that caveats of two scans are equal
+    along = f" along {limit.axis}" if limit.axis else ""
+    return f"{fraction} of the mean square slope is from wavelengths below {with_unit(limit.wavelength, 'um')}{along}"
 
 
 def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:

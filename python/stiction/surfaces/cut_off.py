@@ -20,7 +20,7 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     body : Profile or Surface
         Body to filter.
     wavelength : float, µm
-        Cutoff wavelength, at which half of the amplitude is transmitted. From two points (of the finer spacing) to a
+        Cutoff wavelength, at which half of the amplitude is transmitted. From half a point (of the finer spacing) to a
         third of the shortest side.
     periodic : bool
         Whether the body is periodic. If not, a tilt is preserved up to the ends.

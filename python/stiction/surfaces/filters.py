@@ -17,6 +17,8 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 Powers = tuple[int, ...]
+MIN_CUTOFF_POINTS = 0.5  # shortest cutoff, in points: the filter then transmits 96 % of the shortest wavelength
+_MIN_REGRESSION_POINTS = 4.0  # shortest cutoff, in points, with straight lines fitted near the ends
 # Half width of the weight function, in cutoff wavelengths. Farther away, weights are below 1e-15 of the largest weight.
 _REACH = 1.6
 # Minimum number of weights on each side. For a cutoff of two or three points, weights decay slowly, to 1e-5 at this
@@ -42,8 +44,8 @@ def filtered(
     body : Profile or Surface
         Missing points have zero weight. Their filtered heights are estimated from the measured points.
     cutoff : float, µm
-        Nesting index: the wavelength at which the Gaussian filter transmits half of the amplitude. From two points (of
-        the finer spacing) to the shortest side.
+        Nesting index: the wavelength at which the Gaussian filter transmits half of the amplitude. From half a point
+        (of the finer spacing), where the filter hardly attenuates any wavelength, to the shortest side.
     kind : {"S", "L"}
         "S" removes the small lateral scales and returns the mean line, such as the primary profile for λs or the
         waviness for λc. "L" removes the large lateral scales and returns the deviation from the mean line, such as the
@@ -76,7 +78,8 @@ def filtered(
 
     of the amplitude. Near the ends and near missing points, some of the weights :math:`\exp[-π (x/αλ_c)^2]` have no
     points. There a straight line (a bilinear function for a surface) is fitted with the remaining weights, which
-    retains the moments of order zero and one, as ISO 16610-28 proposes for end effects.
+    retains the moments of order zero and one, as ISO 16610-28 proposes for end effects. For cutoffs below four points,
+    the heights are continued by reflection instead, and missing heights are interpolated.
 
     The robust filter is the Gaussian regression filter of second degree of ISO 16610-31 and ISO 16610-71: local
     polynomials are fitted with the Gaussian weights times :math:`[1 - (r/c)^2]^2` for residuals of magnitude r below c,
@@ -106,15 +109,15 @@ def filtered(
 
 
 def checked_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Check a cutoff (µm) against the range from two points to `longest` times the shortest side, and return it."""
+    """Check a cutoff (µm) against the range from half a point to `longest` times the shortest side, and return it."""
     sides = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = number(name, value, unit="µm", above=0)
-    low, high = 2 * min(body.spacings), longest * min(sides)
+    low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(sides)
     if not low <= length * ROUND_OFF_FACTOR or not length <= high * ROUND_OFF_FACTOR:
         end = "the shortest side" if longest == 1 else "a third of the shortest side"
         got = repr(value) if isinstance(value, str) else f"{length:g} µm"
         raise ArgumentError(
-            f"{{{name}}} must be from two points, {low:g} µm, to {end}, {high:g} µm, got {{got}}", got=got
+            f"{{{name}}} must be from half a point, {low:g} µm, to {end}, {high:g} µm, got {{got}}", got=got
         )
     return length
 
@@ -134,6 +137,8 @@ def gaussian_mean(body: Profile | Surface, cutoff: float, *, periodic: bool = Fa
         smooth = _transmitted(heights if measured is None else heights * measured, lengths)
         if measured is not None:
             smooth = _covered(smooth, _transmitted(measured, lengths), heights)
+    elif max(lengths) < _MIN_REGRESSION_POINTS:
+        smooth = _reflected(heights, lengths)
     elif measured is not None:
         smooth = _regression(heights, measured, lengths, _linear(heights.ndim))
     else:
@@ -172,6 +177,26 @@ def _transmitted(heights: Floats, lengths: Sequence[float]) -> Floats:
         factor = _along(transmission(2 * math.pi * rfftfreq(points), length), axis, heights.ndim)
         heights = irfft(rfft(heights, axis=axis) * factor, points, axis=axis)
     return heights
+
+
+def _reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
+    """Filter heights that are continued beyond their ends by reflection, after subtracting their tilt.
+
+    The weights of short cutoffs (in points) oscillate, so that a straight line fitted with those on one side is
+    unstable.
+    """
+    from scipy.fft import dctn, idctn
+
+    tilt = np.zeros_like(heights)
+    factors = np.ones_like(heights)
+    for axis, length in enumerate(lengths):
+        points = heights.shape[axis]
+        place = np.arange(points) - (points - 1) / 2
+        others = tuple(other for other in range(heights.ndim) if other != axis)
+        slope = place @ heights.mean(axis=others) / max(float(place @ place), 1.0)
+        tilt = tilt + slope * _along(place, axis, heights.ndim)
+        factors = factors * _along(transmission(np.pi * np.arange(points) / points, length), axis, heights.ndim)
+    return np.asarray(tilt + idctn(dctn(heights - tilt, norm="ortho") * factors, norm="ortho"))
 
 
 def _covered(sums: Floats, weights: Floats, heights: Floats) -> Floats:

@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_bool, float_array, number, read_only
 from stiction._repr import TableRepr, TextRepr
-from stiction.surfaces.filters import transmission
+from stiction.surfaces.filters import MIN_CUTOFF_POINTS, transmission
 from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, between_harmonics, find_period
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.spectrum import power_spectrum, surface_spectrum
+from stiction.surfaces.spectrum import ROUND_OFF_FACTOR, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 TIP_FACTOR = 0.1  # c of `instrument_limit`: a tip of radius R resolves an rms curvature below c/R
@@ -37,10 +37,14 @@ _MAX_FLAT_EXPONENT = 0.35  # largest exponent, and rms log density, of a flat sp
 _MAX_FLOOR_EXPONENT = 0.7  # largest exponent of a noise floor that includes some of the surface's spectrum
 _NOISE_WAVELENGTH_RATIO = 0.7  # wavelength over the limit below which the spectrum consists of noise only
 INSTRUMENT_REASONS = ("noise floor", "quantisation")  # reasons that always indicate the instrument
+_MAX_NOISE_RATIO = 2.0  # largest ratio of the noise densities along both axes of the same noise
+_MIN_HIDDEN_RATIO = 0.8  # smallest density over that of hidden noise; 1 but for chance
+_MIN_NOISE_LINES = 8.0  # smallest number of independent lines of noise that differs between lines
 _MIN_EXTRAPOLATION_RATIO = 1e-6  # shortest wavelength of the extrapolation over the shortest of the scan
 _HALVINGS = 60
 
 Origin = Literal["instrument", "unknown"]
+Axis = Literal["", "x", "y"]
 
 Spectrum = tuple[Floats, Floats, Floats, float]
 """Wave numbers, densities, numbers of independent values, and the spacing of the points."""
@@ -246,28 +250,34 @@ class InstrumentLimit(TableRepr):
     Attributes
     ----------
     wavelength : float, µm
-        The largest of `pixels`, `noise` and `tip`.
+        The largest of `pixels`, `noise` and `tip`. Shorter wavelengths are unreliable, at least along `axis`.
     reason : str
         Cause of the limit: "pixels", "tip", or the appearance of the noise: "noise floor", "quantisation", "line",
         "roll-up" (a rise at the shortest wavelengths) or "hump".
     pixels : float, µm
         Two points of the coarser spacing.
     noise : float, µm
-        Wavelength below which the spectrum is not that of a surface; NaN if there is none.
+        Wavelength below which the spectrum is not that of a surface; NaN if there is none. For a surface the shorter of
+        `noise_x` and `noise_y` if the same noise is found along both axes, otherwise the longer.
     tip : float, µm
         Wavelength below which the curvature exceeds that of the tip; NaN without a tip radius or such a wavelength.
     noise_x, noise_y : float, µm
         `noise` of the lines of a surface along x and along y.
-    slope_fraction, curvature_fraction : float
-        Fraction of the mean square slope and curvature below `wavelength`; 0 if the reason is "pixels".
+    slope_fraction : float
+        Fraction of the mean square slope below `wavelength`; 0 if the reason is "pixels". For noise, the fraction that
+        the noise contributes: the slopes along each axis at wavelengths along this axis below its own limit.
+    curvature_fraction : float
+        Fraction of the mean square curvature below `wavelength`; 0 if the reason is "pixels".
     cut_off : float, µm
-        Cutoff for `cut_off` that preserves the mean square slope of the trusted wavelengths; at least two points. The
-        filter also attenuates trusted wavelengths, so this cutoff is below `wavelength`.
+        Cutoff for `cut_off` that removes `slope_fraction` of the mean square slope; two points if the reason is
+        "pixels". The filter also attenuates trusted wavelengths, so this cutoff is usually below `wavelength`.
     origin : {"instrument", "unknown"}
         Origin of the wavelengths below `wavelength`: "unknown" for a line, a roll-up or a hump, and for a noise floor
         below the harmonics of a texture.
     period : float, µm
         Period of a texture with harmonics in the spectrum, for a surface along x or y; NaN without one.
+    axis : {"", "x", "y"}
+        Axis of a surface along which there is noise below `wavelength`; empty if it is along both.
 
     Examples
     --------
@@ -290,6 +300,7 @@ class InstrumentLimit(TableRepr):
     cut_off: float = field(default=math.nan, metadata={"unit": "µm"})
     origin: Origin = "instrument"
     period: float = field(default=math.nan, metadata={"unit": "µm"})
+    axis: Axis = ""
 
     @property
     def matters(self) -> bool:
@@ -373,10 +384,19 @@ def instrument_limit(
     total_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
     # Along an axis without roughness there is only round-off.
     waves = [item.wave if item.slope > _MIN_SLOPE_FRACTION * total_slope else math.nan for item in disturbances]
-    first = int(np.nanargmax(waves)) if np.isfinite(waves).any() else 0
-    noise, kind = waves[first], disturbances[first].kind
+    slopes = [item.slope if wave > 0 else 0.0 for item, wave in zip(disturbances, waves, strict=True)]
     period = next((item.period for item in disturbances if item.period > 0), math.nan)
-    if not float(roughness.fraction_below(noise if noise > 0 else 2 * spacing)) > _MIN_SLOPE_FRACTION:
+    first, is_common, noise, slope = 0, True, waves[0], slopes[0]
+    if len(spectra) == 2 and any(wave > 0 for wave in waves):
+        is_common, hidden = _compare_axes(spectra, waves)
+        # Different noise along the axes: report that of the axis where it contributes more.
+        first = int(np.nanargmax(waves if is_common else slopes))
+        is_floor = [item.kind in INSTRUMENT_REASONS for item in disturbances]
+        noise = float(np.nanmin(waves)) if is_common else waves[first]
+        slope = hidden + sum(slopes[axis] for axis in range(2) if is_common or is_floor[axis] == is_floor[first])
+    kind = disturbances[first].kind
+    fraction = min(slope / total_slope, 1.0)
+    if not fraction > _MIN_SLOPE_FRACTION:
         noise = math.nan
     origin: Origin = (
         "unknown"
@@ -393,15 +413,15 @@ def instrument_limit(
     wave, fractions, cut = limits[reason], (0.0, 0.0), 2 * spacing
     if reason != "pixels":
         bent = float(roughness.curvature_at(wave) / roughness.curvature[-1])
-        fraction = float(roughness.fraction_below(wave))
-        if reason == kind and period > 0:  # shorter wavelengths include harmonics of the texture
-            fraction = min(fraction, sum(item.slope for item in disturbances) / total_slope)
-        fractions = fraction, 1 - bent**2
-        cut = _equivalent_cutoff(roughness, fractions[0], wave, cut)
+        is_noise = reason == kind
+        fractions = fraction if is_noise else float(roughness.fraction_below(wave)), 1 - bent**2
+        shortest = MIN_CUTOFF_POINTS * min(body.spacings)
+        cut = _equivalent_cutoff(roughness, fractions[0], np.nanmax(waves) if is_noise else wave, shortest)
     along_x, along_y = waves if len(waves) == 2 else (math.nan, math.nan)
+    axis: Axis = "" if reason != kind or is_common else "x" if first == 0 else "y"
     return InstrumentLimit(
         wave, reason, limits["pixels"], noise, limits["tip"], along_x, along_y, *fractions, cut,
-        origin if reason == kind else "instrument", period,
+        origin if reason == kind else "instrument", period, axis,
     )  # fmt: skip
 
 
@@ -412,7 +432,7 @@ def round_up_wavelength(wavelength: float) -> float:
 
 
 def _equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper: float, lower: float) -> float:
-    """Return the cutoff between two wavelengths that removes a given fraction of the mean square slope."""
+    """Return the cutoff between two wavelengths (µm) that removes a given fraction of the mean square slope."""
     q, slope = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
     low, high = math.log(lower), math.log(max(upper, lower))
     for _ in range(_HALVINGS):
@@ -453,6 +473,40 @@ def _independent_lines(transform: NDArray[np.complex128]) -> Floats:
     return np.asarray(np.maximum(2 * squared_sum / np.where(squares > 0, squares, 1.0) - 1, 1.0))
 
 
+def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, float]:
+    """Compare the noise of the lines of a surface along x and along y, which is found along one axis or both.
+
+    White noise has the same variance along both axes, so that its densities are as the spacings.
+
+    Returns
+    -------
+    is_common : bool
+        Whether the noise is found along both axes with about the same density.
+    hidden : float
+        Mean square slope of noise found along one axis only that rougher lines hide along the other; 0 if the spectrum
+        there is too low to contain it, or if the lines have the same noise, as rows with offsets.
+    """
+    axis = int(np.nanargmax(waves))
+    (q, density, count, step), (other_q, other_density, _, other_step) = spectra[axis], spectra[1 - axis]
+    noise = np.interp(other_q, q, density * (other_step / step))
+    end = min(float(q[-1]), float(other_q[-1]))
+    start = min(2 * math.pi / float(np.nanmin(waves)), end / 2)
+    octaves = [(end / 2 ** (n + 1), end / 2**n) for n in range(int(math.log2(end / start) + 1e-9))]
+    densities = np.array([
+        (other_density[selected].mean(), noise[selected].mean())
+        for low, high in octaves
+        if (selected := (other_q > low) & (other_q <= high * ROUND_OFF_FACTOR)).any()
+    ]).reshape(-1, 2)  # fmt: skip
+    other, expected = densities.T
+    if waves[1 - axis] > 0:
+        return bool(((other < _MAX_NOISE_RATIO * expected) & (expected < _MAX_NOISE_RATIO * other)).all()), 0.0
+    lines = count[q * waves[axis] > 2 * math.pi].mean()
+    if not expected.size or (other < _MIN_HIDDEN_RATIO * expected).any() or lines < _MIN_NOISE_LINES:
+        return False, 0.0
+    shorter = other_q * waves[axis] > 2 * math.pi
+    return False, float(np.square(other_q[shorter]) @ noise[shorter]) * float(other_q[0]) / math.pi
+
+
 class _Disturbance(NamedTuple):
     """Part of a line spectrum that is not attributed to the surface."""
 
@@ -479,6 +533,9 @@ def _find_disturbance(
         return _Disturbance(math.nan, kind, 0.0, period)
     below = q * wave > 2 * math.pi
     slope = float((np.square(q) * density)[below].sum() * (q[1] - q[0]) / math.pi)
+    if kind in INSTRUMENT_REASONS:  # a floor has the density of its end at all wave numbers
+        level = float(density[q * math.sqrt(2) > q[-1]].mean())
+        slope = min(slope, level * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
     return _Disturbance(wave, kind, slope, period)
 
 

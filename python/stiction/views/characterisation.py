@@ -351,10 +351,8 @@ class Characterisation:
         shortest = entry("shortest_wave", limit.pixels, "um")
         octave = entry("slope_in_shortest_octave", fraction)
         cutoff = with_unit(limit.cut_off, "um")
-        wavelength, contribution = (
-            with_unit(limit.wavelength, "um"),
-            f"{percent(limit.slope_fraction)} of the mean square slope",
-        )
+        wavelength = with_unit(limit.wavelength, "um") + (f" along {limit.axis}" if limit.axis else "")
+        contribution = f"{percent(limit.slope_fraction)} of the mean square slope"
         if limit.reason == "pixels":
             words = f"only the grid spacing{'' if self.tip_radius is None else '; the tip follows all wavelengths'}"
         elif limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION:
@@ -362,7 +360,9 @@ class Characterisation:
         else:
             assessment = "unreliable" if limit.origin == "instrument" else "perhaps not from the surface"
             reason = f"{REASONS[limit.reason]}, {contribution}"
-            words = f"{assessment} below {wavelength}: {reason}; --cutoff '{cutoff}' filters it out"
+            words = f"{assessment} below {wavelength}: {reason}; --cutoff '{cutoff}' removes this fraction"
+        if self.textured and (limit.reason == "pixels" or limit.origin == "instrument"):
+            words += "; no line or hump to attribute to the surface (--texture)"
         below = f"below {with_unit(2 * limit.pixels, 'um')}: {percent(fraction)} of the mean square slope"
         limits = entry("noise_floor_below", limit.noise, "um"), entry("tip_follows_down_to", limit.tip, "um")
         return [
