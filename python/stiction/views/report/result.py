@@ -37,7 +37,7 @@ STATUSES = {
 """Legend text of each status in the map. `STATUS_EXPLANATIONS` contains the reasons."""
 
 NOT_INTERPOLATED_REASON = (
-    "the coefficient changes too much between the values of μ0 and τ0 at which the library evaluated it"
+    "the coefficient or its interval changes too much between the values of μ0 and τ0 at which the library evaluated it"
 )
 
 _KEYS_TEXT = "arrow keys move {}, plus and minus look closer"
