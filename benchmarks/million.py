@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from stiction import Study, area_map, friction_map, stiffness_map
 from stiction.studies import runner, store
-from stiction.studies.member_solution import arrays_of
+from stiction.studies.member_solution import describe_arrays
 from stiction.studies.runner import compute_missing
 
 REPETITIONS = 1_000_000
@@ -39,7 +39,7 @@ def stand_in(study: Study) -> Callable[[Study, int], dict]:
     for _ in range(KINDS):
         factor = random.lognormal(0, 1, (study.surfaces.fractal_dimensions().size, 1, 1))
         sums = {}
-        for index, (name, (shape, dtype)) in enumerate(arrays_of(study).items()):
+        for index, (name, (shape, dtype)) in enumerate(describe_arrays(study).items()):
             values = factor * (index + step) ** 1.5 * (1 + 0.1 * random.random(shape))
             sums[name] = values.astype(dtype)
         bank.append(sums)
@@ -54,8 +54,8 @@ def timed(function: Callable[[], object]) -> tuple[object, float]:
 
 def rows() -> list[tuple[str, str]]:
     # Without computing cost, blocks have the maximum size.
-    real = runner.member_sums, runner.cost_of_member
-    runner.member_sums, runner.cost_of_member = stand_in(STUDY), lambda _: 0.0
+    real = runner.member_sums, runner.estimate_member_time
+    runner.member_sums, runner.estimate_member_time = stand_in(STUDY), lambda _: 0.0
     try:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "r"
@@ -71,7 +71,7 @@ def rows() -> list[tuple[str, str]]:
             assert longer == REPETITIONS + MORE
             _, again = timed(lambda: compute_missing(more, path))
     finally:
-        runner.member_sums, runner.cost_of_member = real
+        runner.member_sums, runner.estimate_member_time = real
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return [
         (f"{REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),

@@ -5,7 +5,7 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 import numpy as np
 from measure import in_units, seconds, unit
 from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
-from stiction.studies.member_solution import _memory, member_sums
+from stiction.studies.member_solution import _reuse_array, member_sums
 from stiction.studies.members import fill_profiles
 
 REPETITIONS = 60  # many, so that the last one, which a single thread computes, is a small fraction
@@ -52,7 +52,7 @@ def rows() -> list[tuple[str, str]]:
     dimensions = STUDY.surfaces.fractal_dimensions()
     phases = random_phases(2016)
     one_profile = in_units(lambda: weierstrass_mandelbrot_family(phases, dimensions[:1]))
-    memory = _memory((dimensions.size, 150_000))
+    memory = _reuse_array((dimensions.size, 150_000))
     generation = 2 * in_units(lambda: fill_profiles(STUDY, memory, dimensions, 0, "upper")) / dimensions.size
     result += [
         ("generation: both bodies, 50 dimensions together", f"{generation:.2f} U a pair"),

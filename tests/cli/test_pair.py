@@ -19,7 +19,7 @@ from stiction.cli.pair_options import given_options
 from stiction.studies import store
 from stiction.studies.evaluation import at_load
 from stiction.studies.input_caveats import find_input_caveats
-from stiction.studies.member_solution import pressed_to_loads
+from stiction.studies.member_solution import solve_at_loads
 from stiction.studies.members import load_bodies
 from stiction.studies.pair import Pair
 from stiction.studies.pair_options import read_options
@@ -152,7 +152,7 @@ def test_gap_is_used_unchanged_at_one_position(where):
 def test_closure_is_stored_with_its_stiffness(where, mechanics):
     study = study_of(where, *MAPS, *MATERIAL, *LOAD, "--mechanics", mechanics)
     upper, lower = load_bodies(study).member(0, 0.0).pair
-    result = pressed_to_loads(study, upper, lower, unloads=True)
+    result = solve_at_loads(study, upper, lower, unloads=True)
     over_area = 1e6 * result["normal_stiffness"] / np.prod(upper.extent)  # MPa/mm
     if mechanics == "asperities":
         np.testing.assert_allclose(result["closure"], result["approach"])

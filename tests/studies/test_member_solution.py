@@ -6,7 +6,7 @@ from stiction import Profile, approach_at_load, flipped, half_space, levelled, p
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import member_solution
 from stiction.studies.layout import MEMBER_COORDINATES, build_dataset, list_variables, stack_members, variable_names
-from stiction.studies.member_solution import cost_of_member, member_sums
+from stiction.studies.member_solution import estimate_member_time, member_sums
 from stiction.studies.members import body_attributes, load_bodies
 from support.studies_of_files import study_of_files, write_maps, write_profiles
 

@@ -18,7 +18,7 @@ from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUMS
 from stiction.studies import executors, member_solution, members, runner
 from stiction.studies.layout import member_bytes
-from stiction.studies.member_solution import cost_of_member
+from stiction.studies.member_solution import estimate_member_time
 from stiction.studies.store import StoreError
 from stiction.studies.study import study_of
 from stiction.studies.values import StudyError
@@ -100,7 +100,7 @@ def test_memory_of_a_task_is_within_documented_limit(monkeypatch, points):
     monkeypatch.setattr(member_solution, "MAX_BATCH_BYTES", batch_bytes)
     allocated_arrays = []
     monkeypatch.setattr(
-        member_solution, "_memory", lambda shape: allocated_arrays.append(np.empty(shape)) or allocated_arrays[-1]
+        member_solution, "_reuse_array", lambda shape: allocated_arrays.append(np.empty(shape)) or allocated_arrays[-1]
     )
     study = RUNNER_STUDY.with_changes({"surfaces.points": points, "surfaces.fractal_dimension.count": 10})
     member_solution.member_sums(study, 0)
@@ -121,10 +121,10 @@ def test_block_size_limits_time_and_memory_of_a_block(name):
     for total in (1, 10, 100, 1_000_000):
         size = runner.choose_block_size(with_repetitions(total, study))
         assert 1 <= size <= runner.MAX_BLOCK_MEMBERS
-        assert size == 1 or size * cost_of_member(study) <= runner.BLOCK_TIME
+        assert size == 1 or size * estimate_member_time(study) <= runner.BLOCK_TIME
         assert size == 1 or size * member_bytes(study) <= runner.MAX_BLOCK_BYTES
         assert math.ceil(total / size) >= min(total, 4)
-        is_worth_its_file = (size - 1) * cost_of_member(study) < runner.MIN_BLOCK_TIME
+        is_worth_its_file = (size - 1) * estimate_member_time(study) < runner.MIN_BLOCK_TIME
         assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.MIN_BLOCKS)
 
 

@@ -1,8 +1,8 @@
 """Combined uncertainty of a coefficient of static friction, and its budget over the inputs.
 
-Uncertain inputs, the scatter over positions, and unresolved roughness are propagated by samples (JCGM 101, 2008). Loads
-are linear in mu0 and tau0, the true area is interpolated over the hardness, and a solution at (F, E*, H) equals that at
-(cF, cE*, cH).
+Uncertain inputs, the scatter between positions, and unresolved roughness are propagated by samples (JCGM 101, 2008).
+Forces are linear in mu0 and tau0. The true area is interpolated as a function of the hardness. By similarity, a
+solution at (F, E*, H) equals the solution at (cF, cE*, cH).
 """
 
 from __future__ import annotations
@@ -41,16 +41,16 @@ UPPER_PIECE, LOWER_PIECE = "which piece of the upper part", "which piece of the 
 PLACES = (UPPER_PIECE, LOWER_PIECE, POSITIONS)
 """Components of the uncertainty of the mean over scans and positions, which are not inputs."""
 
-INTERFACE = "interface"  # input that has mu0 and tau0 jointly
-EXACT_QUANTILES = (0.1, 0.5, 0.9)  # quantiles of an exact input over which the remaining width is averaged
-MAX_BUDGETS = 100  # largest number of coefficients that have a budget
-SAME_INPUT = 1e-3  # relative difference from the study's mu0 or tau0 up to which its range applies
+INTERFACE = "interface"  # name of the input that contains mu0 and tau0 jointly
+EXACT_QUANTILES = (0.1, 0.5, 0.9)  # quantiles at which an input is fixed to average the remaining width
+MAX_BUDGETS = 100  # largest number of coefficients for which a budget is computed
+SAME_INPUT = 1e-3  # largest relative difference from the study's mu0 or tau0 at which its range applies
 MAX_EXPONENT = 50.0  # largest exponent of a factor between tests
 DECILES = 2.563103131089201
-"""Range from the 10th to the 90th percentile of a normal distribution over its standard deviation."""
+"""Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
 _READ = ("friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count")
-"""Variables that the interval of a coefficient depends on."""
+"""Variables on which the interval of a coefficient depends."""
 
 Strength = tuple[Floats, Floats, Floats | None, Floats | None]
 """Samples of mu0, tau0 (GPa), and of the hardness (GPa) and α of junction growth if the interface has these."""
@@ -61,19 +61,19 @@ def add_uncertainty(
 ) -> xarray.Dataset:
     """Return a dataset of `at_load` for measured bodies with combined intervals, predictions and uncertainty budget.
 
-    `friction_known` has the combined 95 % interval. `friction_combined` has the interval to report: that of
-    `friction_known`, or the sampling interval if there is none; if a scan has two readings, the interval of the first
-    one contains those of both. `friction_next_test` has the prediction interval of one position in one direction, and
-    `friction_waited` that after dwell times. The `budget`, which takes most of the time, adds over input
-    (those of `find_inputs`, positions and unresolved roughness) `friction_if_known` and `width_if_known`, the interval
-    that would remain if the input were exact. Without `tests` only `friction_combined` is added. Results of generated
-    bodies are returned unchanged.
+    `friction_known` contains the combined 95 % interval. `friction_combined` contains the interval to report: the
+    combined interval or, without one, the sampling interval. If a scan is evaluated at two cutoffs, the interval at the
+    first cutoff covers both. `friction_next_test` contains the prediction interval of one position in one direction,
+    and `friction_waited` the interval after dwell times. With `budget`, which takes most of the time, the dimension
+    `input` (inputs of `find_inputs`, positions and unresolved roughness) and the variables `friction_if_known` and
+    `width_if_known` are added: the interval that would remain if the input were exact. Without `tests` only
+    `friction_combined` is added. Results of generated bodies are returned unchanged.
     """
     result = Result.of(result)
     study = result.study
     if not study.is_measured or at.attrs.get("reading") != "elastic":
         return at
-    # Areas over hardness are solved at the loads of the study; other loads must not change the interval at these.
+    # Areas at other hardnesses are solved at the loads of the study. Other loads must not change intervals at these.
     is_own = np.isin(at["load"].values, [float(load) for load in study.friction.load])
     if is_own.any() and not is_own.all():
         parts = [
@@ -94,7 +94,7 @@ def add_uncertainty(
     shape = tuple(at.sizes[dim] for dim in dims)
     scatters: dict[tuple[int, ...], ScansMean | None] = {}
     surfaces: Any = study.surfaces
-    if math.prod(surfaces.scan_counts) > 1:  # the variance of each coefficient is parted
+    if math.prod(surfaces.scan_counts) > 1:  # the variance of each coefficient is decomposed
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
         scans = surfaces.scans_of(table["repetition"].values)
@@ -206,7 +206,7 @@ def _ends_about_zero(
 
 
 def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
-    """Return one dataset, over rising loads, of parts at different loads."""
+    """Merge datasets at different loads into one dataset with ascending loads."""
     import xarray
 
     whole = xarray.concat(
@@ -216,20 +216,20 @@ def _merged(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
 
 
 def _combined(at: xarray.Dataset, study: Study, dims: Sequence[str], known: Floats) -> Floats:
-    """Return values and ends of the intervals to report, over dims and statistic."""
+    """Return values and interval ends to report, with the dimensions `dims` and statistic."""
     found = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     low = found[..., 1]
     found[..., 1] = np.where((low < 0) & (found[..., 0] >= 0), 0.0, low)
     there = ~np.isnan(known).any(axis=-1)  # an interval may have no upper end
     found[there] = known[there]
-    if study.surfaces.both_readings and "cut_off" in dims:  # the first reading is that to quote
+    if study.surfaces.both_readings and "cut_off" in dims:  # the value at the first cutoff is quoted
         over = np.moveaxis(found, dims.index("cut_off"), 0)
         over[0, ..., 1], over[0, ..., 2] = np.fmin.reduce(over[..., 1]), np.fmax.reduce(over[..., 2])
     return found
 
 
 NEGLIGIBLE = 1e-9
-"""Largest coefficient that is round-off of an interface without strength."""
+"""Largest coefficient that counts as round-off, for an interface without strength."""
 
 
 class _CoefficientSamples:
@@ -323,14 +323,14 @@ class _CoefficientSamples:
 
     @property
     def fraction_seizing(self) -> float:
-        """Fraction of the samples of the inputs whose interfaces seize."""
+        """Fraction of the input samples for which the interface seizes."""
         if self.growth is None:
             return 0.0
         samples = self._friction_samples({}, strength=self.strengths[0] if self.strengths else None)
         return float(np.isinf(samples).mean())
 
     def _under_shear(self, hardness: Any, mu0: Any, tau0: Any, alpha: Any = None) -> Any:
-        """Return H' (GPa) of hardnesses, by default at the middle of α; NaN at seizure."""
+        """Return the pressure H' (GPa) of sheared contacts by hardness, at the central α by default; NaN if seized."""
         if self.growth is None:
             return hardness
         found = hardness_under_shear(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
@@ -363,7 +363,7 @@ class _CoefficientSamples:
         return extend_interval(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
-        """Return the coefficient after a dwell time (s) and its interval; NaN if the pressure (GPa) is not borne."""
+        """Return the coefficient after a dwell time (s) and its interval; NaN if contacts do not carry the pressure."""
         creep, hardness = find_creep(self.study), self.areas.hardness
         assert creep is not None, "a study with dwell times has a creep exponent"
         assert hardness is not None, "a study with dwell times has a hardness"
@@ -445,7 +445,7 @@ def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, f
 
 
 def _angle(ends: tuple[float, float]) -> float:
-    """Return the angle between the ends of an interval of coefficients, which may have no upper end."""
+    """Return the difference of the friction angles of the ends of an interval, of which the upper may be infinite."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 

@@ -1,8 +1,9 @@
 """Evaluate results at given loads, for which there are three definitions.
 
-*mean*: the ensemble's mean normal load reaches it (a ratio of means, as the paper's figures have it). *elastic*: each
-member's own load before anything slides is it. *normal*: each member's own normal load at the onset of sliding is it,
-with what friction on slopes adds. On gentle slopes the three agree to four digits.
+*mean*: the mean normal load of the ensemble reaches the load; values are ratios of means, as in the figures of the
+paper. *elastic*: the elastic load of each member, before any contact slides, equals the load. *normal*: the normal load
+of each member at the onset of sliding, which includes friction on slopes, equals the load. For small slopes the three
+definitions agree to four digits.
 """
 
 from __future__ import annotations
@@ -54,13 +55,13 @@ LATERAL_SUMS = ("lateral_elastic", "lateral_frictional", "lateral_adhesive")
 STATISTIC = ["mean", "lower", "upper"]
 SPREAD = (0.1, 0.9)  # quantiles of single members that are reported as spread_low and spread_high
 NO_LOAD = 0.01
-"""Load over the pull-off force below which bodies are as without a load, and a coefficient has no meaning."""
+"""Ratio of load and pull-off force below which the load is negligible, so that a coefficient has no meaning."""
 
 
-MIN_STIFFNESS_STEPS = 3  # approaches or loads of which a stiffness is a derivative
+MIN_STIFFNESS_STEPS = 3  # smallest number of approaches or loads from which a stiffness is computed
 
 COMPLETE, ABOVE_NOMINAL = "complete", "above-nominal"
-"""Statuses of contacts whose true area is at least the nominal one: on slopes, or a sum of asperities that overlap."""
+"""Statuses of contacts whose true area is the nominal area, or (a sum of overlapping asperities) more."""
 
 
 def at_load(
@@ -88,16 +89,16 @@ def at_load(
     Returns
     -------
     xarray.Dataset
-        Over the cells of the result, sliding and direction where it has several, load, mu0 and tau0:
-        friction_coefficient and status; friction_by_axis, the mean over both senses of an axis, and friction_all_round,
-        the mean over all directions, where there are opposite directions; contact_area (µm²), contact_count,
-        normal_stiffness and figures of validity over cells and load; where a study asks for the onset of sliding also
-        tangential_stiffness (mN/µm), displacement_at_sliding (µm) and fraction_slipped, of an ensemble at its mean load
-        means that weigh pairs by the load they carry, but of the stiffness. Of measured bodies also their statistics of
-        contacts, quantiles of areas and pressures, slopes of the gap and `gentle_friction`. All with a last dimension
-        statistic ("mean", "lower", "upper"). spread_low and spread_high say between which values four of five single
-        members lie, reading_difference by how much, relatively, the three readings differ, ok and members how many have
-        an answer.
+        friction_coefficient and status have the dimensions of the cells, sliding and direction if there are several,
+        load, mu0 and tau0. With opposite directions there are also friction_by_axis, the mean over both directions of
+        an axis, and friction_all_round, the mean over all directions. contact_area (µm²), contact_count,
+        normal_stiffness and quantities of validity have the dimensions of the cells and load. If the study asks for the
+        onset of sliding, there are tangential_stiffness (mN/µm), displacement_at_sliding (µm) and fraction_slipped; at
+        the mean load of an ensemble the latter two are means weighted by the load of each pair. Measured bodies also
+        have contact statistics, quantiles of areas and pressures, slopes of the gap and `gentle_friction`. The last
+        dimension is statistic ("mean", "lower", "upper"). spread_low and spread_high are the limits between which four
+        of five members lie, reading_difference is the relative difference between the three definitions of the load,
+        members is the number of members, and ok is the number of members with a coefficient.
 
     Raises
     ------
@@ -131,7 +132,7 @@ def at_load(
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
             point = point.assign(estimate_by_slopes(cells, gradient.values, along, rules, *material, modulus))
     if measured and (names is None or "reading_difference" in names):
-        # The largest relative difference of friction between each member's elastic and its normal load.
+        # Largest relative difference of friction between the elastic and the normal load of each member.
         other: Reading = "normal" if reading == "elastic" else "elastic"
         members = _members_before_growth(result, values, *material, other, of, names)
         if areas is not None:
@@ -144,7 +145,7 @@ def at_load(
 
 
 def is_unloaded(result: Result) -> bool:
-    """Return whether all loads of a result's study are negligible beside the mean pull-off force."""
+    """Return whether all loads of the study are negligible compared with the mean pull-off force."""
     study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
@@ -152,14 +153,14 @@ def is_unloaded(result: Result) -> bool:
 
 
 def unloaded_load(result: Result) -> float:
-    """Return a load (mN) at which bodies that adhere are as without a load: the lowest solved one, or a smaller one."""
+    """Return a load (mN) of adhesive bodies that is negligible: the smallest solved load, or an even smaller load."""
     negligible = NO_LOAD * min(_pull_offs(result))
     lowest = float(result.study.contact.steps()[0])
     return lowest if lowest < negligible else 0.1 * negligible
 
 
 def _pull_offs(result: Result) -> list[float]:
-    """Return mean pull-off forces of the pieces of a result, mN."""
+    """Return the mean pull-off force (mN) of each piece of a result."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
 
 
@@ -167,7 +168,7 @@ def _pull_offs(result: Result) -> list[float]:
 
 
 def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return axes (degrees, 0 to 180) of which both senses are among the directions, and their indices (a, 2)."""
+    """Return axes (degrees, 0 to 180) for which there are two opposite directions, and the indices (a, 2) of these."""
     angles = np.mod(directions, 360.0)
     found, places = [], []
     for index, angle in enumerate(angles):
@@ -185,7 +186,7 @@ def axes_of(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
 def _evaluate_ensemble(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
-    """Return ensemble means at loads, as `friction_map` has them, with a dimension statistic."""
+    """Return ensemble means at loads, like those of `friction_map`, with the dimension statistic."""
     import xarray
 
     def read(what: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
@@ -201,7 +202,7 @@ def _evaluate_ensemble(
     head = result.head
     first = read("friction_coefficient")
     variables: dict[str, Any] = {"friction_coefficient": _with_statistic(first, "friction_coefficient")}
-    # Area and stiffness of an ensemble at its mean load depend, a little, on what friction adds to the load.
+    # Area and stiffness at the mean load depend slightly on mu0 and tau0, because friction changes the load.
     variables["status"] = first["status"].variable
     every, about = None, first
     if "direction" in head.dims:
@@ -248,7 +249,7 @@ def _with_statistic(table: xarray.Dataset, name: str) -> xarray.Variable:
 
 
 def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
-    """Return loads in equal ratios (mN), from the largest at the first step of any cell to the largest of all cells."""
+    """Return loads (mN) in equal ratios: from the largest load of a first step to the largest load of all cells."""
     elastic = means(result, ["normal_elastic"])["normal_elastic"]
     highest = float(elastic.max())
     if not highest > 0:
@@ -263,7 +264,10 @@ DEFAULT_LOADS = 3  # loads at which a result is shown if its study does not ask 
 
 
 def default_loads(result: Result) -> Floats:
-    """Return the loads (mN) of the study, or if it has none, a few that are reached; an error if nothing touches."""
+    """Return the loads (mN) of the study or, if it has none, some loads that are reached.
+
+    Raises an error if there is no contact.
+    """
     friction = result.study.friction
     if friction.load:
         return np.array([float(load) for load in friction.load])
@@ -303,7 +307,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     status = there["status"].transpose("repetition", *dims).values
     ok = status == friction.STATUS_OK
     counts = np.stack([(status == each).sum(axis=0) for each in STATUSES])
-    frequent = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]  # the reason where no member has an answer
+    frequent = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]  # the reason, if no member has a coefficient
     common = np.where(ok.any(axis=0), np.array("ok", STATUS_DTYPE), frequent)
     words = attributes_of("friction_coefficient")
     rest = [dim for dim in dims if dim != "direction"]
@@ -323,7 +327,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, attributes_of("axis"))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # where no member has an answer there is none
+        warnings.simplefilter("ignore", RuntimeWarning)  # NaN if no member has a coefficient
         low, high = np.nanquantile(coefficient, SPREAD, axis=(0, at))
     variables |= {
         "spread_low": (rest, low, words | {"long_name": "a tenth of the members are below"}),
@@ -336,7 +340,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
 
 
 def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the status of area fractions (..., 3), and the fractions: 1 of complete contact, NaN above nominal."""
+    """Return statuses of area fractions (..., 3), and fractions that are 1 if complete and NaN above nominal."""
     above = fraction[..., 0] > 1
     status = np.where(above, COMPLETE if uses_half_space else ABOVE_NOMINAL, friction.STATUS_OK)
     limited = np.minimum(fraction, 1.0) if uses_half_space else np.where(above[..., np.newaxis], np.nan, fraction)
@@ -345,7 +349,7 @@ def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray
 
 @dataclass(frozen=True, eq=False)
 class OverMembers:
-    """Dependence of members: independent pairs, neighbours on lines, or pairs of several scans of parts."""
+    """Statistical dependence of members: independent, neighbours on lines, or pairs of several scans of a part."""
 
     order: NDArray[np.intp] | None = None
     lines: NDArray[np.intp] | None = None
@@ -353,7 +357,7 @@ class OverMembers:
 
     @classmethod
     def of(cls, study: Study, places: Mapping[Any, Any]) -> OverMembers:
-        """Return the dependence of members: adjacent lines of maps and adjacent positions on a line are neighbours."""
+        """Find the dependence of members. Adjacent lines of maps, and adjacent positions on a line, are neighbours."""
         surfaces: Any = study.surfaces
         if math.prod(surfaces.scan_counts) > 1:
             return cls(scans=surfaces.scans_of(np.asarray(places["repetition"])))
@@ -364,7 +368,7 @@ class OverMembers:
         return cls(order, lines[order])
 
     def mean(self, values: Floats) -> Floats:
-        """Return mean, lower and upper end (..., 3) of values (members, ...), of which some may be missing."""
+        """Return mean, lower and upper end (..., 3) of values (members, ...), some of which may be NaN."""
         if self.scans is not None:
             columns = values.reshape(values.shape[0], -1).T
             rows = [_ends_of(column, intervals.scans_mean(column, *self.scans)) for column in columns]
@@ -372,7 +376,7 @@ class OverMembers:
         if self.order is None or self.lines is None:
             return np.stack(intervals.sample_mean(values), axis=-1)
         flat = values[self.order].reshape(values.shape[0], -1)
-        # Columns with the same missing members are evaluated together, which takes a fraction of the time.
+        # Columns with the same missing members are evaluated together, to save time.
         masks, group = np.unique(np.isfinite(flat).T, axis=0, return_inverse=True)
         ends = np.empty((flat.shape[1], 3))
         for number, mask in enumerate(masks):
@@ -382,7 +386,7 @@ class OverMembers:
 
 
 def _ends_of(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
-    """Return mean, lower and upper end; the ends are above 0 if no value is negative."""
+    """Return mean, lower and upper end of the interval; the ends are above 0 if no value is negative."""
     if found is None:
         known = values[np.isfinite(values)]
         return float(known.mean()) if known.size else np.nan, np.nan, np.nan
@@ -400,7 +404,7 @@ def member_values(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
     reading: Reading = "elastic", of: Kind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate each member at its own given loads.
+    """Evaluate each member at given loads of this member.
 
     Parameters
     ----------
@@ -411,10 +415,10 @@ def member_values(
     Returns
     -------
     xarray.Dataset
-        Over cells, repetition, sliding and direction (of one element where the result has no list), load, mu0 and tau0:
-        friction_coefficient, normal_load and tangential_load (mN), status, and of maps by asperities at elastic loads
-        lateral_load (mN); the other quantities over cells, repetition and load (and fraction_below), read off at the
-        elastic load.
+        friction_coefficient, normal_load and tangential_load (mN) and status have the dimensions of the cells,
+        repetition, sliding, direction, load, mu0 and tau0; a single sliding rule or direction is a dimension of length
+        one. Height maps with the asperity model at elastic loads also have lateral_load (mN). Other quantities have the
+        dimensions of the cells, repetition and load (and fraction_below), and are evaluated at the elastic load.
     """
     if reading == "mean":
         raise ValueError("reading must be 'elastic' or 'normal': members have no mean load")
@@ -449,7 +453,7 @@ def _members_before_growth(
 
 
 def areas_of(at: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpolator:
-    """Return how the true area follows hardness and E* at the loads of what `at_load` gives of a result."""
+    """Return the true area as a function of hardness and E*, at the loads of a dataset of `at_load`."""
     result = Result.of(result)
     study, loads = result.study, at["load"].values
     area = at["contact_area"].sel(statistic="mean")
@@ -459,7 +463,7 @@ def areas_of(at: xarray.Dataset, result: Result | xarray.Dataset) -> AreaInterpo
 
 
 def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolator:
-    """Return how the true area follows the hardness at the study's own E*, from `member_values`."""
+    """Return the true area as a function of the hardness at the study's E*, from a dataset of `member_values`."""
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
     ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
     study = result.study
@@ -467,7 +471,7 @@ def _areas_of_members(members: xarray.Dataset, result: Result) -> AreaInterpolat
 
 
 def growth_of_area(result: Result, loads: Floats) -> Floats:
-    """Return d ln(A/F) / d ln F, the growth of the mean true area per load, at loads (mN)."""
+    """Return d ln(A/F) / d ln F, the logarithmic derivative of the mean true area per load, at loads (mN)."""
     steps = result.study.contact.steps()
     if steps.size > 1:
         zero = np.zeros(1)
@@ -481,9 +485,9 @@ def growth_of_area(result: Result, loads: Floats) -> Floats:
 
 
 def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, tau0: Floats) -> Floats:
-    """Return the true area at the onset of sliding over that before shear, (loads, mu0, tau0).
+    """Return the ratio of the true areas at the onset of sliding and before shear, (loads, mu0, tau0).
 
-    Infinite where interfaces seize.
+    The ratio is infinite at seizure.
     """
     assert areas.hardness is not None, "contacts that do not yield do not grow"
     pressure = hardness_under_shear(areas.hardness, mu0[:, np.newaxis], tau0, float(study.contact.junction_growth or 0))
@@ -493,7 +497,7 @@ def area_growth(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, t
 
 
 def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolator, of: Kind | None) -> xarray.Dataset:
-    """Return `member_values` whose adhesive forces are those of the true area at the onset of sliding."""
+    """Return `member_values` with the adhesive forces of the true area at the onset of sliding."""
     import xarray
 
     study, mu0, tau0 = result.study, members["mu0"].values, members["tau0"].values
@@ -528,7 +532,7 @@ def _with_growth(members: xarray.Dataset, result: Result, areas: AreaInterpolato
 def member_sums(
     result: Result | xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, of: Kind | None = None
 ) -> xarray.Dataset:
-    """Return sums of each member at its own elastic loads (mN), by default those of the normal and tangential load.
+    """Return contact sums of each member at elastic loads (mN), by default the sums of both forces.
 
     The dimensions are cells, repetition, sliding, direction and load.
     """
@@ -572,7 +576,7 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
 
 @dataclass(frozen=True, kw_only=True)
 class PerLoad:
-    """Forces over the elastic load: tangential = elastic + mu0 rub + tau0 stick, normal = 1 + mu0 .. + tau0 .."""
+    """Forces divided by the elastic load: tangential = elastic + mu0 rub + tau0 stick, normal = 1 + mu0 .. + tau0 .."""
 
     elastic: float = 0.0
     rub: float = 1.0
@@ -582,7 +586,7 @@ class PerLoad:
 
     @classmethod
     def of(cls, six: Mapping[str, Any], **more: Any) -> Self:
-        """Return the forces over the elastic load from means of the six sums."""
+        """Divide the means of the six sums by the elastic load."""
         per = {name: float(six[name] / six["normal_elastic"]) for name in SIX_SUMS}
         return cls(
             elastic=per["tangential_elastic"], rub=per["tangential_frictional"], stick=per["tangential_adhesive"],
@@ -590,7 +594,7 @@ class PerLoad:
         )  # fmt: skip
 
     def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
-        """Compute mu_s if the true area is `area` times the computed one."""
+        """Compute mu_s for a true area of `area` times the computed area."""
         tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
         return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
 
@@ -661,7 +665,8 @@ def evaluate_piece(
         rubbing = six["tangential_frictional"]
         both = [np.take(rubbing, rules.index(rule), axis=len(lead)) for rule in ("opposing", "all")]
         with np.errstate(divide="ignore", invalid="ignore"):
-            opposing = both[0] / both[1]  # of the sum of F |t·s|, which is the load but for squares of slopes
+            # The denominator, the sum of F |t·s|, equals the load up to squares of slopes.
+            opposing = both[0] / both[1]
         variables["share_opposing"] = ((*lead, "direction", "load"), opposing, attributes_of("share_opposing"))
     wanted = None if names is None else {*_FRICTION, *names}
     for name in READ_AT_LOAD:
@@ -678,7 +683,7 @@ def evaluate_piece(
         if name in there:
             variables[name] = there[name]
     if "pull_off" in there:
-        bounds = (_over(there["pull_off_is_bound"], lead) != 0).astype(np.float64)  # NaN where missing
+        bounds = (_over(there["pull_off_is_bound"], lead) != 0).astype(np.float64)  # NaN if missing
         variables["share_of_pull_off_bounds"] = (lead, bounds, attributes_of("share_of_pull_off_bounds"))
         parts = {name: _over(there[name], (*lead, *MOTIONS), missing=True)[..., None, None] for name in UNLOADED}
         unloaded = compute_load("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
@@ -699,10 +704,10 @@ def evaluate_piece(
 def _curves(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = SIX_SUMS, *, ratio: bool
 ) -> tuple[dict[str, Floats], Crossing]:
-    """Return sums of members over sliding, direction and step, and where their elastic loads reach the given loads."""
+    """Return the sums of the members, and the crossings at which their elastic loads reach the given loads."""
     step = find_step_dimension(piece)
     lead = (*cells_of(piece), "repetition")
-    there = piece.variables  # without coordinates, which take longer to carry along than the numbers to compute
+    there = piece.variables  # coordinates are omitted, because their handling takes longer than the computation
     elastic = _over(there["normal_elastic"], (*lead, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
     sums = {name: _over(there[name], (*lead, *MOTIONS, step), missing=True) for name in names}
@@ -710,7 +715,7 @@ def _curves(
 
 
 def _motions_of(piece: xarray.Dataset) -> dict[str, Any]:
-    """Return coordinates of the sliding rule and the direction if the result has a single one."""
+    """Return coordinates for the sliding rule and the direction, if the result has a single rule or direction."""
     one: dict[str, Callable[[], Any]] = {
         "sliding": lambda: study_of(piece).contact.rules(),
         "direction": lambda: study_of(piece).contact.degrees(),
@@ -719,7 +724,7 @@ def _motions_of(piece: xarray.Dataset) -> dict[str, Any]:
 
 
 def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add the ratios of sums, and drop the sums that serve only these ratios."""
+    """Add ratios of sums, and remove the sums that only serve these ratios."""
     dims, elastic = variables["normal_elastic"][:2]
     found: dict[str, Any] = {}
     if nominal_area is not None and "pull_off" in variables:
@@ -745,7 +750,7 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
 
 
 def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
-    """Return values over dimensions in this order as floats; `missing` dimensions get one element."""
+    """Return values as floats with the dimensions in the given order; `missing` dimensions get length one."""
     own = [dim for dim in dims if dim in array.dims]
     values = array.transpose(*own).values.astype(np.float64)
     if not missing:
@@ -754,14 +759,14 @@ def _over(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = Fals
 
 
 def _status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, below: Any) -> NDArray[Any]:
-    """Return the status of each member over (..., sliding, direction, load, mu0, tau0)."""
+    """Return the status of each member, with dimensions (..., sliding, direction, load, mu0, tau0)."""
     known = np.isfinite(normal)
     locked = known & (normal <= 0)
     status = friction.combine_status(touched=True, reached=known & reached & ~locked, locked=locked, below=below)
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step = find_step_dimension(piece)
     if "status" in piece:
-        # Why a member has no answer is said at the step that is nearest above.
+        # The status of a member without a coefficient is taken from the next step above the load.
         codes = _over(piece.variables["status"], (*cells_of(piece), "repetition", step)).astype(int)
         ladder = piece[step].values
         place = np.minimum(np.searchsorted(ladder, loads), ladder.size - 1)

@@ -23,10 +23,15 @@ if TYPE_CHECKING:
     import xarray
 
 TITLE = "stiction table"  # `title` attribute of a friction table
-FEWEST_PRESSURES = 3  # fewest pressures that give a stiffness
-DIRECTIONS = (0.0, 90.0, 180.0, 270.0)  # degrees; surfaces are isotropic, and a coefficient is that of all four
-MAX_FITTED_AREA = 0.1  # contact fraction up to which the laws are fitted
-MAX_LAW_DEVIATION = 0.1  # relative deviation above which a fitted law has a caveat
+FEWEST_PRESSURES = 3  # smallest number of pressures for a stiffness
+DIRECTIONS = (
+    0.0,
+    90.0,
+    180.0,
+    270.0,
+)  # degrees; coefficients are means over these directions, because surfaces are isotropic
+MAX_FITTED_AREA = 0.1  # largest contact fraction to which the laws are fitted
+MAX_LAW_DEVIATION = 0.1  # relative deviation above which the table has a caveat about a fitted law
 _ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
@@ -144,12 +149,12 @@ def _checked_values(name: str, values: ArrayLike) -> list[float]:
 def friction_table(
     result: Result | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    r"""Compute friction, true area and stiffness over pressure, and fitted laws, of a study by the half-space.
+    r"""Compute friction, true area and stiffness as functions of the pressure, with fitted laws.
 
     Parameters
     ----------
     result : Result, or xarray.Dataset of member sums
-        What `run` returns of `table_study`, or of any study of surfaces with mechanics "half-space".
+        Result of a study of `table_study`, or of any study of generated surfaces with the half-space model.
     mu0 : (m,) array_like of float, optional
     tau0 : (t,) array_like of float, GPa, optional
         Those of the study by default.
@@ -157,27 +162,28 @@ def friction_table(
     Returns
     -------
     xarray.Dataset
-        With statistic ("mean", "lower", "upper": 95 % over the pairs): friction_coefficient over sliding,
-        hurst_exponent, rms (µm), pressure (GPa), mu0 and tau0 (GPa); contact_area_fraction, normal_stiffness (GPa/µm,
-        of each nominal area) and approach (µm) over hurst_exponent, rms and pressure. Of the laws over hurst_exponent
-        and rms: area_factor (1/GPa) a, stiffness_factor b and stiffness_exponent c, and area_deviation and
-        stiffness_deviation, the largest relative difference of a mean from its law.
+        friction_coefficient has the dimensions sliding, hurst_exponent, rms (µm), pressure (GPa), mu0 and tau0 (GPa).
+        contact_area_fraction, normal_stiffness (GPa/µm, per nominal area) and approach (µm) have the dimensions
+        hurst_exponent, rms and pressure. The parameters of the laws have the dimensions hurst_exponent and rms:
+        area_factor a (1/GPa), stiffness_factor b, stiffness_exponent c, and the largest relative differences of means
+        from the laws, area_deviation and stiffness_deviation. All have the dimension statistic ("mean", "lower",
+        "upper"), with 95 % intervals over the pairs.
 
     Raises
     ------
     ValueError
-        If the result is of approaches or of profiles, or mu0 or tau0 is negative.
+        If the result has approaches instead of loads, or profiles, or if mu0 or tau0 is negative.
 
     Notes
     -----
     .. math:: A/A_0 = a\,p, \qquad k/A_0 = b\,p^c
 
-    with p in GPa and k/A0 in GPa/µm, fitted in logarithms to the pressures at which A/A0 is at most 0.1, or to all
-    where fewer than two are. The stiffness of a pair is p over the derivative of its approach with respect to ln p, by
-    parabolas through neighbouring pressures, of which there must be three at least, or it is NaN. The load is the
-    elastic one, before anything slides, so that area and stiffness do not depend on mu0 and tau0. The coefficient is
-    mean(F_T) / mean(F_N) over pairs and directions, with the interval of a jackknife over pairs; it is NaN where
-    mean(F_N) is not above 0, which is self-locking.
+    with p in GPa and k/A0 in GPa/µm. The laws are fitted to logarithms at pressures with A/A0 of at most 0.1, or at all
+    pressures if there are fewer than two of these. The stiffness of a pair is p divided by the derivative of its
+    approach with respect to ln p, from parabolas through neighbouring pressures; it is NaN for fewer than three
+    pressures. The load is the elastic load before sliding, so that area and stiffness do not depend on mu0 and tau0.
+    The coefficient is mean(F_T) / mean(F_N) over pairs and directions, with a jackknife interval over pairs. It is NaN
+    if mean(F_N) is not above 0, which is self-locking.
 
     Examples
     --------
@@ -198,9 +204,9 @@ def friction_table(
     approach, touching = (dataset[name].transpose(*_ORDER).values for name in ("approach", "contact_area"))
     stiffness = np.full(approach.shape, np.nan)
     if steps.size >= FEWEST_PRESSURES:
-        # The approach is nearly straight over the logarithm of the load.
+        # The approach is nearly a linear function of the logarithm of the load.
         stiffness = steps / np.gradient(approach, np.log(steps), axis=-1, edge_order=2)
-    # Loads around those that are asked for are steps of the curve alone.
+    # Loads around the requested loads only serve as steps of the curve.
     asked = [float(load) for load in study.friction.load] or dataset["load"].values
     kept = np.flatnonzero(np.isin(dataset["load"].values, asked))
     dataset, pressure = dataset.isel(load=kept), steps[kept]
@@ -242,7 +248,10 @@ def friction_table(
 
 
 def _laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
-    """Fit a of A/A0 = a p, b and c of k/A0 = b p^c, (fractal dimension, amplitude, 3); NaN if a pair has none."""
+    """Fit a of A/A0 = a p, and b and c of k/A0 = b p^c, with shape (fractal dimension, amplitude, 3).
+
+    Values are NaN if a pair has no area or stiffness.
+    """
     names = ("area_factor", "stiffness_factor", "stiffness_exponent")
     found = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in names}
     for cell in np.ndindex(*light.shape[:2]):

@@ -33,7 +33,7 @@ from stiction.studies.hardness import (
 )
 from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
 from stiction.studies.measured_surfaces import MIN_HEIGHT_FACTOR as MIN_FACTOR
-from stiction.studies.member_solution import cost_of_member, cost_of_solution
+from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
 from stiction.studies.members import first_pair
 from stiction.studies.pipeline import remove_result
 from stiction.studies.result import Result
@@ -209,8 +209,8 @@ def _lacks_hardness(stored: StoredResult) -> bool:
 
 def estimate_factor_time(study: Study, count: int) -> float:
     """Estimate the time (s) that one core takes to compute a number of factors."""
-    time_of_nodes = count_solutions(study) * cost_of_solution(study) if study.uses_half_space else 0.0
-    return count * (study.ensemble.repetitions * cost_of_member(study) + time_of_nodes)
+    time_of_nodes = count_solutions(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
+    return count * (study.ensemble.repetitions * estimate_member_time(study) + time_of_nodes)
 
 
 def compute_factors(

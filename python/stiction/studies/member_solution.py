@@ -64,7 +64,7 @@ STIFFNESS_STEP = 0.02
 
 MPA_OVER_MM = 1e6  # stiffness per area, MPa/mm in one GPa/µm; lines are 1 µm thick
 
-JUST_BEFORE = 1e-11
+JUMP_DISTANCE = 1e-11
 """Relative distance of an approach before a jump of the load, which must exceed the tolerance of `find_crossings`."""
 
 
@@ -72,7 +72,7 @@ UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
 """Numbers of members, and of cutoffs of each member, for which the unloading stiffness of plastic bodies is solved."""
 
 
-def pressed_to_loads(
+def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, unloads: bool = False
 ) -> Arrays:
     """Compute the contact sums of a pair at the elastic loads of its study, and the statistics of measured bodies.
@@ -82,19 +82,19 @@ def pressed_to_loads(
     """
     contact = study.contact
     loads, motions = contact.steps().size, (len(contact.rules()), contact.degrees().size)
-    values = {name: _nothing(name, motions, loads) for name in variable_names(study) if name not in GAP}
+    values = {name: _build_unsolved_values(name, motions, loads) for name in variable_names(study) if name not in GAP}
     slopes = PairSlopes.from_pair(upper, lower) if study.is_measured else None
     if isinstance(contact, HalfSpaceContactTable):
-        _by_half_space(contact, upper, lower, values, slopes, unloads=unloads)
+        _solve_half_space(contact, upper, lower, values, slopes, unloads=unloads)
     else:
-        _by_asperities(contact, upper, lower, values, slopes)
+        _solve_asperities(contact, upper, lower, values, slopes)
     if slopes is not None:
         gradient, slope = slopes.compute_gap_slopes(contact.degrees())
         values |= {"rms_gradient": np.asarray(gradient), "rms_slope": slope}
     return values
 
 
-def _nothing(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
+def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
     """Return the values of a variable at loads without a solution: NaN, no contacts, or the status "not-solved"."""
     sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(STORED_PROBABILITIES)}
     shape = tuple(sizes[each] for each in QUANTITIES[name].along)
@@ -103,12 +103,12 @@ def _nothing(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
     return np.zeros(shape, np.int64) if QUANTITIES[name].dtype is int else np.full(shape, np.nan)
 
 
-def _ways(contact: ContactTable) -> list[Shear]:
+def _list_profile_directions(contact: ContactTable) -> list[Shear]:
     """Return the directions of motion along profiles, as "+x" or "-x"."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.degrees()]
 
 
-def _by_half_space(
+def _solve_half_space(
     contact: HalfSpaceContactTable, upper: Any, lower: Any, values: Arrays, slopes: PairSlopes | None, *, unloads: bool
 ) -> None:
     """Solve the half-space at all loads. A load without a solution does not affect the other loads."""
@@ -121,7 +121,11 @@ def _by_half_space(
 
     def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
         """Return the load curve for each sliding rule and direction, from a curve for the direction +x."""
-        ways = [curve] if areal else [curve if way == "+x" else curve.with_direction(way) for way in _ways(contact)]
+        ways = (
+            [curve]
+            if areal
+            else [curve if way == "+x" else curve.with_direction(way) for way in _list_profile_directions(contact)]
+        )
         rules = enumerate(contact.rules())
         return [[way if rule == 0 else way.with_sliding(sliding) for way in ways] for rule, sliding in rules]
 
@@ -156,7 +160,7 @@ def _by_half_space(
             values[name][...] = of_motions(curves, QUANTITIES[name].numerator)[..., 0]
 
 
-def _by_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
+def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
     """Compute independent Hertz contacts at the approaches that carry the elastic loads.
 
     With the detection criterion "cell" the load jumps at some approaches. Sums at a load within such a jump are
@@ -166,7 +170,7 @@ def _by_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values
     if areal:  # one curve for all directions of maps, or one for each direction of profiles
         models = [replace(model, direction=contact.degrees().tolist(), shear="+x").for_surfaces()]
     else:
-        models = [replace(model, shear=way, direction=None).for_profiles() for way in _ways(contact)]
+        models = [replace(model, shear=way, direction=None).for_profiles() for way in _list_profile_directions(contact)]
     one = replace(models[0], direction=0.0) if areal else models[0]
     # Without friction, the normal force is the elastic load.
     approach, status = find_crossings(SurfacePair(upper, lower), contact.steps(), mu0=0.0, tau0=0.0, model=one)
@@ -175,10 +179,10 @@ def _by_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values
     if not ok.size:
         return
     # Contacts at minima of the gap start at zero load, so the load does not jump.
-    fractions = [1 - STIFFNESS_STEP, 1 - JUST_BEFORE * (one.detection == "cell"), 1, 1 + STIFFNESS_STEP]
+    fractions = [1 - STIFFNESS_STEP, 1 - JUMP_DISTANCE * (one.detection == "cell"), 1, 1 + STIFFNESS_STEP]
     steps, place = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
     low, before, at, high = place.reshape(len(fractions), ok.size)
-    bodies = found_once(upper, lower, float(steps[-1]), one)
+    bodies = find_candidates_once(upper, lower, float(steps[-1]), one)
     pressed: Any = functools.partial(press, *bodies)
     listed: Any = functools.partial(contacts, *bodies)
 
@@ -208,7 +212,7 @@ def _by_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values
             values[name][load] = value
 
 
-def found_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
+def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
     """Find the contact candidates up to an approach (µm), so that they are searched only once.
 
     Returns both bodies if contacts are not minima of the gap.
@@ -246,7 +250,7 @@ class OneLoad:
         approach, status = find_crossings(SurfacePair(upper, lower), np.array([load]), mu0=0.0, tau0=0.0, model=model)
         if status[0] != STATUS_OK:
             return None
-        bodies: Any = found_once(upper, lower, float(approach[0]), model)
+        bodies: Any = find_candidates_once(upper, lower, float(approach[0]), model)
         pushed: LoadCurve = press(*bodies, approach, model=model)  # type: ignore[call-overload]
         return cls(upper, lower, pushed, model=model)
 
@@ -262,9 +266,9 @@ class OneLoad:
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
 CACHE_LINE = 64  # bytes
-HALF = 0.5  # fraction of the sliding load at which a result contains the slipped fraction
+SLIP_LOAD_FRACTION = 0.5  # fraction of the sliding load at which a result contains the slipped fraction
 
-COSTS = {
+MEMBER_COSTS = {
     "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
     "half-space": 1e-3, "half-plane": 8e-4,
 }  # fmt: skip
@@ -274,12 +278,12 @@ COSTS = {
 areas with the asperity model. Times per load are for asperities of measured areas and lines, and for half-spaces and
 half-planes in addition to their solution."""
 
-SOLUTION = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
+SOLUTION_COSTS = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
 """Time of one core (s) of a half-space solution divided by a power of the number of points, and this power.
 
 The keys are False for lines and True for areas."""
 
-ITERATION = {False: (2.4e-8, 0.97), True: (1.1e-8, 1.1)}
+ITERATION_COSTS = {False: (2.4e-8, 0.97), True: (1.1e-8, 1.1)}
 """Time of one core (s) of an iteration with adhesion divided by a power of the number of points, and this power.
 
 The keys are False for lines and True for areas."""
@@ -300,15 +304,15 @@ def member_sums(study: Study, index: int) -> Arrays:
     Measured bodies also have the `MEMBER_COORDINATES`. Values at loads without a solution are NaN. Raises a
     `ValueError` if the bodies cannot be loaded.
     """
-    arrays: Arrays = {name: np.empty(shape, dtype) for name, (shape, dtype) in arrays_of(study).items()}
-    for place, part in _measured(study, index, arrays) if study.is_measured else _generated(study, index):
+    arrays: Arrays = {name: np.empty(shape, dtype) for name, (shape, dtype) in describe_arrays(study).items()}
+    for place, part in _solve_measured(study, index, arrays) if study.is_measured else _solve_generated(study, index):
         for name, values in part.items():
             arrays[name][place] = values.reshape(arrays[name][place].shape)
     return arrays
 
 
 @functools.lru_cache(maxsize=4)
-def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
+def describe_arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
     """Return the shape and the data type of each variable of a member."""
     cells = len(study.surfaces.cells())
     return {
@@ -317,40 +321,42 @@ def arrays_of(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
     }
 
 
-def cost_of_member(study: Study) -> float:
+def estimate_member_time(study: Study) -> float:
     """Estimate the time (s) of a member on one core."""
     cells = math.prod(values.size for values in study.surfaces.cells().values())
     loads = study.contact.steps().size
     points, areal = count_points(study), study.is_areal
     if study.uses_half_space and study.contact.adheres:
         softest = PULL_OFF_ITERATIONS[areal] / MAX_PULL_OFF_ITERATIONS
-        pull_off = PULL_OFF_ITERATIONS[areal] / max(_relative_stiffness(study), softest)
-        return cells * ((loads + 1) * cost_of_solution(study) + pull_off * _cost_of_iteration(study))
+        pull_off = PULL_OFF_ITERATIONS[areal] / max(_estimate_relative_stiffness(study), softest)
+        return cells * ((loads + 1) * estimate_solution_time(study) + pull_off * _cost_of_iteration(study))
     if study.uses_half_space:
-        return cells * loads * cost_of_solution(study)
+        return cells * loads * estimate_solution_time(study)
     if study.is_measured:
-        return cells * (COSTS["area"] * loads + COSTS["point"] * points if areal else COSTS["line"] * loads)
-    onsets = cells * loads * COSTS["onset"] if study.contact.onset else 0.0
-    return cells * points * COSTS["asperities" if study.is_areal else "profile"] + onsets + 1e-4
+        return cells * (
+            MEMBER_COSTS["area"] * loads + MEMBER_COSTS["point"] * points if areal else MEMBER_COSTS["line"] * loads
+        )
+    onsets = cells * loads * MEMBER_COSTS["onset"] if study.contact.onset else 0.0
+    return cells * points * MEMBER_COSTS["asperities" if study.is_areal else "profile"] + onsets + 1e-4
 
 
-def cost_of_solution(study: Study) -> float:
+def estimate_solution_time(study: Study) -> float:
     """Estimate roughly the time (s) on one core of a half-space solution at one load."""
     areal = study.is_areal
-    besides = COSTS["half-space" if areal else "half-plane"]
+    besides = MEMBER_COSTS["half-space" if areal else "half-plane"]
     if study.contact.adheres:
         return besides + ITERATIONS_PER_LOAD * _cost_of_iteration(study)
-    seconds, power = SOLUTION[areal]
+    seconds, power = SOLUTION_COSTS[areal]
     return besides + seconds * math.pow(count_points(study), power)
 
 
 def _cost_of_iteration(study: Study) -> float:
-    seconds, power = ITERATION[study.is_areal]
+    seconds, power = ITERATION_COSTS[study.is_areal]
     return seconds * math.pow(count_points(study), power)
 
 
 @functools.lru_cache(maxsize=16)
-def _relative_stiffness(study: Study) -> float:
+def _estimate_relative_stiffness(study: Study) -> float:
     """Return E* Sq Sdq / (4 w) of the gap of the first member; 0 if files are missing.
 
     By the Cauchy-Schwarz inequality this is at least the elastic energy of complete contact per area, divided by w.
@@ -370,12 +376,12 @@ def _relative_stiffness(study: Study) -> float:
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
 
 
-def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
+def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
     """Yield the values of a repetition for each cell, with cell index, fractal dimension and amplitude."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
-        yield from _families(study, repetition)
+        yield from _solve_profile_batches(study, repetition)
         return
-    press_pair = pressed_to_loads if study.uses_half_space else _pressed_to_approaches
+    press_pair = solve_at_loads if study.uses_half_space else _solve_at_approaches
     cells: Any = study.surfaces.cells()
     dimensions, amplitudes = cells["fractal_dimension"], cells["amplitude"]
     if not study.is_areal:
@@ -389,7 +395,7 @@ def _generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
             yield (d, a), press_pair(study, *(scaled_surface(study, body, amplitude) for body in (upper, lower)))
 
 
-def _pressed_to_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
+def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
     """Compute the contact sums of a pair with the asperity model, with shape (steps,) or ([rules], steps)."""
     steps, models = _steps(study.contact), _models(study.contact)
     bodies: Any = upper, lower
@@ -402,10 +408,10 @@ def _pressed_to_approaches(study: Study, upper: Profile | Surface, lower: Profil
         for name in study.sums()
         if name not in ONSET
     }
-    return sums | _onset(study, curves[0]) if study.contact.onset else sums
+    return sums | _compute_onsets(study, curves[0]) if study.contact.onset else sums
 
 
-def _onset(study: Study, curve: LoadCurve) -> Arrays:
+def _compute_onsets(study: Study, curve: LoadCurve) -> Arrays:
     """Compute the onset of sliding along the first direction at each approach; values are 0 without contact."""
     contact = study.contact
     assert isinstance(contact, AsperityContactTable)
@@ -414,7 +420,7 @@ def _onset(study: Study, curve: LoadCurve) -> Arrays:
     for place in np.flatnonzero(curve.normal_elastic > 0).tolist():
         onset = curve.onset(
             place, mu0=contact.onset.mu0, tau0=float(contact.onset.tau0), direction=contact.directions_of_motion()[0],
-            steps=[HALF], poisson=contact.onset.poisson_ratio,
+            steps=[SLIP_LOAD_FRACTION], poisson=contact.onset.poisson_ratio,
         )  # fmt: skip
         values = (onset.stiffness, onset.displacement_at_sliding, float(onset.slipped_load[0]))
         for name, value in zip(ONSET, values, strict=True):
@@ -432,7 +438,7 @@ def _steps(contact: Any) -> Floats:
     return read_only(contact.steps())
 
 
-def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
+def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
     """Compute the contact sums of profiles with the asperity model, for several fractal dimensions per call.
 
     Arrays have the shape (dimensions, amplitudes, rules, steps), with one rule if they do not depend on the motion.
@@ -441,7 +447,7 @@ def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
     steps, models = _steps(study.contact), _models(study.contact)
     dimensions, amplitudes = surfaces.fractal_dimensions(), surfaces.amplitudes()
     members = min(dimensions.size, max(1, MAX_BATCH_BYTES // (8 * surfaces.points)))
-    memory = _memory((2 * members + 2, surfaces.points))
+    memory = _reuse_array((2 * members + 2, surfaces.points))
     for first in range(0, dimensions.size, members):
         family = dimensions[first : first + members]
         uppers, lowers = memory[: family.size], memory[members : members + family.size]
@@ -459,7 +465,7 @@ def _families(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
         )
 
 
-def _memory(shape: tuple[int, ...]) -> Floats:
+def _reuse_array(shape: tuple[int, ...]) -> Floats:
     """Return an uninitialised array that the tasks of a thread reuse, because new memory pages are slow.
 
     The array is aligned to the cache lines of the processor, so that wide writes do not cross them.
@@ -475,10 +481,10 @@ def _memory(shape: tuple[int, ...]) -> Floats:
 # ---- Measured bodies -------------------------------------------------------------------------------------------------
 
 
-def _measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
+def _solve_measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
     """Yield a member at each cutoff, and write the coordinates of the member to `arrays`."""
     unloads = index - study.surfaces.first_scanned < UNLOADED_MEMBERS
     for place, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
-        yield place, pressed_to_loads(study, *member.pair, unloads=unloads and place < UNLOADED_CUT_OFFS)
+        yield place, solve_at_loads(study, *member.pair, unloads=unloads and place < UNLOADED_CUT_OFFS)

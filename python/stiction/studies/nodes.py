@@ -26,21 +26,21 @@ if TYPE_CHECKING:
     from stiction.studies.result import Result
     from stiction.studies.study import Study
 
-VALUE_TOLERANCE = 1e-4  # relative error of an interpolated value: no value is printed with more than four digits
-ENDS_TOLERANCE = 1e-2  # error of an end of an interval over the interval's width, or `VALUE_TOLERANCE` of the value
+VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value, which is printed in at most four digits
+ENDS_TOLERANCE = 1e-2  # largest error of the end of an interval, relative to its width; at least `VALUE_TOLERANCE`
 PRINTED_TOLERANCE = 0.025
 """Error over the width of an interval above which a number is not shown; it is the finest rounding of printed ends."""
 
-MIN_NODES = 5  # rising nodes of an axis at first
+MIN_NODES = 5  # number of rising nodes of an axis before refinement
 MAX_NODES, MAX_MEASURED_NODES = 7, 10
-"""Rising nodes of an axis after refinement: of generated surfaces, whose reports are large, and of measured ones."""
+"""Largest numbers of rising nodes of an axis: of generated surfaces, whose reports are large, and of measured ones."""
 
-LOAD_STEPS = 40  # loads of a report of generated surfaces
+LOAD_STEPS = 40  # number of loads in a report of generated surfaces
 SAMPLED_LOADS = 4  # loads of generated surfaces for the choice of nodes and the interpolation error
 CHOICE_LOADS = 2  # loads of measured surfaces for the choice of nodes
 MEASURED_NAMES = ("contact_count", "gentle_friction")  # quantities at nodes of measured surfaces besides friction
-MAX_OWN = 9  # values of a study that are nodes of an axis: of more, so many in equal steps of their number
-MAX_ROUNDS = 4  # refinements of an axis
+MAX_OWN = 9  # largest number of values of a study that become nodes; otherwise values in equal index steps
+MAX_ROUNDS = 4  # largest number of refinements of an axis
 CLOSE = 0.35  # fraction of the distance to the next node below which a first node gives way to a value of the study
 CURVED = 0.05
 """Relative difference of cubic from bilinear interpolation in the middle of a panel above which it has no value."""

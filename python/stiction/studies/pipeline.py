@@ -18,7 +18,7 @@ from stiction._text import format_duration
 from stiction.studies.contact_picture import PICTURE_FILE, contact_picture
 from stiction.studies.evaluation import is_unloaded
 from stiction.studies.hardness import AREAS_FILE, compute_areas_over_hardness, count_solutions, load_areas_over_hardness
-from stiction.studies.member_solution import cost_of_member, cost_of_solution
+from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
 from stiction.studies.onset import (
     ONSET_FILE,
     ONSET_TABLE_FILE,
@@ -84,7 +84,7 @@ def complete_result(
             f"and figures are replaced\n{format_differences(friction)}"
         )
     measured = stored.study.is_measured
-    seconds = (total - num_existing) * cost_of_member(stored.study)
+    seconds = (total - num_existing) * estimate_member_time(stored.study)
     announce_blocks = print_finished if not measured else print_remark if seconds > MIN_ANNOUNCED_TIME else announce
     stored = complete_blocks(
         stored, part=part, executor=executor, progress=progress, announce=announce_blocks, update=print_remark
@@ -96,7 +96,9 @@ def complete_result(
     if measured and load_areas_over_hardness(stored) is None and not is_unloaded(result):
         # Solve a few members at other hardnesses and moduli, if these inputs are ranges.
         seconds = (
-            count_solutions(stored.study) * cost_of_solution(stored.study) if stored.study.uses_half_space else 0.0
+            count_solutions(stored.study) * estimate_solution_time(stored.study)
+            if stored.study.uses_half_space
+            else 0.0
         )
         if seconds > MIN_ANNOUNCED_TIME:
             print_remark(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
@@ -137,7 +139,7 @@ def compute_companions(
             existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
             if existing and find_member_differences(existing.study, cutoff_study):
                 remove_result(existing)  # it belongs to another pair or other loads
-            seconds = cutoff_study.ensemble.repetitions * cost_of_member(cutoff_study)
+            seconds = cutoff_study.ensemble.repetitions * estimate_member_time(cutoff_study)
             (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
                 f"cutoff study: about {format_duration(seconds)} of one core"
             )

@@ -37,7 +37,7 @@ class RuleValue:
 
 def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
     """Yield a dataset for each point (cell, load, mu0 and tau0) of a dataset of `at_load`."""
-    cells = [name for name in CELLS if name in at.dims]
+    cells = [name for name in CELL_DIMENSIONS if name in at.dims]
     dims = [*cells, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
     for place in np.ndindex(*(at.sizes[name] for name in dims)):
         yield at.isel(dict(zip(dims, place, strict=True)))
@@ -46,8 +46,8 @@ def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 RULE_ORDER = ("all", "opposing")
 """Sliding rules in the order in which they are quoted for measured bodies: mu0 is measured on smooth faces."""
 
-CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of the cells of all kinds of studies
-STATISTICS = ("mean", "lower", "upper")  # a mean, and the ends of its 95 % interval
+CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of the cells of all kinds of studies
+MEAN_AND_ENDS = ("mean", "lower", "upper")  # a mean, and the ends of its 95 % interval
 
 
 def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from stiction.studies.point import STATISTICS, by_rule
+from stiction.studies.point import MEAN_AND_ENDS, by_rule
 
 if TYPE_CHECKING:
     import xarray
@@ -50,5 +50,5 @@ def find_sticking(point: xarray.Dataset, rule: str) -> Sticking | None:
 
 
 def _read_interval(table: xarray.DataArray) -> ValueWithInterval:
-    value, lower, upper = (float(table.sel(statistic=each)) for each in STATISTICS)
+    value, lower, upper = (float(table.sel(statistic=each)) for each in MEAN_AND_ENDS)
     return value, lower, upper

@@ -1,4 +1,4 @@
-"""The result of a study: every number that was computed, in memory or in a directory, and what follows from them."""
+"""Result of a study, in memory or in a directory: the computed numbers, and the values that follow from them."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     from stiction.studies.nodes import Nodes
     from stiction.studies.summary import PointSummary, Summary
 
-DIMENSIONS = 4  # fractal dimensions of an overview if the study has a range of them
+DIMENSIONS = 4  # number of fractal dimensions in an overview, if the study has a range
 
 _Read = TypeVar("_Read")
 
 
 class Result:
-    """The result of a study of generated or measured surfaces: `run`, `pair` and `open_result` return it.
+    """Result of a study of generated or measured surfaces, as returned by `run`, `pair` and `open_result`.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class Result:
 
     @classmethod
     def of(cls, result: Result | xarray.Dataset | StoredResult) -> Result:
-        """Return a result unchanged, and wrap a dataset of member sums or an open directory."""
+        """Return a result unchanged, or wrap a dataset of member sums or an open directory as a result."""
         import xarray
 
         if isinstance(result, Result):
@@ -68,37 +68,37 @@ class Result:
 
     @property
     def stored(self) -> StoredResult | None:
-        """The directory of the result; None in memory."""
+        """Directory of the result; None for a result in memory."""
         return self.source if isinstance(self.source, StoredResult) else None
 
     @cached_property
     def study(self) -> Study:
-        """The study that was computed."""
+        """Study that was computed."""
         return self.source.study if isinstance(self.source, StoredResult) else study_of(self.source)
 
     @property
     def path(self) -> Path | None:
-        """The directory of the result; None in memory."""
+        """Directory of the result; None for a result in memory."""
         return None if self.stored is None else self.stored.path
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
-        """Every sum of every member, in memory; a `StoreError` if that takes more than 2 GiB."""
+        """Contact sums of all members, in memory. Raises a `StoreError` if they take more than 2 GiB."""
         return self.source.dataset() if isinstance(self.source, StoredResult) else self.source
 
     @cached_property
     def head(self) -> xarray.Dataset:
-        """A dataset with the coordinates and attributes of the result, and the values of its first members.
+        """Dataset with the coordinates and attributes of the result, and the values of its first members.
 
         Raises a `StoreError` if no member is finished.
         """
         if not isinstance(self.source, StoredResult):
             return self.source
-        return next(self.source.pieces()) if self.source.count else self.source.dataset()  # which raises
+        return next(self.source.pieces()) if self.source.count else self.source.dataset()  # raises the error
 
     @cached_property
     def members(self) -> NDArray[np.intp]:
-        """Numbers of the members that are finished."""
+        """Indices of the finished members."""
         if isinstance(self.source, StoredResult):
             return self.source.finished
         return np.asarray(self.source["repetition"].values, dtype=np.intp)
@@ -111,9 +111,9 @@ class Result:
         return str(self.source.attrs.get("stiction_version", "unknown"))
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Return the result, or some of its variables, in pieces of members, one of which is in memory at a time.
+        """Yield the result, or some of its variables, in pieces of members, of which one is in memory at a time.
 
-        The study alone decides the pieces, so that sums over them have the same bits.
+        Only the study determines the pieces, so that sums over the pieces are always bitwise the same.
         """
         if isinstance(self.source, StoredResult):
             yield from self.source.pieces(names)
@@ -125,9 +125,9 @@ class Result:
             yield some.isel(repetition=slice(first, first + step))
 
     def alongside(self, read: Callable[[StoredResult], _Read | None]) -> _Read | None:
-        """Return what a function reads from the directory of the result, and keep it; None in memory.
+        """Call a function that reads from the directory of the result, and cache its value; None in memory.
 
-        A result that is still being completed may lack it now and have it later: None is not kept.
+        None is not cached, because a run that has not ended may add the data later.
         """
         if self.stored is None:
             return None
@@ -140,28 +140,28 @@ class Result:
 
     @property
     def onset(self) -> xarray.Dataset | None:
-        """The onset of sliding of a measured pair at the first load, mu0 and tau0 of its study, if it is stored."""
+        """Onset of sliding of a measured pair at the first load, mu0 and tau0 of its study, if stored."""
         from stiction.studies.onset import load_onset
 
         return self.alongside(load_onset)
 
     @property
     def over_cut_offs(self) -> xarray.Dataset | None:
-        """Values over cutoff wavelengths, from the study of a few members that is stored alongside, if there is one."""
+        """Values at several cutoff wavelengths, from the stored study of a few members, if there is one."""
         from stiction.studies.resolution import evaluate_cutoffs
 
         return self.alongside(evaluate_cutoffs)
 
     @property
     def contact_picture(self) -> xarray.Dataset | None:
-        """Heights, contacts and pressures of a typical member, if they are stored."""
+        """Heights, contacts and pressures of a typical member, if stored."""
         from stiction.studies.contact_picture import load_contact_picture
 
         return self.alongside(load_contact_picture)
 
     @cached_property
     def coming_and_going(self) -> xarray.Dataset | None:
-        """Load, area and approach of a typical member with adhesion while loading and unloading, solved once more."""
+        """Load, area and approach of a typical adhesive member during loading and unloading, which is solved again."""
         from stiction.studies.contact_picture import coming_and_going
 
         return coming_and_going(self)
@@ -175,7 +175,7 @@ class Result:
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about the bodies, at any load; their files are opened once."""
+        """Caveats about the bodies that apply at any load; the files are opened once."""
         from stiction.studies.input_caveats import find_study_caveats
 
         return find_study_caveats(self.study)
@@ -184,7 +184,7 @@ class Result:
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) of the study, or some that are reached; a `ValueError` without contact."""
+        """Loads (mN) of the study or, if it has none, loads that are reached; a `ValueError` if there is no contact."""
         from stiction.studies.evaluation import default_loads
 
         return default_loads(self)
@@ -193,7 +193,7 @@ class Result:
     def at_study_loads(self) -> xarray.Dataset:
         """Values and intervals at the loads, mu0 and tau0 of the study, with the uncertainty budget.
 
-        Of a study over a range of fractal dimensions there are `DIMENSIONS` of them.
+        If the study has a range of fractal dimensions, `DIMENSIONS` of them are evaluated.
         """
         at = self.at(budget=True)
         if self.study.is_measured:
@@ -201,7 +201,7 @@ class Result:
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return at
-        # A range is a curve, of which a few values are shown; a list has the values that were asked for.
+        # A range describes a curve, of which a few values suffice. All values of a list are evaluated.
         number = at.sizes["fractal_dimension"]
         shown = np.unique(np.linspace(0, number - 1, min(DIMENSIONS, number)).round().astype(int))
         return at.isel(fractal_dimension=shown)
@@ -212,34 +212,34 @@ class Result:
         height_scale: str | ArrayLike | None = None, scaled: Literal["both", "upper", "lower"] = "both",
         compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
-        """Return values and intervals at other loads, mu0 and tau0; nothing is solved again.
+        """Evaluate the result at any loads, mu0 and tau0: values and intervals. No contact is solved again.
 
-        Of measured bodies at elastic loads, `friction_combined` has the combined 95 % interval, and other coefficients
+        For measured bodies at elastic loads, `friction_combined` has the combined 95 % interval, and other coefficients
         have the sampling interval of the mean over positions.
 
-        With `height_scale` it is friction, true area and stiffness over factors of the heights, as another finish would
-        change them. Each factor that is not stored alongside the result, or between others that are, is one more
-        solution of the pair, which `compute` allows.
+        With `height_scale` the dataset contains friction, true area and stiffness for factors of the heights, as
+        another finish would change them. Factors between stored factors are interpolated. Other factors have to be
+        solved, if `compute` is true.
 
         Parameters
         ----------
         load : str or array_like of float, mN, optional
-            Such as "10 mN", or of measured bodies "10 MPa" on the nominal area; those of the study by default.
+            Loads such as "10 mN" or, for measured bodies, "10 MPa" on the nominal area; by default those of the study.
         mu0 : array_like of float, optional
         tau0 : str or array_like of float, GPa, optional
             Such as "50 MPa".
         reading : {"mean", "elastic", "normal"}, optional
             Which load is meant.
         per_member : bool
-            Whether to return the values of each member, as `member_values` does, instead of means and intervals.
+            True to return the values of each member, as `member_values` does, instead of means and intervals.
         budget : bool
-            Whether to add the uncertainty budget of measured bodies, which takes most of the time.
+            True to add the uncertainty budget of measured bodies, which takes most of the time.
         height_scale : float, array_like or str, optional
             Factors of the heights from 0.01 to 100, such as 0.5, "0.5,1,2" or "0.25..4".
         scaled : {"both", "upper", "lower"}
             Surfaces whose heights are scaled.
         compute : bool
-            Whether factors that are missing are computed.
+            True to compute missing factors.
 
         Raises
         ------
@@ -294,7 +294,7 @@ class Result:
 
     @property
     def nominal_area(self) -> float | None:
-        """Nominal area of a member of measured bodies, µm²; None of generated bodies."""
+        """Nominal area of a member of measured bodies, µm²; None for generated bodies."""
         return float(self.head["nominal_area"]) if self.study.is_measured else None
 
     def _loads_of(self, load: Any) -> Any:
@@ -305,27 +305,27 @@ class Result:
     def contacts(
         self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
     ) -> pandas.DataFrame:
-        """Return a row for each contact of a typical member, or of given members, which are solved once more.
+        """Return a row for each contact of a typical member, or of given members, which are solved again.
 
         Parameters
         ----------
         load : str or array_like of float, mN, optional
-            Elastic normal loads, as for `at`; the first one of the study by default.
+            Elastic normal loads, as for `at`; by default the first load of the study.
         members : int or sequence of int, optional
-            By default, at each load, the one whose true area is nearest to the median.
+            By default the member whose true area is nearest to the mean, at each load.
 
         Returns
         -------
         pandas.DataFrame
-            member, the cell (fractal_dimension and amplitude_um of generated bodies, cut_off_um of measured ones) and
-            load_mN; of the contact its middle x_um and y_um, force_mN (normal load), area_um2 (on the ground plan),
-            mean_pressure_GPa, its mean slopes slope_x and slope_y, and whether it is at_edge of the grid. y and its
-            slope are 0 of profiles.
+            Columns: member; the cell (fractal_dimension and amplitude_um of generated bodies, cut_off_um of measured
+            bodies); load_mN; centre x_um and y_um, force_mN (normal load), area_um2 (projected), mean_pressure_GPa and
+            mean slopes slope_x and slope_y of the contact; and at_edge, True if the contact reaches the edge of the
+            grid. y_um and slope_y are 0 for profiles.
 
         Raises
         ------
         ValueError
-            If there is no such member, nothing touches, or the files of the study are not there any more.
+            If there is no such member or no contact, or if files of the study are missing.
         """
         from stiction.studies.contact_picture import contact_frame
 
@@ -337,16 +337,16 @@ class Result:
     def summary(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
     ) -> Summary:
-        """Return everything that may be quoted at some loads, mu0 and tau0, by default those of the study.
+        """Summarize the values that may be quoted at some loads, mu0 and tau0, by default those of the study.
 
-        The summary at the study's own values is computed once.
+        The default summary is computed once.
         """
         if load is None and mu0 is None and tau0 is None:
             return replace(self._own_summary, onset=self.onset, over_cut_offs=self.over_cut_offs)
         return self.summary_of(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
     def summary_of(self, at: xarray.Dataset) -> Summary:
-        """Return the summary of what `at` returns with its budget, or of some of its cells, loads and directions."""
+        """Summarize a dataset of `at` with its budget, or a selection of its cells, loads and directions."""
         from stiction.studies.summary import summarize
 
         return summarize(at, self.study, input_caveats=self.input_caveats)
@@ -361,12 +361,12 @@ class Result:
 
     @property
     def value(self) -> float:
-        """Coefficient of static friction to quote first; NaN if there is none."""
+        """Coefficient of static friction of the quoted point; NaN if there is none."""
         return self._first.value
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Ends of the combined 95 % interval of `value`: inputs, positions and unresolved roughness."""
+        """Ends of the combined 95 % interval of `value`, from inputs, positions and unresolved roughness."""
         return self._first.lower, self._first.upper
 
     @property
@@ -381,9 +381,10 @@ class Result:
 
     @property
     def budget(self) -> pandas.DataFrame:
-        """Uncertainty budget: the interval that would remain if one input were exact, the most important input first.
+        """Uncertainty budget: the interval that would remain if one input were exact, for each input.
 
-        Columns input, lower, upper, width (the mean over what the input may be) and share (of the width that goes).
+        The most important input comes first. Columns: input, lower, upper, width (a mean over values of the input) and
+        share (fraction of the width that would vanish).
         """
         import pandas
 
@@ -404,12 +405,12 @@ class Result:
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:
-        """Caveats of `value` with their remedies, faults first."""
+        """Caveats of `value` with their remedies; faults come first."""
         return self._first.caveats
 
     @property
     def sentence(self) -> str:
-        """One sentence with `value` and everything that it depends on."""
+        """Sentence that states `value` with all conditions on which it depends."""
         from stiction.views.sentence import sentence_text
 
         return sentence_text(self._first)
@@ -417,7 +418,7 @@ class Result:
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the table of the CSV file: a row for each load, mu0, tau0, rule and motion, with its caveats."""
+        """Return the table of the CSV file, with a row for each load, mu0, tau0, sliding rule and direction."""
         from stiction.views.rows import summary_table
 
         return summary_table(self.summary())
@@ -432,12 +433,12 @@ class Result:
         Parameters
         ----------
         name : str
-            One of `figures()`: of measured bodies such as "friction", "compass", "contacts", "positions", "sizes".
+            One of `figures()`; for measured bodies for example "friction", "compass", "contacts" or "sizes".
 
         Raises
         ------
         ValueError
-            If there is none of that name.
+            If there is no figure of this name.
         """
         import matplotlib as mpl
 
@@ -464,11 +465,11 @@ class Result:
         return Path(path)
 
     def to_netcdf(self, path: str | Path) -> None:
-        """Write the dataset to a new netCDF file, with every variable, coordinate and attribute."""
+        """Write the dataset to a new netCDF file, with all variables, coordinates and attributes."""
         export(self.dataset, path)
 
     def export(self, path: str | Path) -> None:
-        """Write the result to a new file: ``.nc`` has every number, ``.csv`` and ``.tex`` have a table of values.
+        """Write the result to a new file: ``.nc`` has all numbers, ``.csv`` and ``.tex`` have a table of values.
 
         Raises
         ------
@@ -482,10 +483,10 @@ class Result:
     # ---- How it shows itself -----------------------------------------------------------------------------------------
 
     def __repr__(self) -> str:
-        """Return the text that the terminal shows."""
+        """Return the same text as on the terminal."""
         try:
             return self._text().rstrip()
-        except ValueError as error:  # nothing touches, or nothing is finished
+        except ValueError as error:  # there is no contact, or no finished member
             return f"no answer: {error}"
 
     def _text(self) -> str:
@@ -502,7 +503,7 @@ class Result:
 
 
 def open_result(directory: str | Path) -> Result:
-    """Open the result that `run`, `pair` or a command wrote into a directory, or the finished part of it.
+    """Open a result that `run`, `pair` or a command wrote into a directory. It may be unfinished.
 
     Parameters
     ----------

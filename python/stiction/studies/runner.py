@@ -22,7 +22,7 @@ from stiction._files import new_partial_name
 from stiction._text import format_bytes, format_duration, printable_path
 from stiction.studies.executors import WORKER_DIED_MESSAGE, enter_executor, progress_bar, use_idle_threads
 from stiction.studies.layout import MEMBER_COORDINATES, Arrays, build_dataset, member_bytes, stack_members
-from stiction.studies.member_solution import cost_of_member, member_sums
+from stiction.studies.member_solution import estimate_member_time, member_sums
 from stiction.studies.members import body_attributes, count_points
 from stiction.studies.result import Result
 from stiction.studies.store import BLOCKS_FOLDER, StoredResult, StoreError, create_or_open, write_block
@@ -47,10 +47,10 @@ MAX_BYTES_IN_MEMORY = 2**34  # largest result without a store
 
 def choose_block_size(study: Study) -> int:
     """Return the number of members in a block."""
-    by_time = int(min(BLOCK_TIME / max(cost_of_member(study), 1e-9), MAX_BLOCK_MEMBERS))
+    by_time = int(min(BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
     by_size = MAX_BLOCK_BYTES // member_bytes(study)
     total = study.ensemble.repetitions
-    min_size = min(math.ceil(MIN_BLOCK_TIME / max(cost_of_member(study), 1e-9)), total // 4)
+    min_size = min(math.ceil(MIN_BLOCK_TIME / max(estimate_member_time(study), 1e-9)), total // 4)
     return max(1, min(by_time, by_size, max(total // MIN_BLOCKS, min_size)))
 
 
@@ -178,7 +178,7 @@ def _compute_into(
         if is_first and update is not None and workers is not None:
             is_first = False
             estimate = _new_estimate(
-                missing, len(members), time.monotonic() - started, workers, cost_of_member(stored.study)
+                missing, len(members), time.monotonic() - started, workers, estimate_member_time(stored.study)
             )
             if estimate:
                 update(estimate)
@@ -257,7 +257,7 @@ def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: b
     size = missing.count * member_bytes(study)
     space = f", with {format_bytes(free)} free" if size > free / 2 else ""
     writer = "" if is_visible else "; the workers cannot reach the folder, so this process writes the files"
-    seconds = missing.count * cost_of_member(study)
+    seconds = missing.count * estimate_member_time(study)
     elapsed = seconds / min(workers, missing.count)
     time_text = f"about {format_duration(seconds)} of one core"
     time_text += (

@@ -1,7 +1,7 @@
-"""Summary of a result: everything that may be quoted, computed once, for every view.
+"""Summary of a result: all values that may be quoted, computed once for all views.
 
-A summary has a point for each cell, load, mu0 and tau0. Terminal, JSON, CSV, figures, reports and notebooks render its
-points and compute nothing.
+A summary has a point for each cell, load, mu0 and tau0. Terminal, JSON, CSV, figures, reports and notebooks only render
+these points and compute nothing.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_bracket
 from stiction.studies.assessment import MORE_CONTACTS_REMEDY, VERDICTS, Caveat, find_point_caveats
 from stiction.studies.point import (
-    CELLS,
-    STATISTICS,
+    CELL_DIMENSIONS,
+    MEAN_AND_ENDS,
     RuleValue,
     by_rule,
     contact_status_of,
@@ -38,12 +38,12 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 ORIGIN = "waves of unknown origin"  # as a part of the uncertainty
-DECIDES = 0.1  # part of the width of an interval that an input has to take away, if it were known, to be named
+DECIDES = 0.1  # fraction of an interval that must vanish if an input were exact, for the input to be named
 
 
 @dataclass(frozen=True)
 class Left:
-    """Interval that would remain if one input were exact, its mean width, and the name of the input."""
+    """Entry of the uncertainty budget: the interval that would remain if one input were exact."""
 
     words: str
     lower: float
@@ -69,30 +69,31 @@ class PointSummary:
     ----------
     study : Study
     values : xarray.Dataset
-        Every quantity at the point, with its intervals, as `Result.at` returns them.
+        All quantities at the point, with their intervals, as returned by `Result.at`.
     rules : tuple of RuleValue
-        Coefficients of static friction, the sliding rule to quote first.
+        Coefficients of static friction by sliding rule; the first rule is quoted.
     status : str
-        "ok", or why there is no coefficient.
+        "ok", or the reason why there is no coefficient.
     caveats : tuple of Caveat
-        Caveats, faults first.
+        Caveats; faults come first.
     at : dict
-        The cell, the Hurst exponent, load (mN), mu0 and tau0 (GPa).
+        Coordinates of the point: the cell, the Hurst exponent, load (mN), mu0 and tau0 (GPa).
     bracket : (float, float), optional
-        With a hardness and a value to quote: between mu0 + tau0/H and the upper end of the interval at this scan, with
-        what few contacts leave open, every finer scan lies where friction acts at all contacts.
+        Range in which the coefficient of any finer scan lies if friction acts at all contacts: from mu0 + tau0/H to the
+        upper end of the interval of this scan, widened for a small number of contacts. It requires a hardness and a
+        value that may be quoted.
     from_roughness : float, optional
-        Part of the value that the scans contribute, beyond the inputs.
+        Fraction of the value that results from the scans, and not from the inputs alone.
     budget : tuple of Left
-        Intervals that would remain if one input were known, the most important input first.
+        Intervals that would remain if one input were exact; the most important input comes first.
     parts : (float, float, float), optional
-        Parts of the coefficient: mu0, adhesion on the true area, and slopes.
+        Contributions to the coefficient: mu0, tau0 on the true area, and slopes.
     waited : tuple of Waited
         Coefficients after each dwell time of the study.
     covered : bool
-        Whether it is the other one of two readings of a scan, which the interval of a headline contains.
+        True if the interval of another point, at another cutoff, covers this point.
     sticking : Sticking, optional
-        Pull-off force and friction at no load of bodies that adhere.
+        Pull-off force, and friction without a load, of adhesive bodies.
     """
 
     study: Study
@@ -126,7 +127,7 @@ class PointSummary:
 
     @property
     def grows(self) -> bool:
-        """True if contacts that have yielded grow under shear."""
+        """True if plastic contacts grow under shear."""
         return bool(self.study.contact.junction_growth)
 
     @property
@@ -136,22 +137,22 @@ class PointSummary:
 
     @property
     def unloaded(self) -> bool:
-        """True if the load is negligible beside the pull-off force."""
+        """True if the load is negligible compared with the pull-off force."""
         return is_unloaded(self.values)
 
     def quantity(self, name: str) -> tuple[float, float, float]:
-        """Return the mean of a quantity over directions, and its 95 % interval by the rule to quote; NaN if unknown."""
+        """Return the mean of a quantity over directions, and its 95 % interval, for the quoted rule; NaN if unknown."""
         if name not in self.values:
             return math.nan, math.nan, math.nan
         table = by_rule(self.values[name], self.rules[0].rule)
         if "statistic" not in table.dims or table.ndim > 1:
             return value_of(self.values, name), math.nan, math.nan
-        value, lower, upper = (float(table.sel(statistic=each)) for each in STATISTICS)
+        value, lower, upper = (float(table.sel(statistic=each)) for each in MEAN_AND_ENDS)
         return value, lower, upper
 
     @property
     def value(self) -> float:
-        """Coefficient by the sliding rule to quote first."""
+        """Coefficient of static friction for the quoted sliding rule."""
         return self.rules[0].value
 
     @property
@@ -166,19 +167,19 @@ class PointSummary:
 
     @property
     def most(self) -> Left | None:
-        """Input that decides the width of the interval, if there is one."""
+        """Input that dominates the width of the interval, if there is one."""
         first, width = self.budget[:1], self.upper - self.lower
         return first[0] if first and first[0].width < (1 - DECIDES) * width else None
 
     @property
     def ageing(self) -> float:
-        """Slope of the coefficient over the logarithm of the dwell time, from 1 s to the last; NaN without any."""
+        """Slope of the coefficient against the logarithm of the dwell time, from 1 s to the longest; NaN if none."""
         last = self.waited[-1] if self.waited else Waited(1.0, self.value, self.lower, self.upper)
         return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
     @property
     def faults(self) -> tuple[Caveat, ...]:
-        """Caveats for which the value is not to be quoted."""
+        """Caveats because of which the value must not be quoted."""
         return tuple(caveat for caveat in self.caveats if caveat.severity == "fault")
 
     @property
@@ -190,19 +191,19 @@ class PointSummary:
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """Points of a result at some loads, mu0 and tau0, with what is stored alongside.
+    """Points of a result at some loads, mu0 and tau0, with the contents of companion files.
 
     Attributes
     ----------
     study : Study
     at : xarray.Dataset
-        Every quantity with its intervals, as `Result.at` returns them, with the uncertainty budget.
+        All quantities with their intervals and the uncertainty budget, as returned by `Result.at`.
     points : tuple of PointSummary
-        A point for each cell, load, mu0 and tau0, those to quote first.
+        A point for each cell, load, mu0 and tau0; quoted points come first.
     onset : xarray.Dataset, optional
         Onset of sliding at the first load, mu0 and tau0 of the study.
     over_cut_offs : xarray.Dataset, optional
-        Values of a few members over cutoff wavelengths.
+        Values of a few members at several cutoff wavelengths.
     """
 
     study: Study
@@ -213,26 +214,26 @@ class Summary:
 
     @property
     def headlines(self) -> list[PointSummary]:
-        """Points to print: without the readings that the interval of another point contains."""
+        """Points to print, without those at a second cutoff that the interval of another point covers."""
         return [point for point in self.points if not point.covered]
 
     @property
     def first(self) -> PointSummary:
-        """The point to quote first."""
+        """Point that is quoted first."""
         return self.headlines[0]
 
 
 def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Caveat] = (), **alongside: Any) -> Summary:
-    """Return the summary of what `Result.at` returns for a study.
+    """Summarize a dataset of `Result.at` for a study.
 
     Parameters
     ----------
     at : xarray.Dataset
     study : Study
     input_caveats : sequence of Caveat
-        Caveats about the bodies, as `find_input_caveats` gives them.
+        Caveats about the bodies, as returned by `find_input_caveats`.
     **alongside : xarray.Dataset
-        `onset` and `over_cut_offs`, where they are stored.
+        `onset` and `over_cut_offs`, if they are stored.
     """
     found = [summarize_point(point, study, input_caveats) for point in points(at)]
     found = _with_both_readings(found) if study.surfaces.both_readings else found
@@ -240,8 +241,8 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
 
 
 def _with_both_readings(found: Sequence[PointSummary]) -> list[PointSummary]:
-    """Return points at the cutoff to quote, whose intervals contain those at the other cutoff, and then the others."""
-    cut_off = found[0].at["cut_off"]  # the first one is that to quote
+    """Return first the points at the quoted cutoff, whose intervals cover the other cutoff, then the other points."""
+    cut_off = found[0].at["cut_off"]  # the first cutoff is quoted
     others = {_place(one): one for one in found if one.at["cut_off"] != cut_off}
     own = [one for one in found if one.at["cut_off"] == cut_off]
     first = [_covering(one, others[_place(one)]) if _place(one) in others else one for one in own]
@@ -249,18 +250,18 @@ def _with_both_readings(found: Sequence[PointSummary]) -> list[PointSummary]:
 
 
 def _place(one: PointSummary) -> tuple[tuple[str, float], ...]:
-    """Return load, mu0 and tau0 of a point, and its cell without the cutoff."""
+    """Return load, mu0, tau0 and cell of a point, without the cutoff."""
     return tuple(item for item in one.at.items() if item[0] != "cut_off")
 
 
 def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
-    """Return a point to quote whose intervals contain those of the other reading, with the caveats of both.
+    """Return the quoted point with intervals that cover the point at the other cutoff, and with the caveats of both.
 
-    Filtering does not improve an assessment: what forbids quoting the other reading forbids quoting this one.
+    Filtering does not improve an assessment: a fault at the other cutoff is a fault here too.
     """
     rules = tuple(_over_both(*each) for each in zip(one.rules, other.rules, strict=True))
     both = {left.words: left for left in other.budget}
-    known = math.isfinite(one.upper - one.lower)  # which one or two positions leave open
+    known = math.isfinite(one.upper - one.lower)  # unknown with one or two positions
     budget = [Left(ORIGIN, one.lower, one.upper, one.upper - one.lower)] if known else []
     for left in one.budget:
         same = both.get(left.words, left)
@@ -284,7 +285,7 @@ def _covering(one: PointSummary, other: PointSummary) -> PointSummary:
 
 
 def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
-    """Return a value with intervals that contain those of another reading."""
+    """Return a value with intervals that cover the intervals of a value at another cutoff."""
     lower, upper = float(np.fmin(one.lower, other.lower)), float(np.fmax(one.upper, other.upper))
     (low, high), (other_low, other_high) = one.next_test, other.next_test
     next_test = float(np.fmin(low, other_low)), float(np.fmax(high, other_high))
@@ -292,15 +293,15 @@ def _over_both(one: RuleValue, other: RuleValue) -> RuleValue:
 
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
-    """Return the summary of one point of what `Result.at` returns, with caveats from the bodies."""
+    """Summarize one point of a dataset of `Result.at`, with caveats about the bodies."""
     rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
     statuses = np.unique(by_rule(point["status"], rules[0].rule).values)
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]
-    # A direction without an answer leaves the mean over all of them without one.
+    # If one direction has no coefficient, the mean over all directions has none either.
     status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     mean = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
-    # Only a cutoff that was asked for takes caveats away.
+    # Only a cutoff that the user requested removes caveats.
     kept = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
     caveats = [*kept, *find_point_caveats(point, study, mean, status)]
     return PointSummary(
@@ -320,7 +321,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
 def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
     own = by_rule(point, rule)
     name = "friction_all_round" if "friction_all_round" in own else "friction_coefficient"
-    value, lower, upper = (own[name].sel(statistic=each).item() for each in STATISTICS)
+    value, lower, upper = (own[name].sel(statistic=each).item() for each in MEAN_AND_ENDS)
     ends = (max(lower, 0.0) if lower < 0 <= value else lower), upper
     lower, upper = _ends_of(own, "friction_known") or ends
     test = _ends_of(own, "friction_next_test") or (math.nan, math.nan)
@@ -329,12 +330,12 @@ def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
 
 
 def _ends_of(own: xarray.Dataset, name: str) -> tuple[float, float] | None:
-    lower, upper = (float(own[name].sel(statistic=each)) if name in own else math.nan for each in STATISTICS[1:])
+    lower, upper = (float(own[name].sel(statistic=each)) if name in own else math.nan for each in MEAN_AND_ENDS[1:])
     return (lower, upper) if math.isfinite(lower) and not math.isnan(upper) else None
 
 
 def _budget(point: xarray.Dataset, rule: str) -> tuple[Left, ...]:
-    """Return the interval that would remain for each input if it were exact, the narrowest first."""
+    """Return the interval that would remain if an input were exact, for each input, the narrowest interval first."""
     if "friction_if_known" not in point:
         return ()
     own, found = by_rule(point, rule), []
@@ -353,7 +354,7 @@ def _waited(point: xarray.Dataset, rule: str) -> tuple[Waited, ...]:
 
 
 def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
-    """Return the parts of a coefficient with friction at all contacts: mu0 on the load, tau0 on the area, slopes."""
+    """Return the contributions of mu0, of tau0 on the true area, and of slopes, with friction at all contacts."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
     load = float(point["load"])
@@ -365,17 +366,17 @@ def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float]
 
 
 def _place_of(point: xarray.Dataset, study: Study) -> dict[str, float]:
-    """Return the coordinates of a point; of self-affine surfaces the Hurst exponent too."""
-    place = {name: float(point[name]) for name in (*CELLS, "load", "mu0", "tau0") if name in point.coords}
+    """Return the coordinates of a point, including the Hurst exponent of self-affine surfaces."""
+    place = {name: float(point[name]) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords}
     if "fractal_dimension" in place and (shape := shape_coordinate(study, place["fractal_dimension"]))[0] == "H":
         place["hurst_exponent"] = shape[1]
     return place
 
 
 def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:
-    """Return what the scans contribute to the coefficient where friction acts at all contacts; None elsewhere.
+    """Return the fraction of the coefficient that results from the scans, with friction at all contacts, or None.
 
-    Inputs alone give mu0 on the load of the contacts and, of a hardness H, tau0/H: contacts that have all yielded.
+    The inputs alone determine mu0 times the contact load and, with a hardness H, tau0/H if all contacts yield.
     """
     parts = _parts(point, rule)
     if parts is None or not study.is_measured:
@@ -384,14 +385,15 @@ def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> flo
 
 
 def _spoils_bracket(caveat: Caveat) -> bool:
-    """Return whether a caveat is a fault other than few contacts, for which the bracket allows."""
+    """Return whether a caveat invalidates the bracket: it is a fault, but not too few contacts."""
     return caveat.severity == "fault" and caveat.cure != MORE_CONTACTS_REMEDY
 
 
 def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
-    """Return the ends between which every finer scan lies, to second order in slopes; they may be equal.
+    """Return the bounds of the coefficient of any finer scan, to second order in the slopes; they may be equal.
 
-    The upper one is that of the interval, and of the load that finer waves move between the contacts of all members.
+    The upper bound is the upper end of the interval, plus an allowance for the load that shorter wavelengths move
+    between the contacts of all members.
     """
     hardness = study.contact.hardness
     measured = study.is_measured and study.uses_half_space and not study.contact.adheres

@@ -1,4 +1,4 @@
-"""Values of a study file: quantities with units, increasing lists, ranges."""
+"""Types of values in a study file: quantities with units, increasing lists, and ranges."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ from stiction.mechanics.model import Direction, Sliding
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
 MAX_VALUES = 10_000  # of one parameter of a study
-MAX_SHORT_LIST_LENGTH = 100  # of lists of mu0, tau0, cutoffs, loads of interest and times
-MAX_DEGREES = 360  # limit of directions, of either sign
+MAX_SHORT_LIST_LENGTH = 100  # largest length of lists of mu0, tau0, cutoffs, loads of interest and times
+MAX_DEGREES = 360  # largest absolute value of a direction
 
 
 def _reader(kind: str, *, zero: bool = False) -> Callable[[object], Quantity]:
@@ -51,7 +51,7 @@ read_length = _reader("length")
 
 
 def written(value: Any) -> Any:
-    """Return the text of a quantity, a number in six digits, or a tuple of these; other values unchanged."""
+    """Format a quantity as text and a number in six digits, also within tuples; return other values unchanged."""
     if isinstance(value, tuple):
         return tuple(map(written, value))
     if isinstance(value, Quantity):
@@ -85,7 +85,7 @@ _Item = TypeVar("_Item")
 
 
 def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
-    """Return a tuple unchanged; a `ValueError` if two of its elements are equal."""
+    """Return a tuple unchanged. Raises a `ValueError` if two of its elements are equal."""
     if len(set(values)) < len(values):
         raise ValueError("must differ from each other, but two are equal")
     return values
@@ -113,7 +113,7 @@ Times = Annotated[tuple[Time, ...], *_none_or_few]
 
 
 def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]) -> PlainValidator:
-    """Return a validator of one value, or of a tuple of different values."""
+    """Return a validator that accepts one value, or several different values as a tuple."""
 
     def validate(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -140,7 +140,7 @@ def _read_direction(value: object) -> Any:
 
 
 def degrees_of(direction: Direction) -> float:
-    """Return a direction in degrees from +x towards +y, from 0 to 360."""
+    """Convert a direction to degrees from +x towards +y, at least 0 and below 360."""
     return {"+x": 0.0, "-x": 180.0}[direction] if isinstance(direction, str) else direction % 360.0
 
 
@@ -163,9 +163,9 @@ class Table(BaseModel):
 
 
 class Case(Table):
-    """Case of a table whose keys depend on the case."""
+    """Table of a study file for which several classes exist, with different keys."""
 
-    place: ClassVar[str]  # name of the case in messages
+    place: ClassVar[str]  # name of the class in messages
 
 
 def fault_at(key: str, message: str) -> PydanticCustomError:
@@ -174,7 +174,7 @@ def fault_at(key: str, message: str) -> PydanticCustomError:
 
 
 def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the name of the case that a key of a table selects, by default the first."""
+    """Return the class name that a key of a table selects; by default the first name."""
     value = given.get(key, next(iter(cases)))
     if not isinstance(value, str) or value not in cases:
         names = '" or "'.join(cases)
@@ -183,7 +183,7 @@ def chosen(key: str, given: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
 
 
 class _Range(Table):
-    """Range in equal steps, with both ends."""
+    """Range in equal steps that includes both ends."""
 
     start: Any
     stop: Any
@@ -210,7 +210,7 @@ class DimensionRange(_Range):
 
 
 class _Steps(_Range):
-    """Range in equal steps (linear) or equal ratios (geometric)."""
+    """Range in equal steps (linear) or in equal ratios (geometric)."""
 
     spacing: Literal["linear", "geometric"] = "geometric"
 
@@ -270,9 +270,9 @@ def array_of(values: _Range | tuple[float, ...]) -> Floats:
 
 
 def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type[Case]]) -> None:
-    """Raise an error for a key that belongs to other cases of a table, or for a missing key that the case requires.
+    """Raise an error for a key that belongs to another class of the table, or for a missing required key.
 
-    `shared` contains classes of keys that cases share; messages name them by their `place`.
+    `shared` contains base classes with keys that several classes have; messages name them by their `place`.
     """
     for key in table:
         if key in case.model_fields:
@@ -290,11 +290,11 @@ def check_keys(table: Mapping[Any, Any], case: type[Case], shared: Sequence[type
 _Kind = TypeVar("_Kind", bound=Table)
 
 
-MAX_LISTED_FAULTS = 5  # in a message about a study
+MAX_LISTED_FAULTS = 5  # number of errors in a message about a study
 
 
 class StudyError(ValueError):
-    """Error of an invalid study, with one line per fault that names its key.
+    """Error raised for an invalid study, with one line per fault that names the key.
 
     Attributes
     ----------
@@ -308,7 +308,7 @@ class StudyError(ValueError):
 
 
 def as_toml(value: Any) -> str:
-    """Return the TOML text of a value."""
+    """Format a value as TOML text."""
     match value:
         case None:
             return "none"
@@ -321,14 +321,16 @@ def as_toml(value: Any) -> str:
         case float():
             return repr(value)
         case dict():
-            items = [f"{key} = {as_toml(item)}" for key, item in value.items() if key != "body"]  # body: in memory only
+            items = [
+                f"{key} = {as_toml(item)}" for key, item in value.items() if key != "body"
+            ]  # a body exists only in memory
             return "{ " + ", ".join(items) + " }"
         case _:
             return "[" + ", ".join(as_toml(item) for item in value) + "]"
 
 
 def toml(text: str) -> dict[str, Any]:
-    """Parse a TOML text; `ValueError` if it is invalid or nested too deeply."""
+    """Parse a TOML text. Raises a `ValueError` if the text is invalid or nested too deeply."""
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -336,7 +338,7 @@ def toml(text: str) -> dict[str, Any]:
 
 
 def validated(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
-    """Validate a table; errors name its source."""
+    """Validate a table. Error messages name the source of the table."""
     try:
         return kind.model_validate(data)
     except ValidationError as error:
@@ -361,7 +363,7 @@ _ERROR_MESSAGES = {
     "string_too_short": "must have at least {min_length} characters",
     "string_too_long": "must have at most {max_length} characters",
 }  # fmt: skip
-"""Messages for the types of errors of pydantic."""
+"""Messages that replace messages of pydantic, by type of error."""
 
 
 def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
@@ -387,11 +389,11 @@ def _fault(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
     return key, message
 
 
-MAX_SUGGESTIONS = 3  # of keys similar to an unknown key
+MAX_SUGGESTIONS = 3  # largest number of suggested keys for an unknown key
 
 
 def _suggestion(kind: type[Table], location: list[int | str]) -> str:
-    """Return text that suggests similar keys of all cases of the table, or refers to the list of keys."""
+    """Return a text that suggests similar keys of all classes of the table, or refers to the list of keys."""
     tables = [kind]
     for part in location[:-1]:
         fields = [table.model_fields[str(part)] for table in tables if str(part) in table.model_fields]

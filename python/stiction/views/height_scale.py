@@ -10,7 +10,7 @@ from stiction._number_format import percent, prefix, quoted, significant, with_u
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.height_scale import HEIGHT_SCALE_FOLDER, ScaledSides, open_stored_factors
 from stiction.studies.point import (
-    STATISTICS,
+    MEAN_AND_ENDS,
     by_rule,
     contact_status_of,
     has_nominal_area,
@@ -84,7 +84,7 @@ def _row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
         cells.append(f"{', '.join(f'{height / core:.3g}' for height in heights)} {unit}")
     for rule in rules:
         combined = by_rule(point["friction_combined"], rule)
-        values = [float(combined.sel(statistic=statistic)) for statistic in STATISTICS]
+        values = [float(combined.sel(statistic=statistic)) for statistic in MEAN_AND_ENDS]
         cells.append("sticks" if is_unloaded(point) else quoted(*values))
     if not has_nominal_area(point, study) or "contact_area_fraction" not in point:
         cells.append(significant(value_of(point, "contact_area"), 3))

@@ -10,7 +10,7 @@ import numpy as np
 from stiction._number_format import finite, percent, prefix, quoted, with_interval, with_unit
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.onset import MODELS
-from stiction.studies.point import STATISTICS
+from stiction.studies.point import MEAN_AND_ENDS
 
 if TYPE_CHECKING:
     import xarray
@@ -95,7 +95,7 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     """Return the curve, its characteristic values and the fitted model parameters as a JSON record (mN, µm, GPa)."""
 
     def records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
-        return {name: dict(zip(STATISTICS, map(finite, _ends(dataset[name])), strict=True)) for name in names}
+        return {name: dict(zip(MEAN_AND_ENDS, map(finite, _ends(dataset[name])), strict=True)) for name in names}
 
     numbers = records(onset, "sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
     of_curve = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
@@ -117,7 +117,7 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
 
 
 def _ends(table: xarray.DataArray, factor: float = 1.0) -> tuple[float, float, float]:
-    mean, lower, upper = (factor * float(table.sel(statistic=statistic)) for statistic in STATISTICS)
+    mean, lower, upper = (factor * float(table.sel(statistic=statistic)) for statistic in MEAN_AND_ENDS)
     return mean, lower, upper
 
 

@@ -20,7 +20,7 @@ from stiction._core import __version__
 from stiction._number_format import duration, finite, quoted
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_of, shown_in
-from stiction.studies.point import CELLS, rules_of
+from stiction.studies.point import CELL_DIMENSIONS, rules_of
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.onset import onset_record, quantity_label
 from stiction.views.pull_off import pull_off_record
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 SCHEMA = 1
-_POINT_COORDINATES = (*CELLS, "load", "mu0", "tau0")  # coordinates that identify a row of the CSV
+_POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")  # coordinates that identify a row of the CSV
 
 PLACE = ("height_scale", *_POINT_COORDINATES, "sliding", "direction", "axis", "fraction_below", "input", "wait")
 """Coordinates of a value, in the order of their columns."""

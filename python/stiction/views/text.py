@@ -18,8 +18,8 @@ from stiction.mechanics.quantities import HELD, PER_AREA, QUANTITIES, shown_in
 from stiction.studies.assessment import ASPERITY_CHECKS, VERDICTS, WIDE_INTERVAL_TEXT, Caveat, apply_checks
 from stiction.studies.budget import FINER, LOWER_PIECE, POSITIONS, UPPER_PIECE
 from stiction.studies.point import (
-    CELLS,
-    STATISTICS,
+    CELL_DIMENSIONS,
+    MEAN_AND_ENDS,
     by_rule,
     contact_status_of,
     has_nominal_area,
@@ -146,7 +146,7 @@ def values_text(
     """Return `result_text` without the cutoff study and the onset of sliding."""
     at, study, headlines = summary.at, summary.study, summary.headlines
     shown = headlines if verbose else _thin_points(headlines)
-    first = at.sel({name: headlines[0].at[name] for name in CELLS if name in at.dims})
+    first = at.sel({name: headlines[0].at[name] for name in CELL_DIMENSIONS if name in at.dims})
     first = first.sel(load=sorted({point.at["load"] for point in shown}))
     parts = [history_text(at, study)] if verbose else []
     loaded = [point for point in headlines if not point.unloaded]
@@ -178,7 +178,7 @@ def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str
     is_over = at.sizes.get("cut_off", 0) > 1
     if any(math.isfinite(point.value) for point in summary.points):
         if verbose:
-            first = at.isel({name: 0 for name in CELLS if name in at.dims})
+            first = at.isel({name: 0 for name in CELL_DIMENSIONS if name in at.dims})
             parts.append(resolution_text(first, study, at if over is None and is_over else over))
         if onset is not None and verbose:
             text = f"{onset_text(onset)} {onset_note(onset)}"
@@ -502,7 +502,7 @@ def _cell(table: xarray.DataArray, factor: float) -> str:
     if table.name == "error":
         worst = table.sel(statistic="mean").item()
         return "none" if math.isnan(worst) else significant(worst, 1)
-    return with_interval(*(factor * table.sel(statistic=statistic).item() for statistic in STATISTICS))
+    return with_interval(*(factor * table.sel(statistic=statistic).item() for statistic in MEAN_AND_ENDS))
 
 
 def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
@@ -534,7 +534,7 @@ def _axis_name(degrees: float) -> str:
 
 def lay_text(table: xarray.DataArray) -> str:
     """Return a sentence on grooves: the surfaces have grooves if the intervals of two axes do not overlap."""
-    mean, lower, upper = (table.sel(statistic=statistic) for statistic in STATISTICS)
+    mean, lower, upper = (table.sel(statistic=statistic) for statistic in MEAN_AND_ENDS)
     if not np.isfinite(lower.values).all():
         return "Grooves: unknown, because the coefficients along the axes have no intervals."
     high, low = (int(choose(mean.values)) for choose in (np.argmax, np.argmin))
@@ -631,7 +631,7 @@ MAX_OVERVIEW_ROWS = 40  # rows of an overview; a longer overview is limited to a
 
 
 def _count_rows(at: xarray.Dataset) -> int:
-    return math.prod(at.sizes.get(name, 1) for name in ("mu0", "tau0", *CELLS))
+    return math.prod(at.sizes.get(name, 1) for name in ("mu0", "tau0", *CELL_DIMENSIONS))
 
 
 def _ends_and_middle(at: xarray.Dataset) -> xarray.Dataset:
@@ -668,5 +668,5 @@ def _overview_cell(values: xarray.Dataset) -> str:
     name = "friction_all_round" if "friction_all_round" in values else "friction_coefficient"
     numbers = {name: value_of(values, name) for name in ("share_beyond_hertz", "share_below_grid")}
     beyond = apply_checks(ASPERITY_CHECKS, numbers)
-    mean, lower, upper = (float(values[name].sel(statistic=statistic)) for statistic in STATISTICS)
+    mean, lower, upper = (float(values[name].sel(statistic=statistic)) for statistic in MEAN_AND_ENDS)
     return quoted(mean, lower, upper) + "*" * any(beyond)

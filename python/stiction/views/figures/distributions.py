@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from stiction._checks import Floats
 from stiction._drawing import set_log_ticks
 from stiction._number_format import with_unit
-from stiction.studies.point import STATISTICS, by_rule
+from stiction.studies.point import MEAN_AND_ENDS, by_rule
 from stiction.views.style import (
     RULE_COLOURS,
     RULE_LABELS,
@@ -41,7 +41,7 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     for rule in rules:
         colour, selected = RULE_COLOURS[rule], by_rule(at, rule)
         values = selected["friction_coefficient"].transpose("statistic", "direction")
-        mean, low, high = (values.sel(statistic=name).values for name in STATISTICS)
+        mean, low, high = (values.sel(statistic=name).values for name in MEAN_AND_ENDS)
         axes.plot(np.radians(degrees), mean, "o", color=colour, markersize=2.5, label=RULE_LABELS[rule])
         highest = max(highest, float(np.nanmax(mean, initial=0.0)))
         if np.isfinite(mean).all():
@@ -122,7 +122,7 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
             x, y, "o", color=RULE_COLOURS[rule], markersize=2.5, markeredgewidth=0, alpha=0.8, label=RULE_LABELS[rule]
         )
         mean = by_rule(points["friction_all_round"], rule)
-        middle, low, high = (float(mean.sel(statistic=name)) for name in STATISTICS)
+        middle, low, high = (float(mean.sel(statistic=name)) for name in MEAN_AND_ENDS)
         axes.axhspan(low, high, color=RULE_COLOURS[rule], alpha=0.15, linewidth=0)
         axes.axhline(middle, color=RULE_COLOURS[rule], linewidth=0.6)
     axes.set(ylim=(0, 1.05 * max(highest, 1e-3)), ylabel=label("friction_coefficient"))

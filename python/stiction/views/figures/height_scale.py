@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from stiction._drawing import set_log_ticks
 from stiction._number_format import with_unit
-from stiction.studies.point import STATISTICS, by_rule, is_unloaded
+from stiction.studies.point import MEAN_AND_ENDS, by_rule, is_unloaded
 from stiction.views.figures.loads import plain_log
 from stiction.views.style import AREA, RULE_COLOURS, RULE_LABELS, friction_parameters_text, label, new_figure
 
@@ -30,12 +30,12 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     for rule in (rule for rule in RULE_COLOURS if rule in np.atleast_1d(points["sliding"].values)):
         combined = by_rule(points["friction_combined"], rule)
-        mean, low, high = (combined.sel(statistic=statistic).where(loaded).values for statistic in STATISTICS)
+        mean, low, high = (combined.sel(statistic=statistic).where(loaded).values for statistic in MEAN_AND_ENDS)
         upper.fill_between(gradient, low, high, color=RULE_COLOURS[rule], alpha=0.2, linewidth=0)
         upper.plot(gradient, mean, "o-", color=RULE_COLOURS[rule], linewidth=1, markersize=2, label=RULE_LABELS[rule])
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
-    mean, low, high = (area.sel(statistic=statistic).values for statistic in STATISTICS)
+    mean, low, high = (area.sel(statistic=statistic).values for statistic in MEAN_AND_ENDS)
     lower.fill_between(gradient, low, high, color=AREA, alpha=0.2, linewidth=0)
     lower.plot(gradient, mean, "o-", color=AREA, linewidth=1, markersize=2)
     lower.set_xscale("log")

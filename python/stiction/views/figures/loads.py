@@ -16,7 +16,7 @@ from stiction._checks import Floats
 from stiction._drawing import set_log_ticks
 from stiction._number_format import prefix
 from stiction.studies.contact_picture import LOADS_PER_PULL_OFF
-from stiction.studies.point import STATISTICS, by_rule
+from stiction.studies.point import MEAN_AND_ENDS, by_rule
 from stiction.views.style import (
     ALL,
     AREA,
@@ -69,7 +69,7 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
         x = stress * np.asarray(points["load"].values, dtype=np.float64)
-        mean, low, high = (points[name].sel(statistic=statistic).values for statistic in STATISTICS)
+        mean, low, high = (points[name].sel(statistic=statistic).values for statistic in MEAN_AND_ENDS)
         ax.fill_between(x, low, high, color=AREA, alpha=0.2, linewidth=0)
         ax.plot(x, mean, "o-", color=AREA, linewidth=1, markersize=2)
         ax.set(ylabel=label(name), ylim=(0, None))
@@ -177,17 +177,17 @@ def _draw_against(
     has_combined = along == "load" and "friction_combined" in points
     for rule in _sliding_rules(points):
         at, colour = by_rule(points, rule), RULE_COLOURS[rule]
-        mean, low, high = (at["friction_all_round"].sel(statistic=name).values for name in STATISTICS)
+        mean, low, high = (at["friction_all_round"].sel(statistic=name).values for name in MEAN_AND_ENDS)
         upper.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         if has_combined:
-            low, high = (at["friction_combined"].sel(statistic=name).values for name in STATISTICS[1:])
+            low, high = (at["friction_combined"].sel(statistic=name).values for name in MEAN_AND_ENDS[1:])
             upper.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         upper.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=RULE_LABELS[rule])
         _draw_single_directions(upper, at, x, colour)
     _mark_incomplete(upper, points, along, x)
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
-    mean, low, high = (area.sel(statistic=name).values for name in STATISTICS)
+    mean, low, high = (area.sel(statistic=name).values for name in MEAN_AND_ENDS)
     lower.fill_between(x, low, high, color=AREA, alpha=0.2, linewidth=0)
     lower.plot(x, mean, "o-", color=AREA, linewidth=1, markersize=2)
     for ax in (upper, lower):

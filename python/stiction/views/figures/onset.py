@@ -19,7 +19,7 @@ from stiction.studies.assessment import MAX_AFFECTED_FRACTION
 from stiction.studies.contact_picture import MIN_ZOOM_SIZE, ZOOM_DIVISOR
 from stiction.studies.contact_tables import AsperityContactTable
 from stiction.studies.evaluation import at_load, reached_loads
-from stiction.studies.point import STATISTICS
+from stiction.studies.point import MEAN_AND_ENDS
 from stiction.studies.study import study_of
 from stiction.views.figures.contact import draw_frame, draw_heights, map_extent
 from stiction.views.figures.ensemble import (
@@ -71,7 +71,9 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         ("slipped_area", "of the true contact area", "-", AREA),
         ("slipped_load", "of the normal load", "--", FORCE),
     ):
-        mean, low, high = (100 * _with_origin(onset[name].sel(statistic=statistic).values) for statistic in STATISTICS)
+        mean, low, high = (
+            100 * _with_origin(onset[name].sel(statistic=statistic).values) for statistic in MEAN_AND_ENDS
+        )
         if np.isfinite(low).all():
             axes.fill_between(fraction, low, high, color=colour, alpha=0.15, linewidth=0)
         axes.plot(fraction, mean, dashes, color=colour, linewidth=1, label=text)
@@ -235,7 +237,7 @@ def _draw_curves(axes: Axes, at: xarray.Dataset, name: str) -> None:
     for load, colour in zip(at["load"].values, LOAD_COLOURS, strict=False):
         dataset_at_load = at.sel(load=load)
         mean, lower, upper = (
-            factor * dataset_at_load[name].sel(statistic=statistic).values for statistic in STATISTICS
+            factor * dataset_at_load[name].sel(statistic=statistic).values for statistic in MEAN_AND_ENDS
         )
         trusted = ~(dataset_at_load["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
         axes.fill_between(dimension, lower, upper, color=colour, alpha=0.2, linewidth=0)
