@@ -530,7 +530,7 @@ from concurrent.futures import Future
 from pathlib import Path
 from stiction import Study, run
 from stiction.studies import runner
-runner.block_size = lambda study: 4
+runner.choose_block_size = lambda study: 4
 class InlineExecutor:
     def submit(self, function, *args):
         future = Future()
@@ -661,7 +661,7 @@ def interrupt(*of):
     signal.default_int_handler(*of)
 signal.signal(signal.SIGINT, interrupt)
 runner.member_sums = sum_or_wait
-runner.block_size = lambda study: 8
+runner.choose_block_size = lambda study: 8
 write_line("started")
 try:
     runner.compute_missing(study, "r", announce=lambda text: write_line("ready"))
