@@ -112,13 +112,13 @@ def test_member_with_an_unsolved_load_has_values_at_other_loads(tmp_path, monkey
 def test_cost_of_member_is_independent_of_member_count(tmp_path):
     spacing = write_maps(tmp_path)
     few, many = (study_of_files(tmp_path, spacing=spacing, members=count) for count in (2, 200))
-    assert cost_of_member(few) == cost_of_member(many) > 0
+    assert estimate_member_time(few) == estimate_member_time(many) > 0
 
 
 def test_cost_of_member_with_adhesion_increases_with_compliance(tmp_path):
     spacing = write_maps(tmp_path)
     costs = [
-        cost_of_member(
+        estimate_member_time(
             study_of_files(tmp_path, spacing=spacing).with_changes(
                 {"contact.mechanics": "half-space", "contact.work_of_adhesion": "50 mJ/m^2",
                  "contact.effective_modulus": modulus}

@@ -207,30 +207,30 @@ def friction_table(
         # The approach is nearly a linear function of the logarithm of the load.
         stiffness = steps / np.gradient(approach, np.log(steps), axis=-1, edge_order=2)
     # Loads around the requested loads only serve as steps of the curve.
-    asked = [float(load) for load in study.friction.load] or dataset["load"].values
-    kept = np.flatnonzero(np.isin(dataset["load"].values, asked))
-    dataset, pressure = dataset.isel(load=kept), steps[kept]
-    approach, touching, stiffness = (each[..., kept] for each in (approach, touching, stiffness))
+    requested = [float(load) for load in study.friction.load] or dataset["load"].values
+    indices = np.flatnonzero(np.isin(dataset["load"].values, requested))
+    dataset, pressure = dataset.isel(load=indices), steps[indices]
+    approach, touching, stiffness = (values[..., indices] for values in (approach, touching, stiffness))
     pairs = {"contact_area_fraction": touching / area, "normal_stiffness": stiffness, "approach": approach}
-    means = {name: np.stack(intervals.sample_mean(each), axis=-1) for name, each in pairs.items()}
+    means = {name: np.stack(intervals.sample_mean(values), axis=-1) for name, values in pairs.items()}
     light = means["contact_area_fraction"][..., 0] <= MAX_FITTED_AREA
     light[light.sum(axis=-1) < 2] = True
     coefficient = ensemble_friction(dataset, dataset["load"].values, *material)
     laws = _laws(pressure, light, pairs)
-    factor, prefactor, exponent = (each[..., :1] for each in laws.values())
+    factor, prefactor, exponent = (values[..., :1] for values in laws.values())
     fits = {
         "area": (factor * pressure, "contact_area_fraction"),
         "stiffness": (prefactor * pressure**exponent, "normal_stiffness"),
     }
     places = ("hurst_exponent", "rms")
     variables: dict[str, Any] = {
-        **{name: ((*places, "pressure", "statistic"), each, attributes_of(name)) for name, each in means.items()},
+        **{name: ((*places, "pressure", "statistic"), values, attributes_of(name)) for name, values in means.items()},
         "friction_coefficient": (
             ("sliding", *places, "pressure", "mu0", "tau0", "statistic"),
             coefficient.transpose("sliding", *_ORDER[1:], "mu0", "tau0", "statistic").values,
             coefficient.attrs,
         ),
-        **{name: ((*places, "statistic"), each, attributes_of(name)) for name, each in laws.items()},
+        **{name: ((*places, "statistic"), values, attributes_of(name)) for name, values in laws.items()},
     }  # fmt: skip
     for name, (law, of) in fits.items():
         off = np.where(light, np.abs(means[of][..., 0] / law - 1), 0.0).max(axis=-1)
@@ -239,7 +239,7 @@ def friction_table(
         "sliding": list(study.contact.rules()), "hurst_exponent": 2 - dataset["fractal_dimension"].values,
         "rms": dataset["amplitude"].values, "pressure": pressure, "mu0": material[0], "tau0": material[1],
     }  # fmt: skip
-    coordinates = {name: (name, each, attributes_of(name)) for name, each in at.items()}
+    coordinates = {name: (name, values, attributes_of(name)) for name, values in at.items()}
     attributes = {"title": TITLE, **{name: dataset.attrs[name] for name in ("study", "stiction_version")}}
     table = xarray.Dataset(variables, coordinates | {"statistic": ["mean", "lower", "upper"]}, attributes)
     table["pressure"].attrs["long_name"] = "normal load over nominal area"
@@ -253,20 +253,20 @@ def _laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) 
     Values are NaN if a pair has no area or stiffness.
     """
     names = ("area_factor", "stiffness_factor", "stiffness_exponent")
-    found = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in names}
+    parameters = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in names}
     for cell in np.ndindex(*light.shape[:2]):
         place = (slice(None), *cell)
         p = pressure[light[cell]]
         shares, stiff = (pairs[name][place][:, light[cell]] for name in ("contact_area_fraction", "normal_stiffness"))
         with np.errstate(divide="ignore", invalid="ignore"):
-            found["area_factor"][place] = np.exp(np.mean(np.log(shares / p), axis=1))
+            parameters["area_factor"][place] = np.exp(np.mean(np.log(shares / p), axis=1))
             logarithms = np.log(np.where(stiff > 0, stiff, np.nan))
         if p.size >= 2:
             offset = np.log(p) - np.log(p).mean()
             exponent = logarithms @ offset / (offset @ offset)
-            found["stiffness_exponent"][place] = exponent
-            found["stiffness_factor"][place] = np.exp(logarithms.mean(axis=1) - exponent * np.log(p).mean())
-    laws = {name: np.stack(intervals.sample_mean(each), axis=-1) for name, each in found.items()}
+            parameters["stiffness_exponent"][place] = exponent
+            parameters["stiffness_factor"][place] = np.exp(logarithms.mean(axis=1) - exponent * np.log(p).mean())
+    laws = {name: np.stack(intervals.sample_mean(values), axis=-1) for name, values in parameters.items()}
     for name in names[1:]:
-        laws[name][~np.isfinite(found["stiffness_exponent"]).all(axis=0)] = np.nan
+        laws[name][~np.isfinite(parameters["stiffness_exponent"]).all(axis=0)] = np.nan
     return laws

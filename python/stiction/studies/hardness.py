@@ -128,7 +128,7 @@ def find_moduli(study: Study) -> Moduli:
             for e, nu in given
         ]
         return Moduli(middle, bodies=tuple(bodies))
-    bodies = [find_material_moduli(each) for each in materials]
+    bodies = [find_material_moduli(body) for body in materials]
     return Moduli(middle, bodies=tuple(bodies), is_one_material=bool(materials) and materials[0] == materials[1])
 
 
@@ -319,7 +319,7 @@ class AreaInterpolator:
         study : Study
         result : Result
         """
-        own = None if study.contact.hardness is None else float(study.contact.hardness)
+        own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
         solved = result.alongside(load_areas_over_hardness)
         # With junction growth, the friction itself depends on the areas at the nodes, so all loads use them.
@@ -334,37 +334,46 @@ class AreaInterpolator:
                 over["relative_modulus"].values,
             )
             borne = np.isfinite(areas.values).all(axis=(0, 1))
-            if borne[-1] and (own is None or borne.sum() > 1):
+            if borne[-1] and (own_hardness is None or borne.sum() > 1):
                 finite = borne & np.isfinite(node_hardnesses)
                 table = node_hardnesses[finite], areas.values[..., finite], areas.values[..., -1]
                 growth = growth if moduli.size == 1 else np.zeros(loads.size)
-                errors = _estimate_node_errors(solved.sel(load=loads, method="nearest"), own)[:, finite]
+                errors = _estimate_node_errors(solved.sel(load=loads, method="nearest"), own_hardness)[:, finite]
                 opposing_areas = (
                     over["opposing_area"].values[:, moduli.size // 2, finite] if "opposing_area" in over else None
                 )
-                return cls(own, *table, moduli, growth, errors, pressures, opposing_areas)
+                return cls(own_hardness, *table, moduli, growth, errors, pressures, opposing_areas)
         column = ratio[:, np.newaxis]
-        if own is None:
+        if own_hardness is None:
             none = np.zeros((loads.size, 0))
             return cls(None, np.zeros(0), none[:, np.newaxis], column, np.ones(1), growth, none, pressures)
         # Without solutions at other hardnesses, `area_per_load` is scaled to the area at the study's hardness.
         elastic_areas = np.full((loads.size, 1), KAPPA / (float(study.contact.effective_modulus) * gradient))
         none = np.zeros((loads.size, 1))
-        return cls(own, np.array([own]), column[..., np.newaxis], elastic_areas, np.ones(1), growth, none, pressures)
+        return cls(
+            own_hardness,
+            np.array([own_hardness]),
+            column[..., np.newaxis],
+            elastic_areas,
+            np.ones(1),
+            growth,
+            none,
+            pressures,
+        )
 
     def area_ratio(self, load: int, hardness: Floats | None, modulus: Floats | float) -> Floats:
         """Return the ratio of the true area to the area of the study, for hardnesses (GPa) and relative moduli."""
         if hardness is None or self.hardness is None:
-            now, own = self.elastic_areas[load][:, np.newaxis], self.elastic_areas[load][:, np.newaxis]
+            areas, study_areas = self.elastic_areas[load][:, np.newaxis], self.elastic_areas[load][:, np.newaxis]
         else:
-            known = self.node_hardnesses, self.node_areas[load], self.elastic_areas[load]
+            table = self.node_hardnesses, self.node_areas[load], self.elastic_areas[load]
             ratio = np.asarray(hardness / modulus)
-            now = area_per_load(ratio.ravel(), *known).reshape(-1, *(ratio.shape or (1,)))
+            areas = area_per_load(ratio.ravel(), *table).reshape(-1, *(ratio.shape or (1,)))
             if (key := ("own", load)) not in self.cache:
-                self.cache[key] = area_per_load([self.hardness], *known)
-            own = self.cache[key]
+                self.cache[key] = area_per_load([self.hardness], *table)
+            study_areas = self.cache[key]
         scale = np.power(modulus, -(1.0 + self.growth[load]))
-        return np.asarray(scale * _interpolate_moduli(now, self.moduli, modulus) / own[self.moduli.size // 2])
+        return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
 
     def area_ratio_error(self, load: int, hardness: Floats) -> Floats:
         """Return the relative standard error of `area_ratio` at hardnesses divided by the relative modulus (GPa)."""

@@ -317,18 +317,18 @@ class FrictionTest:
         if self.force is not None:
             force = number("force", to_core_units("force", self.force, "force"), unit="mN")
             object.__setattr__(self, "coefficient", force / load)
-        found = number("coefficient", self.coefficient, below=1e6)
-        if not found >= 0:
-            raise ValueError(f"the measured coefficient must not be negative, got {found:g}")
-        object.__setattr__(self, "coefficient", found)
+        converted = number("coefficient", self.coefficient, below=1e6)
+        if not converted >= 0:
+            raise ValueError(f"the measured coefficient must not be negative, got {converted:g}")
+        object.__setattr__(self, "coefficient", converted)
         object.__setattr__(self, "load", load)
         if self.uncertainty is not None:
-            found = self._uncertainty_of_coefficient(load)
-            if not found >= MIN_COEFFICIENT_UNCERTAINTY:
+            converted = self._uncertainty_of_coefficient(load)
+            if not converted >= MIN_COEFFICIENT_UNCERTAINTY:
                 raise ValueError(
-                    f"uncertainty of a coefficient must be at least {MIN_COEFFICIENT_UNCERTAINTY:g}, got {found:g}"
+                    f"uncertainty of a coefficient must be at least {MIN_COEFFICIENT_UNCERTAINTY:g}, got {converted:g}"
                 )
-            object.__setattr__(self, "uncertainty", found)
+            object.__setattr__(self, "uncertainty", converted)
 
     def _uncertainty_of_coefficient(self, load: float) -> float:
         """Return the standard uncertainty of the coefficient at a load (mN), from any form of `uncertainty`."""
@@ -536,7 +536,9 @@ class Interface:
             friction, float(np.median(fit.mu0)), float(np.median(fit.tau0))
         )
         if is_affected and self.growth is not None and not self.has_growth(growth):
-            test_alpha, result_alpha = (each.short_text if each is not None else "0" for each in (self.growth, growth))
+            test_alpha, result_alpha = (
+                estimate.short_text if estimate is not None else "0" for estimate in (self.growth, growth)
+            )
             warnings.warn(
                 f"the interface was calibrated with α = {test_alpha} of junction growth, and the result has "
                 f"α = {result_alpha}; press both with the same junction_growth",
@@ -871,7 +873,7 @@ def find_interface(study: Study) -> Interface | None:
     mu0, tau0 = round_median_strength(study_interface)
     return (
         study_interface
-        if study.friction.mu0 == (mu0,) and [float(each) for each in study.friction.tau0] == [tau0]
+        if study.friction.mu0 == (mu0,) and [float(strength) for strength in study.friction.tau0] == [tau0]
         else None
     )
 

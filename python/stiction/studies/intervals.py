@@ -212,7 +212,7 @@ class PowerSums:
         self._sums = np.zeros((4, *shape))
 
     def add(self, values: Floats) -> None:
-        """Add values."""
+        """Add jackknife values to the running sums."""
         self._count += values.shape[-1]
         square = values * values
         for index, power in enumerate((values, square, square * values, square * square)):

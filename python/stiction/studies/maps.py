@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray
 
 Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-AT_ONCE = 2**20  # numbers in memory for the curves of a cell at a time, for any number of mu0 and tau0
+NUM_VALUES_IN_MEMORY = 2**20  # numbers in memory for the curves of a cell at a time, for any number of mu0 and tau0
 CELLS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of results that precede the members
 MOTIONS = ("sliding", "direction")  # dimensions of results for several sliding rules and directions
 _LOADS = ("contact_count", *friction.SIX_SUMS[:3])
@@ -36,9 +36,9 @@ _NEEDED = {"friction_coefficient": ("contact_count", *friction.SIX_SUMS), "norma
 """Sums from which a quantity is computed; all other quantities are stored directly."""
 
 
-def _needed(what: str) -> tuple[str, ...]:
+def _list_needed_variables(quantity: str) -> tuple[str, ...]:
     """Return the variables of a result from which a quantity is computed."""
-    return _NEEDED.get(what, tuple(dict.fromkeys((*_LOADS, what))))
+    return _NEEDED.get(quantity, tuple(dict.fromkeys((*_LOADS, quantity))))
 
 
 def friction_map(
@@ -201,15 +201,17 @@ def means(result: Result | xarray.Dataset, names: Iterable[str] | None = None) -
     total: dict[str, xarray.Variable] = {}
     count = 0
     head = result.head
-    kept = [str(name) for name in (head.data_vars if names is None else names) if "repetition" in head[name].dims]
-    for piece in result.pieces(kept):
+    variable_names = [
+        str(name) for name in (head.data_vars if names is None else names) if "repetition" in head[name].dims
+    ]
+    for piece in result.pieces(variable_names):
         count += piece.sizes["repetition"]
-        for name in kept:
+        for name in variable_names:
             dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
             added = xarray.Variable(dims, repetitions_last(piece[name], dims).sum(axis=-1))
             total[name] = added if name not in total else total[name] + added
-    coordinates = {name: each for name, each in head.coords.items() if "repetition" not in each.dims}
-    variables = {name: (each.dims, each.values / count, head[name].attrs) for name, each in total.items()}
+    coordinates = {name: variable for name, variable in head.coords.items() if "repetition" not in variable.dims}
+    variables = {name: (variable.dims, variable.values / count, head[name].attrs) for name, variable in total.items()}
     return xarray.Dataset(variables, coordinates, head.attrs)
 
 
@@ -241,22 +243,26 @@ def ensemble_map(
     missing += [name for name in CELLS if name in dataset.dims and not dataset.sizes[name]]
     if missing or not cells_of(dataset):
         raise ValueError(f"the dataset has nothing along {(missing or ['fractal_dimension'])[0]!r}")
-    for name in _needed(what):
+    for name in _list_needed_variables(what):
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
     quantity = _EnsembleQuantity(dataset if change is None else change(dataset), what, load_values, *material)
     # The first pass over the members finds where the mean loads are reached. The second pass finds the intervals there.
-    averages, others, count = _means(lambda: solved_pieces(result, quantity.names(), change), what, quantity.step)
+    averages, others, count = _average_sums(
+        lambda: solved_pieces(result, quantity.names(), change), what, quantity.step
+    )
     if not count:
         raise ValueError("no member of the result has a solution at every load")
     at = {}
     for cell in np.ndindex(quantity.cells):
         normal, values = (each[..., 0] for each in quantity.curves(cell, averages, others))
         at[cell] = intervals.MeansAtLoads(normal, values, count, load_values)
-    at_a_time = max(1, AT_ONCE // max(1, quantity.mu0.size * quantity.tau0.size * dataset.sizes[quantity.step]))
+    at_a_time = max(
+        1, NUM_VALUES_IN_MEMORY // max(1, quantity.mu0.size * quantity.tau0.size * dataset.sizes[quantity.step])
+    )
     with enter_executor(None) as pool:
         for piece in solved_pieces(result, quantity.names(), change):
-            both = [_sums_of(piece, what, quantity.step)] * len(at)
+            both = [_compute_sums(piece, what, quantity.step)] * len(at)
 
             def add(cell: tuple[int, ...], sums: tuple[Sums, Sums]) -> None:
                 for first in range(0, sums[0].contact_count.shape[-1], at_a_time):
@@ -280,20 +286,20 @@ class _EnsembleQuantity:
 
     def names(self) -> tuple[str, ...]:
         """Return the names of the variables that have to be read."""
-        own = _needed(self.what)
+        variables = _list_needed_variables(self.what)
         if self.what == "normal_stiffness" and self.step == "load":
-            own = (*own, "approach")  # of each pair
-        return (*own, *(name for name in SUMS if self.judged and name not in own))
+            variables = (*variables, "approach")  # of each pair
+        return (*variables, *(name for name in SUMS if self.judged and name not in variables))
 
     def curves(
         self, cell: tuple[int, ...], sums: Sums, others: Sums, some: slice = slice(None)
     ) -> tuple[Floats, Floats]:
         """Return normal loads and values (c, k, r) of some members, with all mu0 and tau0 along the first axis."""
-        pair, other = (each.apply(operator.itemgetter((*cell, slice(None), some))) for each in (sums, others))
+        pair, other = (item.apply(operator.itemgetter((*cell, slice(None), some))) for item in (sums, others))
         material = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
         normal = friction.compute_load("normal", pair, *material)
-        values = np.broadcast_to(_values(other, self.what, *material), normal.shape)
-        return tuple(each.reshape(-1, *normal.shape[2:]) for each in (normal, values))  # type: ignore[return-value]
+        values = np.broadcast_to(_compute_values(other, self.what, *material), normal.shape)
+        return tuple(item.reshape(-1, *normal.shape[2:]) for item in (normal, values))  # type: ignore[return-value]
 
     def build_dataset(
         self, at: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sums, others: Sums
@@ -306,7 +312,7 @@ class _EnsembleQuantity:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
         for cell, each in at.items():
             for array, found in zip((mean, lower, upper), (each.mean, *each.interval()), strict=True):
-                array[cell] = _by_load(found, self.shape)
+                array[cell] = _reshape_curves(found, self.shape)
             pair = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.curves(cell, averages, others)[0][..., 0]
             locked = (pair.contact_count[-1] > 0) & (
@@ -316,11 +322,11 @@ class _EnsembleQuantity:
                 touched=bool(pair.contact_count.any()), reached=each.crossing.reached, below=each.crossing.below,
                 locked=locked,
             )  # fmt: skip
-            status[cell] = _by_load(why, self.shape)
+            status[cell] = _reshape_curves(why, self.shape)
             if self.judged:
                 there = {name: each.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1))) for name in SUMS}
                 for name, figure in vars(Validity.from_sums(Sums(**there))).items():
-                    validity[name][cell] = _by_load(np.where(each.crossing.reached, figure, np.nan), self.shape)
+                    validity[name][cell] = _reshape_curves(np.where(each.crossing.reached, figure, np.nan), self.shape)
         if self.what == "friction_coefficient" or QUANTITIES[self.what].weighted:
             for array in (mean, lower, upper):
                 array /= self.loads[:, np.newaxis, np.newaxis]
@@ -341,12 +347,12 @@ class _EnsembleQuantity:
         return xarray.Dataset(variables, coordinates, dict(self.head.attrs))
 
 
-def _by_load(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+def _reshape_curves(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
     """Rearrange values of curves (c, l), with one curve per mu0 and tau0, to the dimensions load, mu0 and tau0."""
     return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
-def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
+def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Sums, Sums]:
     """Return the contact sums by motion, cell, step and repetition, and the sums in which a quantity is linear."""
     dims = [*(motion for motion in MOTIONS if motion in data.dims), *cells_of(data), step, "repetition"]
     shape = [data.sizes[dim] for dim in dims]
@@ -360,11 +366,11 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
 
     columns = {name: values_of(name) for name in SUMS}
     sums = Sums.from_columns(columns)
-    if QUANTITIES[what].weighted:
-        return sums, Sums.from_columns(columns | {name: columns[name] * values_of(what) for name in _LOADS[1:]})
-    if what not in _NEEDED:
-        return sums, Sums.from_columns(columns | {"contact_area": values_of(what)})
-    if what != "normal_stiffness":
+    if QUANTITIES[quantity].weighted:
+        return sums, Sums.from_columns(columns | {name: columns[name] * values_of(quantity) for name in _LOADS[1:]})
+    if quantity not in _NEEDED:
+        return sums, Sums.from_columns(columns | {"contact_area": values_of(quantity)})
+    if quantity != "normal_stiffness":
         return sums, sums
 
     def derivative(values: NDArray[Any]) -> Floats:
@@ -374,19 +380,22 @@ def _sums_of(data: xarray.Dataset, what: str, step: str) -> tuple[Sums, Sums]:
     return sums, Sums.from_columns(columns | {name: derivative(columns[name]) / own for name in _LOADS[1:]})
 
 
-def _values(sums: Sums, what: str, mu0: Floats, tau0: Floats) -> Floats:
-    if not (what in _NEEDED or QUANTITIES[what].weighted):
+def _compute_values(sums: Sums, quantity: str, mu0: Floats, tau0: Floats) -> Floats:
+    if not (quantity in _NEEDED or QUANTITIES[quantity].weighted):
         return sums.contact_area
-    return friction.compute_load("tangential" if what == "friction_coefficient" else "normal", sums, mu0, tau0)
+    return friction.compute_load("tangential" if quantity == "friction_coefficient" else "normal", sums, mu0, tau0)
 
 
-def _means(solved: Callable[[], Iterator[xarray.Dataset]], what: str, step: str) -> tuple[Sums, Sums, int]:
-    """Return the means of `_sums_of` over the members, with one repetition, and the number of members."""
+def _average_sums(solved: Callable[[], Iterator[xarray.Dataset]], quantity: str, step: str) -> tuple[Sums, Sums, int]:
+    """Return the means of `_compute_sums` over the members, with one repetition, and the number of members."""
     total: list[Sums] = []
     count = 0
     for piece in solved():
         count += piece.sizes["repetition"]
-        added = [sums.apply(lambda values: values.sum(axis=-1, keepdims=True)) for sums in _sums_of(piece, what, step)]
+        added = [
+            sums.apply(lambda values: values.sum(axis=-1, keepdims=True))
+            for sums in _compute_sums(piece, quantity, step)
+        ]
         total = [
             Sums(**{name: getattr(one, name) + getattr(other, name) for name in SUMS})
             for one, other in zip(total, added, strict=True)

@@ -97,7 +97,7 @@ def solve_at_loads(
 def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
     """Return the values of a variable at loads without a solution: NaN, no contacts, or the status "not-solved"."""
     sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(STORED_PROBABILITIES)}
-    shape = tuple(sizes[each] for each in QUANTITIES[name].along)
+    shape = tuple(sizes[dimension] for dimension in QUANTITIES[name].along)
     if name == "status":
         return np.full(shape, STATUSES.index("not-solved"))
     return np.zeros(shape, np.int64) if QUANTITIES[name].dtype is int else np.full(shape, np.nan)
@@ -170,19 +170,22 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     if areal:  # one curve for all directions of maps, or one for each direction of profiles
         models = [replace(model, direction=contact.degrees().tolist(), shear="+x").for_surfaces()]
     else:
-        models = [replace(model, shear=way, direction=None).for_profiles() for way in _list_profile_directions(contact)]
-    one = replace(models[0], direction=0.0) if areal else models[0]
+        models = [
+            replace(model, shear=direction, direction=None).for_profiles()
+            for direction in _list_profile_directions(contact)
+        ]
+    first_model = replace(models[0], direction=0.0) if areal else models[0]
     # Without friction, the normal force is the elastic load.
-    approach, status = find_crossings(SurfacePair(upper, lower), contact.steps(), mu0=0.0, tau0=0.0, model=one)
-    values["status"][:] = [STATUSES.index(each) for each in status.tolist()]
+    approach, status = find_crossings(SurfacePair(upper, lower), contact.steps(), mu0=0.0, tau0=0.0, model=first_model)
+    values["status"][:] = [STATUSES.index(item) for item in status.tolist()]
     ok = np.flatnonzero(status == STATUS_OK)
     if not ok.size:
         return
     # Contacts at minima of the gap start at zero load, so the load does not jump.
-    fractions = [1 - STIFFNESS_STEP, 1 - JUMP_DISTANCE * (one.detection == "cell"), 1, 1 + STIFFNESS_STEP]
+    fractions = [1 - STIFFNESS_STEP, 1 - JUMP_DISTANCE * (first_model.detection == "cell"), 1, 1 + STIFFNESS_STEP]
     steps, place = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
     low, before, at, high = place.reshape(len(fractions), ok.size)
-    bodies = find_candidates_once(upper, lower, float(steps[-1]), one)
+    bodies = find_candidates_once(upper, lower, float(steps[-1]), first_model)
     pressed: Any = functools.partial(press, *bodies)
     listed: Any = functools.partial(contacts, *bodies)
 
@@ -190,12 +193,12 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
         normal, sums = curve.normal_elastic, getattr(curve, name)
         jump, rise = normal[at] - normal[before], contact.steps()[ok] - normal[before]
         share = np.clip(np.divide(rise, jump, out=np.ones(ok.size), where=jump > 0), 0, 1)
-        there = sums[..., before] + share * (sums[..., at] - sums[..., before])
-        return np.asarray(np.rint(there) if QUANTITIES[name].dtype is int else there)
+        interpolated = sums[..., before] + share * (sums[..., at] - sums[..., before])
+        return np.asarray(np.rint(interpolated) if QUANTITIES[name].dtype is int else interpolated)
 
     names = [name for name in (*SUMS, *AREAL_SUMS) if name in values]
     for rule, sliding in enumerate(contact.rules()):
-        curves: list[Any] = [pressed(steps, model=replace(each, sliding=sliding)) for each in models]
+        curves: list[Any] = [pressed(steps, model=replace(item, sliding=sliding)) for item in models]
         for name in names:
             if name not in DIRECTED:
                 values[name][ok] = read(name, curves[0])
@@ -207,7 +210,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     values["normal_stiffness"][ok] = stiffness
     values["closure_stiffness"][ok] = stiffness / np.prod(upper.extent) * MPA_OVER_MM
     for load in ok:
-        table = list_asperity_contacts(listed(float(approach[load]), model=one), upper)
+        table = list_asperity_contacts(listed(float(approach[load]), model=first_model), upper)
         for name, value in (table.compute_statistics() | find_load_on_steep_contacts(table, slopes)).items():
             values[name][load] = value
 
@@ -316,8 +319,8 @@ def describe_arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[A
     """Return the shape and the data type of each variable of a member."""
     cells = len(study.surfaces.cells())
     return {
-        name: ((*each.shape[:cells], *each.shape[cells + 1 :]), each.dtype)
-        for name, each in list_variables(study, [0]).items()
+        name: ((*spec.shape[:cells], *spec.shape[cells + 1 :]), spec.dtype)
+        for name, spec in list_variables(study, [0]).items()
     }
 
 
@@ -369,7 +372,7 @@ def _estimate_relative_stiffness(study: Study) -> float:
         return 0.0
     steps = np.broadcast_to(upper.spacing, gap.ndim)
     slopes = [np.diff(gap, axis=axis) / step for axis, step in enumerate(steps)]
-    gradient = math.sqrt(sum(float(np.mean(np.square(each))) for each in slopes))
+    gradient = math.sqrt(sum(float(np.mean(np.square(slope))) for slope in slopes))
     return float(contact.effective_modulus) * float(gap.std()) * gradient / (4 * float(contact.work_of_adhesion or 0))
 
 
@@ -416,7 +419,7 @@ def _compute_onsets(study: Study, curve: LoadCurve) -> Arrays:
     contact = study.contact
     assert isinstance(contact, AsperityContactTable)
     assert contact.onset is not None
-    found = {name: np.zeros(curve.approach.size) for name in ONSET}
+    onsets = {name: np.zeros(curve.approach.size) for name in ONSET}
     for place in np.flatnonzero(curve.normal_elastic > 0).tolist():
         onset = curve.onset(
             place, mu0=contact.onset.mu0, tau0=float(contact.onset.tau0), direction=contact.directions_of_motion()[0],
@@ -424,8 +427,8 @@ def _compute_onsets(study: Study, curve: LoadCurve) -> Arrays:
         )  # fmt: skip
         values = (onset.stiffness, onset.displacement_at_sliding, float(onset.slipped_load[0]))
         for name, value in zip(ONSET, values, strict=True):
-            found[name][place] = value
-    return found
+            onsets[name][place] = value
+    return onsets
 
 
 @functools.lru_cache(maxsize=4)
@@ -472,9 +475,9 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
     """
     memory: Floats | None = getattr(_kept, "memory", None)
     if memory is None or memory.shape != shape:
-        whole = np.empty(math.prod(shape) + CACHE_LINE // 8)
-        begin = -whole.__array_interface__["data"][0] % CACHE_LINE // 8
-        _kept.memory = memory = whole[begin : begin + math.prod(shape)].reshape(shape)
+        buffer = np.empty(math.prod(shape) + CACHE_LINE // 8)
+        offset = -buffer.__array_interface__["data"][0] % CACHE_LINE // 8
+        _kept.memory = memory = buffer[offset : offset + math.prod(shape)].reshape(shape)
     return memory
 
 

@@ -321,7 +321,7 @@ def resolved_panels(axes: tuple[Axis, Axis], compared: tuple[Middles, Middles]) 
 
 
 def excess(given: Floats, wanted: Floats) -> Floats:
-    """Return errors of values and their ends (..., 3) over the tolerances; 0 where either has no finite number."""
+    """Return errors of values and interval ends (..., 3) relative to the tolerances; 0 if a number is not finite."""
     value, width = np.abs(wanted[..., 0]), wanted[..., 2] - wanted[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(given - wanted)

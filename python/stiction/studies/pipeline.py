@@ -78,7 +78,7 @@ def complete_result(
     stored, total = prepare_folder(study, folder, part), study.ensemble.repetitions
     num_existing = stored.count
     changes = find_differences(existing.study, stored.study) if existing and num_existing else []
-    if friction := [each for each in changes if each[0].startswith("friction.")]:
+    if friction := [change for change in changes if change[0].startswith("friction.")]:
         print_remark(
             f"{folder} has results for other friction; its {num_existing} repetitions are kept, and its table, report "
             f"and figures are replaced\n{format_differences(friction)}"

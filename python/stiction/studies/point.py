@@ -120,9 +120,11 @@ def modulus_of(point: xarray.Dataset, study: Study) -> float:
 def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
     """Return the range of adhesion (µm) of the study, and the range that the grid resolves, if it is longer."""
     contact: Any = study.contact
-    asked = float(contact.adhesion_range or ADHESION_RANGE)
+    given_range = float(contact.adhesion_range or ADHESION_RANGE)
     step = float(np.max(point.attrs.get("spacing_um", 0.0)))
-    return asked, max(asked, resolved_range(float(contact.work_of_adhesion), step, modulus_of(point, study)))
+    return given_range, max(
+        given_range, resolved_range(float(contact.work_of_adhesion), step, modulus_of(point, study))
+    )
 
 
 def is_unloaded(point: xarray.Dataset) -> bool:

@@ -50,5 +50,5 @@ def find_sticking(point: xarray.Dataset, rule: str) -> Sticking | None:
 
 
 def _read_interval(table: xarray.DataArray) -> ValueWithInterval:
-    value, lower, upper = (float(table.sel(statistic=each)) for each in MEAN_AND_ENDS)
+    value, lower, upper = (float(table.sel(statistic=statistic)) for statistic in MEAN_AND_ENDS)
     return value, lower, upper

@@ -32,12 +32,10 @@ from stiction.studies.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-BLOCK_TIME = (
-    1.5  # seconds of work in a block, which limits what a crash loses; writing the file takes a few per cent of it
-)
+BLOCK_TIME = 1.5  # seconds of work in a block, which limits the loss in a crash; writing takes a few per cent of it
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-MIN_BLOCKS = 16  # so that workers do not wait long for the last block, if the study has enough members
+MIN_BLOCKS = 16  # smallest number of blocks, so that workers do not wait long for the last block
 MIN_BLOCK_TIME = 0.06  # seconds of work in a block, because writing its file takes some milliseconds
 MAX_SUBMITTED_TASKS = 1000  # queued tasks, if the workers write the block files
 MAX_RETURNED_TASKS = 256  # queued tasks, if this process writes the block files; enough for a large machine

@@ -187,10 +187,10 @@ class StoredResult:
     @cached_property
     def _single_piece(self) -> xarray.Dataset:
         """Whole result with read-only arrays, which all tables and figures share."""
-        whole = self._read_range(0, self.count)
-        for variable in whole.data_vars.values():
+        dataset = self._read_range(0, self.count)
+        for variable in dataset.data_vars.values():
             variable.values.flags.writeable = False
-        return whole
+        return dataset
 
     def _read_range(self, first: int, last: int) -> xarray.Dataset:
         """Return the finished members with indices first to last - 1 within `finished`."""
@@ -482,7 +482,7 @@ RESULT_ATTRIBUTES = (
     "study",
     "stiction_version",
     "_NCProperties",
-)  # the other attributes of a result describe the bodies
+)  # all further attributes of a result describe the bodies
 
 CHECKSUM_SEAL = b"stiction crc32 "
 """Bytes at the end of an exported file, followed by the checksum of all preceding bytes. The checksum is verified

@@ -490,8 +490,8 @@ class Study(Table):
 
 def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
     """Convert a table to another class: keep values that differ from the defaults, and use new defaults otherwise."""
-    own = type(table)
-    changed = {key for key, value in table if value != own.model_fields[key].default}
+    table_class = type(table)
+    changed = {key for key, value in table if value != table_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
     values = {key: getattr(table, key) if key in changed else case.model_fields[key].default for key in keys}
     return list_written_keys(case.model_construct(**values))

@@ -32,7 +32,7 @@ from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import Direction, Sliding
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
-MAX_VALUES = 10_000  # of one parameter of a study
+MAX_VALUES = 10_000  # largest number of values of one parameter of a study
 MAX_SHORT_LIST_LENGTH = 100  # largest length of lists of mu0, tau0, cutoffs, loads of interest and times
 MAX_DEGREES = 360  # largest absolute value of a direction
 
