@@ -8,7 +8,7 @@ from stiction.views.report import save_report
 from support import browser
 
 pytest.importorskip("selenium", reason="selenium is not installed")
-pytestmark = browser.IN_BROWSER
+pytestmark = browser.BROWSER_MARKS
 
 MATERIALS, SETTINGS = 10, 50  # pairs of mu0 and tau0, and settings of all controls, of each kind
 MAX_WIDTH_ERROR = 0.15  # over the width of the interval: panels are compared at a few loads
