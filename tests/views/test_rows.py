@@ -3,11 +3,12 @@
 import csv
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from stiction.studies.assessment import Caveat
-from stiction.studies.summary import summarize
+from stiction.studies.summary import Left, summarize
 from stiction.views.rows import SCHEMA, summary_json, summary_table, values_frame
 from stiction.views.spreadsheet import frame_to_csv
 from support.synthetic_results import (
@@ -99,6 +100,23 @@ def test_json_has_one_schema(name):
             assert value["lower"] <= value["value"] <= value["upper"]
     area = next(value for value in record["values"] if value["name"] == "contact_area")
     assert not {"sliding", "direction", "mu0", "axis"} & set(area["at"])
+
+
+def test_json_has_null_instead_of_unbounded_intervals():
+    summary = summarize(measured_result(), measured_study())
+    point, unbounded = summary.points[0], Left("the hardness", 0.2, math.inf, math.inf)
+    rules = tuple(replace(rule, upper=math.inf, next_test=(0.1, math.inf)) for rule in point.rules)
+    point = replace(
+        point, rules=rules, budget=(unbounded,), bracket=(0.2, math.inf), parts=(0.2, math.inf, 0.0),
+        from_roughness=-math.inf,
+    )  # fmt: skip
+    (answer,) = json.loads(summary_json("pair", replace(summary, points=(point,))), parse_constant=pytest.fail)[
+        "answers"
+    ]
+    assert answer["rules"][0]["upper"] is None
+    assert answer["rules"][0]["text"].endswith("∞)")
+    assert answer["budget"] == [{"if_known": "the hardness", "lower": 0.2, "upper": None, "width": None}]
+    assert (answer["finer_scans"]["to"], answer["parts"]["adhesion"], answer["from_roughness"]) == (None, None, None)
 
 
 def test_json_has_value_assessment_and_reasons():

@@ -280,9 +280,12 @@ def point_record(point: PointSummary) -> dict[str, Any]:
             }
             for rule in point.rules
         ],
-        "parts": None if point.parts is None else dict(zip(("mu0", "adhesion", "slopes"), point.parts, strict=True)),
+        "parts": None
+        if point.parts is None
+        else dict(zip(("mu0", "adhesion", "slopes"), map(finite, point.parts), strict=True)),
         "budget": [
-            {"if_known": left.words, "lower": left.lower, "upper": left.upper, "width": left.width}
+            {"if_known": left.words, "lower": finite(left.lower), "upper": finite(left.upper),
+             "width": finite(left.width)}
             for left in point.budget
         ],
         "waited": [{name: finite(value) for name, value in vars(aged).items()} for aged in point.waited],
@@ -291,10 +294,11 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "sticking": None if point.sticking is None else pull_off_record(point.sticking),
         "verdict": point.verdict,
         "sentence": sentence_text(point),
-        "from_roughness": point.from_roughness, "assumptions": list(list_assumptions(point.study)),
+        "from_roughness": None if point.from_roughness is None else finite(point.from_roughness),
+        "assumptions": list(list_assumptions(point.study)),
         "interval_covers": covers_text(point),
         "finer_scans": None if point.bracket is None else {
-            "from": point.bracket[0], "to": point.bracket[1], "rule": "all", "hardness": point.hardness,
+            "from": finite(point.bracket[0]), "to": finite(point.bracket[1]), "rule": "all", "hardness": point.hardness,
         },
         "caveats": [{"text": item.text, "cure": item.cure, "severity": item.severity} for item in point.caveats],
     }  # fmt: skip
